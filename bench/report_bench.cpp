@@ -12,7 +12,7 @@ namespace {
 
 using namespace imulab;
 
-/// The samples of a hand-held session again and again, for a day.
+/// The samples of a handheld session again and again, for a day.
 Recording long_recording(const Recording& part, std::size_t samples) {
   Recording r = part;
   r.interval_s = 0.005;

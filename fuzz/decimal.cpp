@@ -78,17 +78,17 @@ void expect_exact(std::string_view number, int exponent) {
   if (read.status == ScaledInteger::Status::good && std::to_string(read.value) != exact.integer) finding("a stamp is not exact");
 }
 
-/// Two equal fields in a row, after a header.
+/// Two equal fields in a row between others.
 void expect_as_c_library(const std::string& number) {
   errno = 0;
   char* end = nullptr;
   const double exact = std::strtod(number.c_str(), &end);
   const bool whole = !number.empty() && *end == '\0' && std::isfinite(exact) && !(errno == ERANGE && exact == 0);  // smaller than any is an error
-  const FuzzedFile file("a,b\n" + number + "," + number + "\n0,0\n");
+  const FuzzedFile file("a,b\n0,0\n" + number + "," + number + "\n0,0\n");
   try {
     const recording_io::TableRows table = recording_io::read_csv(file.path(), {.column = std::nullopt}, 100, {std::string("b")});
     if (!whole) finding("a reading that the C library refuses");
-    if (std::bit_cast<std::uint64_t>(table.columns[0].numbers[0]) != std::bit_cast<std::uint64_t>(exact))
+    if (std::bit_cast<std::uint64_t>(table.columns[0].numbers[1]) != std::bit_cast<std::uint64_t>(exact))
       finding("a reading is not the nearest double");
   } catch (const Error&) {
     if (whole) finding("a reading is refused that the C library reads");

@@ -62,7 +62,7 @@ std::vector<Column> columns_of(const RecordingSource& source) {
 struct Outcome {
   Recording rows;
   std::string error;
-  bool passed_over = false;  ///< lines before the table
+  bool passed_over = false;  ///< lines before the table, or that are left out behind it
 };
 
 Outcome by_file(const std::string& text, RecordingSource source) {
@@ -99,7 +99,7 @@ Outcome by_stream(const std::string& text, const RecordingSource& source) {
   try {
     RecordingStream stream(ends[1], "stream", source);
     while (const std::optional<Recording> block = stream.next()) append(out.rows, *block, {0, block->size()});
-    stream.warnings();
+    out.passed_over = !stream.warnings().empty();
   } catch (const Error& e) {
     out.error = e.what();
   }
@@ -126,7 +126,9 @@ void stream(std::string_view bytes) {
   if (text.back() != '\n') text += '\n';  // a file may end inside a row
   const RecordingSource source = source_of(static_cast<unsigned char>(bytes[0]), "stream");
   const Outcome file = by_file(text, source), stream = by_stream(text, source);
-  if (file.passed_over && !stream.error.empty()) return;  // a damaged first row: a stream takes the first that it can for the table's begin
+  if (file.passed_over && !stream.error.empty())
+    return;  // a damaged first row, which a stream takes for the table's begin; or last, which it cannot know
+  if (stream.passed_over && !file.error.empty()) return;  // rows left out: only a file knows whether they are few
   if (file.error.empty() != stream.error.empty()) finding(("one of file and stream refuses: " + file.error + stream.error).c_str());
   if (!file.error.empty()) return;
   if (file.rows.time_ns != stream.rows.time_ns) finding("file and stream have different times");

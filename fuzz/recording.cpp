@@ -1,11 +1,13 @@
 // Any bytes as a recording of one format.
 #include "imulab/core/error.hpp"
+#include "imulab/formats/recording/plain_text.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/navigation/navigate.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"
+#include <algorithm>
 #include <string>
 
 namespace imulab::fuzz {
@@ -45,9 +47,30 @@ void hdf5(std::string_view bytes) { read_all("HDF5", bytes); }
 void binary_rows(std::string_view bytes) { read_all("rows", bytes); }
 void ulog(std::string_view bytes) { read_all("ULog", bytes); }
 void dataflash(std::string_view bytes) { read_all("DataFlash", bytes); }
+void novatel(std::string_view bytes) { read_all("NovAtel", bytes); }
+void archive(std::string_view bytes) { read_all("zip archive", bytes); }
+void workbook(std::string_view bytes) { read_all("Excel", bytes); }
 void ros1(std::string_view bytes) { read_all("ROS 1", bytes); }
 void mcap(std::string_view bytes) { read_all("MCAP", bytes); }
 void ros2(std::string_view bytes) { read_all("SQLite", bytes); }
+
+/// Any text in any dialect, rewritten as a whole, and piece by piece as a stream is: both give the same.
+void dialect(std::string_view bytes) {
+  using recording_io::TextRewriter;
+  std::string whole, pieces;
+  TextRewriter all({"fuzzed"}), some({"fuzzed"});
+  try {
+    if (!all.start(bytes, true) || !some.start(bytes, true)) finding("a complete text that needs more");
+    all.add(bytes, true, whole);
+    constexpr std::size_t piece = 37;
+    for (std::string_view left = bytes; !left.empty(); left.remove_prefix(std::min(left.size(), piece)))
+      some.add(left.substr(0, piece), false, pieces);
+    some.add("", true, pieces);
+    if (whole != pieces && all.notes().empty()) finding("pieces that are rewritten otherwise than the whole");
+    for (const std::string& sensor : all.sensors()) recording_io::TextFile(bytes, {"fuzzed", sensor});
+  } catch (const Error&) {
+  }
+}
 
 void solution(std::string_view bytes) {
   const FuzzedFile file(bytes);

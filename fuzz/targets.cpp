@@ -7,12 +7,16 @@ namespace imulab::fuzz {
 const std::vector<Target>& targets() {
   static const std::vector<Target> all{
       {"text", text_table, "", "text"},
+      {"dialect", dialect, "", "text"},
       {"numpy", numpy, ".npy .npz"},
       {"matlab", matlab, ".mat", "", true},
       {"hdf5", hdf5, ".h5", "", true},
       {"rows", binary_rows, "psins.bin mixed.bin"},
       {"ulog", ulog, ".ulg"},
       {"dataflash", dataflash, "ardupilot.bin"},
+      {"novatel", novatel},
+      {"archive", archive},
+      {"workbook", workbook},
       {"ros1", ros1, ".bag"},
       {"mcap", mcap, ".mcap"},
       {"ros2", ros2, ".db3"},

@@ -21,12 +21,16 @@ const std::vector<Target>& targets();
 
 // recording.cpp: each binary format and text, whole files.
 void text_table(std::string_view bytes);
+void dialect(std::string_view bytes);
 void numpy(std::string_view bytes);
 void matlab(std::string_view bytes);
 void hdf5(std::string_view bytes);
 void binary_rows(std::string_view bytes);
 void ulog(std::string_view bytes);
 void dataflash(std::string_view bytes);
+void novatel(std::string_view bytes);
+void archive(std::string_view bytes);
+void workbook(std::string_view bytes);
 void ros1(std::string_view bytes);
 void mcap(std::string_view bytes);
 void ros2(std::string_view bytes);

@@ -177,16 +177,16 @@ void bind_calibration(py::module_& module) {
       .def("page", [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
       .def("apply", &apply, py::arg("gyro"), py::arg("accel"), py::arg("gyro_temperature"), py::arg("accel_temperature"), py::arg("rate"),
            py::arg("force"))
-      .def("exported",
-           [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes, std::optional<double> rate_hz,
-              const std::string& imu_model, bool variance_matched, int instance, const std::string& prefix) {
-             ExportOptions options{
-                 .variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance, .prefix = prefix};
-             errors_at("prefix", [&] { firmware::expect_prefix(prefix); });
-             if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
-             options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
-             return exported(c, target, noise, options);
-           });
+      .def("exported", [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes,
+                          std::optional<double> rate_hz, const std::string& imu_model, bool variance_matched, int instance, const std::string& prefix,
+                          const std::string& topic) {
+        ExportOptions options{
+            .variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance, .prefix = prefix, .topic = topic};
+        errors_at("prefix", [&] { firmware::expect_prefix(prefix); });
+        if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
+        options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+        return exported(c, target, noise, options);
+      });
   module.def("verify", [](const std::string& path, const py::dict& keywords) {
     auto o = options_from<VerifyOptions>(keywords);
     o.calibration = path;

@@ -36,7 +36,7 @@ Session procedure(const std::string& name, const std::map<std::string, double>& 
   for (const auto& [key, value] : given)
     if (key != "poses" && key != "rest" && key != "table_arcsec" && key != "record" && key != "rate_hz" && key != "turns")
       throw Error("procedure: no option " + key + "; expected poses, rest, table_arcsec, record, rate_hz or turns");
-  if (name == "hand-held") {
+  if (name == "handheld" || name == "hand-held") {  // as it was called before
     HandHeldOptions options;
     take("poses", options.poses), take("rest", options.rest), take("rate_hz", options.rate_hz);
     return hand_held_procedure(options, seed);
@@ -46,7 +46,7 @@ Session procedure(const std::string& name, const std::map<std::string, double>& 
     take("record", options.record), take("rate_hz", options.rate_hz);
     return dai_unit_procedure(options);
   }
-  std::string names = "hand-held, dai-unit";
+  std::string names = "handheld, dai-unit";
   for (const TableProcedure& one : table_procedures()) {
     names += fmt::format(", {}", one.name);
     if (one.name != name) continue;
@@ -71,9 +71,9 @@ Inspected inspected(const InspectionTask& task) {
 }
 
 /// As the command opens a recording in place of a session, and what that assumes of gravity.
-std::pair<std::shared_ptr<Session>, std::string> session_of_recording(const std::string& file) {
+std::pair<std::shared_ptr<Session>, std::string> session_of_recording(const std::string& file, const std::vector<std::string>& topics) {
   return run(py::none(), [=](const auto&) {
-    const InspectionTask task{.files = {file}};
+    const InspectionTask task{.files = {file}, .topics = topics};
     const auto session = shared(session_for(inspect_files(task), task, "declare it: inspect(file, declare={KEY: VALUE}), or write a session"));
     return std::pair(session, assumed_gravity(*session));
   });
@@ -105,7 +105,7 @@ void bind_session(py::module_& module) {
   module.def("inspect", [](const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared) {
     return run(py::none(), [task = InspectionTask{.files = files, .topics = topics, .declared = declared}](const auto&) { return inspected(task); });
   });
-  module.def("session_of_recording", &session_of_recording);
+  module.def("session_of_recording", &session_of_recording, py::arg("file"), py::arg("topics") = std::vector<std::string>{});
   module.def("thermal_units", [](const Session& session, const std::string& file) {
     const RecordingSource source = session.source_of(file);
     const auto unit = [](const std::optional<ThermalSource>& thermal) { return thermal ? std::optional(thermal->unit) : std::nullopt; };

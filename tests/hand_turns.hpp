@@ -13,7 +13,7 @@
 
 namespace imulab {
 
-/// The unit and the place of a hand-held procedure, at rest at first, and turned about its own axes from there.
+/// The unit and the place of a handheld procedure, at rest at first, and turned about its own axes from there.
 class TurnedUnit {
  public:
   TurnedUnit(const HandHeldOptions& options, std::uint64_t seed)

@@ -50,7 +50,7 @@ inline void write_inputs_of_all_verbs(const TemporaryFolder& inputs) {
                "\"recording.csv\"\nrate_hz = 20\ntime = { column = \"t\", unit = \"s\" }\ngyro = { columns = [\"gx\", \"gy\", \"gz\"], output = "
                "\"rate\", unit = \"rad/s\" }\naccel = { columns = [\"ax\", \"ay\", \"az\"], output = \"rate\", unit = \"m/s^2\" }\n[[step]]\nkind = "
                "\"hold\"\nstart_s = 0\nend_s = 60\n");
-  for (const char* command : {"procedure hand-held --poses 12 -o p.toml", "procedure zhang-24 -o zhang.toml", "simulate p.toml -o S",
+  for (const char* command : {"procedure handheld --poses 12 -o p.toml", "procedure zhang-24 -o zhang.toml", "simulate p.toml -o S",
                               "calibrate S --method static -o c.json || true", "export c.json --to json-matrix -o matrix.json",
                               "trajectory m.toml -o T", "simulate still.toml -o N", "fleet add c.json --store have.db"})
     ASSERT_EQ(run_imulab(inputs, command).exit_code, 0) << command;

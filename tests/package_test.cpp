@@ -45,7 +45,7 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
   ASSERT_FALSE(HasFailure());
 
   // The unit of the example, recorded once more by the command: the same coefficients.
-  run(folder, "prefix/bin/imulab procedure hand-held -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
+  run(folder, "prefix/bin/imulab procedure handheld -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
   EXPECT_THAT(run(folder, "build/calibrate"), HasSubstr("verdict: good\n"));
   EXPECT_THAT(run(folder, "prefix/bin/imulab compare calibration.json session/truth.json"), HasSubstr("0 of 42 coefficients differ significantly"));
 

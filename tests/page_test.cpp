@@ -115,7 +115,7 @@ void make_results(const TemporaryFolder& folder) {
   folder.write("truth.csv",
                "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
   for (const std::string command :
-       {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
+       {"procedure handheld --poses 24 -o hand.toml", "simulate hand.toml -o hand",
         "calibrate hand --method handheld -o hand.json --report calibration.html", "inspect hand/recording.csv --report inspection.html",
         "procedure six-position -o six.toml", "simulate six.toml -o six", "calibrate six --method turntable -o six.json --report turntable.html",
         "compare hand.json hand/truth.json --report comparison.html", "fleet add hand.json six.json", "fleet stats --report fleet.html",
@@ -133,7 +133,7 @@ void make_hostile_page(const TemporaryFolder& folder) {
   std::string name = R"(<script>window.ran = 1</script><img src=x onerror=\"window.ran = 1\">&amp; '\" </title></script>\u202e\u0007\u0000\u200f)";
   name.append(10'000, 'x');
   std::string text = read_text(folder / "hand.json");
-  text = replaced(text, R"("imu": "hand-held")", "\"imu\": \"" + name + "\"");
+  text = replaced(text, R"("imu": "handheld")", "\"imu\": \"" + name + "\"");
   text = replaced(text, R"("warnings": [)", "\"warnings\": [\"" + name + "\"");
   text = replaced(text, R"("notes": [)", "\"notes\": [\"" + name + "\", ");
   folder.write("hostile.json", text);
@@ -172,7 +172,7 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
 
 TEST(Page, APrintedCalibrationIsACertificate) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_shell(folder, "'" + command_path() + "' procedure hand-held --poses 24 -o hand.toml && '" + command_path() +
+  ASSERT_EQ(run_shell(folder, "'" + command_path() + "' procedure handheld --poses 24 -o hand.toml && '" + command_path() +
                                   "' simulate hand.toml -o hand && '" + command_path() + "' calibrate hand --method handheld --report page.html")
                 .exit_code,
             0);

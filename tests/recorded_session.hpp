@@ -69,11 +69,11 @@ struct SessionText {
   }
 };
 
-/// The session that `imulab procedure hand-held` and `imulab simulate` make with the default seed: 20 rests, 144 s at 100 Hz. Made once.
+/// The session that `imulab procedure handheld` and `imulab simulate` make with the default seed: 20 rests, 144 s at 100 Hz. Made once.
 inline const SessionText& hand_held_session() {
   static const SessionText made = [] {
     const TemporaryFolder folder;
-    for (const char* arguments : {"procedure hand-held --poses 20 -o hand.toml", "simulate hand.toml -o session"})
+    for (const char* arguments : {"procedure handheld --poses 20 -o hand.toml", "simulate hand.toml -o session"})
       if (const CommandResult result = run_imulab(folder, arguments); result.exit_code != 0) throw std::runtime_error(result.errors);
     SessionText text{read_text(folder / "session/session.toml"), {}};
     std::istringstream rows(read_text(folder / "session/recording.csv"));

@@ -44,7 +44,7 @@ struct SameBits : testing::Test {
                  "format = \"imulab.mission/1\"\nrate_hz = 10\n[start]\nlatitude_deg = 45\nlongitude_deg = 10\nheight_m = 100\n"
                  "[[segment]]\nkind = \"rest\"\nduration_s = 20\n[errors]\ngrade = \"navigation\"\n");
     for (const char* command :
-         {"procedure hand-held --poses 12 -o hand.toml", "procedure zhang-24 --rest 5 -o table.toml", "procedure dai-unit -o unit.toml"})
+         {"procedure handheld --poses 12 -o hand.toml", "procedure zhang-24 --rest 5 -o table.toml", "procedure dai-unit -o unit.toml"})
       ASSERT_EQ(run_imulab(inputs, command).exit_code, 0) << command;
     const std::string hand = read_text(inputs / "hand.toml");
     inputs.write("rest.toml", hand.substr(0, hand.find("[[step]]")) + "[[step]]\nkind = \"hold\"\nduration_s = 60\n");

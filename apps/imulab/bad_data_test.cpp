@@ -69,7 +69,7 @@ TEST(BadData, WhatIsLostInGapsIsNoScale) {
 /// A gyro whose range is too small for a hand: what it did not measure is missing, and the rest is as certain as it is said to be.
 TEST(BadData, ClippedTurnsBiasNothing) {
   const TemporaryFolder folder;
-  for (const char* made : {"procedure hand-held --poses 20 -o hand.toml", "simulate hand.toml -o made"})
+  for (const char* made : {"procedure handheld --poses 20 -o hand.toml", "simulate hand.toml -o made"})
     ASSERT_EQ(run_imulab(folder, made).exit_code, 0);
   for (const double limit : {2.5, 1.5, 0.8})
     for (const std::string method : {"handheld", "hybrid"}) {

@@ -41,13 +41,14 @@ TEST(BadInput, ARecordingNamesFileLineAndColumn) {
   const std::string file = "session/recording.csv";
   expect_each_refused({
       {[](SessionText& s) { s.declare("\"recording.csv\"", "\"other.csv\""); }, "session/other.csv: cannot be opened: No such file"},
-      {[](SessionText& s) { s.declare("\"recording.csv\"", "\".\""); }, "session/.: is a folder; expected a file"},
       {[](SessionText& s) { s.lines.clear(); }, file + ": is empty; expected rows of numbers"},
       {[](SessionText& s) { s.lines.resize(1); }, file + ": has a header but no rows"},
       {[](SessionText& s) { s.lines[0] = "t,gx,gy,gz,ax,ay,up"; }, file + ": column az is not there; expected one of t, gx, gy, gz, ax, ay, up"},
       {[](SessionText& s) { s.set(5, 2, "abc"); }, file + ":5: gy: \"abc\" is not a number"},
-      {[](SessionText& s) { s.set(77, 1, "nan"); }, file + ":77: gx: nan is not a reading; expected a finite number"},
-      {[](SessionText& s) { s.set(9601, 6, "-inf"); }, file + ":9601: az: -inf is not a reading; expected a finite number"},
+      {[](SessionText& s) {
+         for (std::size_t line = 77; line < 300; ++line) s.set(line, 1, "nan");
+       },
+       file + ":77: gx: nan is not a reading; expected a finite number"},
       {[](SessionText& s) { s.lines[99] += ",1"; }, file + ":100: 8 fields; expected 7 as in the header"},
       {[](SessionText& s) { s.set(5, 0, "0.015"); }, file + ":5: t: time runs backwards: 0.015 s after 0.03 s"},
       {[](SessionText& s) { s.set(5, 0, "0.03"); }, file + ":5: t: 0.03 s is on two rows with different readings"},
@@ -114,11 +115,11 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate file --method static", "file: is empty; expected rows of numbers"},
            {"calibrate session --method static -o nowhere/c.json", "nowhere/c.json: cannot be written: No such file"},
            {"calibrate session --method static -o session", "-o session: is a folder; expected a file to write"},
-           {"procedure hand-held -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},
-           {"procedure hand-held --poses 0", "hand-held: no poses; expected at least one"},
-           {"procedure hand-held --poses 1000000000", "hand-held: 1000000000 poses; expected at most 100000"},
+           {"procedure handheld -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},
+           {"procedure handheld --poses 0", "handheld: no poses; expected at least one"},
+           {"procedure handheld --poses 1000000000", "handheld: 1000000000 poses; expected at most 100000"},
            {"procedure zhang-24 --rest inf", "--rest"},
-           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, ferraris, hand-held, dai-unit"},
+           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, ferraris, handheld, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
            {"compensate file session -o out.csv", "file: is empty; expected a calibration"},
@@ -132,9 +133,9 @@ TEST(BadInput, NumbersOutOfRange) {
   const TemporaryFolder folder;
   hand_held_session().write(folder);
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
-           {"procedure hand-held --seed -1", "--seed: -1; expected a whole number from 0"},
-           {"procedure hand-held --seed 99999999999999999999", "--seed: 99999999999999999999; expected a whole number from 0"},
-           {"procedure hand-held --poses 1e3", "--poses: 1e3; expected a whole number"},
+           {"procedure handheld --seed -1", "--seed: -1; expected a whole number from 0"},
+           {"procedure handheld --seed 99999999999999999999", "--seed: 99999999999999999999; expected a whole number from 0"},
+           {"procedure handheld --poses 1e3", "--poses: 1e3; expected a whole number"},
            {"procedure six-position --rest inf", "--rest: inf; expected a finite number"},
            {"procedure six-position --table inf", "--table: inf; expected a finite number"},
            {"procedure six-position --table -5", "--table: -5; expected a number from 0 to 1296000"},
@@ -160,7 +161,7 @@ struct Declared {
 
 TEST(BadInput, DeclaredNumbersOutOfRange) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o good.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "procedure handheld --poses 12 -o good.toml").exit_code, 0);
   const std::string good = read_text(folder / "good.toml"), rate = "rate_hz = 100", first = "duration_s = 30";
   for (const Declared& d : {
            Declared{rate, "rate_hz = 1e-300", "p.toml:16: recording.rate_hz: 1e-300 is out of range; expected 0.001 to 1000000"},
@@ -238,7 +239,7 @@ TEST(BadInput, MessagesShowWhatWouldSteerATerminalAndQuoteInShort) {
 TEST(BadInput, NamesOfAnyBytes) {
   const TemporaryFolder folder;
   SessionText text = hand_held_session();
-  text.declare("name = \"hand-held\"", "name = \"x\\u001b[31m\\u009b\"");
+  text.declare("name = \"handheld\"", "name = \"x\\u001b[31m\\u009b\"");
   text.write(folder);
   const std::string place = "\"$(printf 'odd\\377')\"";
   ASSERT_EQ(run_shell(folder, "mv session " + place).exit_code, 0);

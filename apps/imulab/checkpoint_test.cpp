@@ -64,7 +64,7 @@ TEST_F(SharedRuns, OfAPlan) {
 }
 
 TEST_F(SharedRuns, OfAFleet) {
-  run("procedure hand-held -o hand.toml");
+  run("procedure handheld -o hand.toml");
   std::filesystem::create_directories(folder / "week");
   for (const std::string n : {"1", "2", "3", "4", "5", "6"}) {
     run_shell(folder, "sed 's/^name = .*/name = \"unit\"\\nserial = \"" + n + "\"/' hand.toml > one.toml");
@@ -119,7 +119,7 @@ TEST_F(SharedRuns, OfABudgetDependOnAllItsInputs) {
       "format = \"imulab.mission/1\"\nrate_hz = 10\n[start]\nlatitude_deg = 45\nlongitude_deg = 8\nheight_m = 400\nspeed_mps = 100\n"
       "[[segment]]\nkind = \"straight\"\nduration_s = 30\n[errors]\ngrade = \"navigation\"\n";
   folder.write("mission.toml", mission);
-  run("procedure hand-held -o hand.toml");
+  run("procedure handheld -o hand.toml");
   run("simulate hand.toml -o one");
   run("calibrate one --method handheld -o c.json");
   const std::string budget = "budget mission.toml --calibration c.json --allow-undetermined --runs 20";
@@ -137,7 +137,7 @@ TEST_F(SharedRuns, OfABudgetDependOnAllItsInputs) {
 /// One session by hand below week/.
 struct SharedFleet : SharedRuns {
   SharedFleet() {
-    run("procedure hand-held --poses 24 -o hand.toml");
+    run("procedure handheld --poses 24 -o hand.toml");
     run("simulate hand.toml -o week/one");
   }
 };
@@ -181,7 +181,7 @@ TEST_F(SharedRuns, WithoutAFolderEveryRankIsForItself) {
 }
 
 TEST_F(SharedRuns, TheStoreMayLieBesideASession) {
-  run("procedure hand-held -o hand.toml");
+  run("procedure handheld -o hand.toml");
   run("simulate hand.toml -o one");
   run_shell(folder, "cp one/* .");
   for (const char* counts : {"1 calibrated, 0 in the store before", "0 calibrated, 1 in the store before"})

@@ -2,9 +2,11 @@
 
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/help.hpp"
+#include "apps/imulab/sessions.hpp"
 #include "imulab/core/build.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
@@ -12,7 +14,7 @@
 #include "imulab/formats/text/unfinished.hpp"
 
 #include <CLI/CLI.hpp>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
@@ -84,6 +86,22 @@ struct ParsedOption {
   CLI::Option* option;
 };
 
+template <class Value>
+CLI::Option* added_option(CLI::App& app, const VerbOption& row, Value& value) {
+  return app.add_option(row.names, value, row.help);
+}
+
+/// One that adds to the list of another option, which is declared before and so is set before.
+CLI::Option* added_option(CLI::App& app, const VerbOption& row, std::vector<std::string>& value) {
+  if (row.prefix.empty()) return app.add_option(row.names, value, row.help);
+  return app.add_option_function<std::vector<std::string>>(
+      row.names,
+      [&value, prefix = row.prefix](const std::vector<std::string>& given) {
+        for (const std::string& text : given) value.push_back(prefix + text);
+      },
+      row.help);
+}
+
 ParsedOption parsed(CLI::App& app, VerbOption& row) {
   CLI::Option* const option = std::visit(
       [&](auto* value) {
@@ -91,7 +109,7 @@ ParsedOption parsed(CLI::App& app, VerbOption& row) {
         if constexpr (std::is_same_v<Value, bool>) {
           return app.add_flag(row.names, *value, row.help);
         } else {
-          CLI::Option* const made = app.add_option(row.names, *value, row.help)->type_name(row.is_positional() ? "TEXT" : row.value_name);
+          CLI::Option* const made = added_option(app, row, *value)->type_name(row.is_positional() ? "TEXT" : row.value_name);
           if constexpr (std::is_arithmetic_v<Value>) made->check(bad_number<Value>);
           if constexpr (std::is_same_v<Value, std::optional<double>>) made->check(bad_number<double>);
           return made;
@@ -101,7 +119,11 @@ ParsedOption parsed(CLI::App& app, VerbOption& row) {
   if (row.is_required) option->required();
   if (row.is_repeated) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (row.at_least) option->expected(*row.at_least, -1);
-  if (!row.choices.empty()) option->check(CLI::IsMember(row.choices));
+  if (!row.choices.empty())
+    option->check([member = CLI::IsMember(row.choices), &row](const std::string& text) {
+      std::string problem = member(text);
+      return problem.empty() ? problem : problem + did_you_mean(text, row.choices);
+    });
   if (row.range) option->check(range_check((*row.range)[0], (*row.range)[1], row.is_whole));
   if (row.problem_of) option->check(row.problem_of);
   return {&row, option};
@@ -114,6 +136,7 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
   for (const VerbOption::File use : {written, created, read})
     for (const auto& [row, option] : options) {
       row->given = option->count() > 0;
+      if (row->given && row->names.ends_with("--verbose")) show_evidence(true);
       if (row->file != use) continue;
       for (const std::string& file : option->results()) {
         if (use == written) will_write(shortest_name(*row), file);
@@ -150,9 +173,10 @@ const Verb& verb_at(const Verb& command, const std::vector<std::string>& words) 
     if (at->verbs.empty() || word.starts_with('-')) break;
     const auto found = std::find_if(at->verbs.begin(), at->verbs.end(), [&](const Verb& own) { return own.own_name() == word; });
     if (found == at->verbs.end()) {
-      std::string names;
-      for (const Verb& own : at->verbs) names += (names.empty() ? "" : ", ") + own.own_name();
-      throw Error(fmt::format("{} is not a {}, expected one of {}", word, at == &command ? "command" : at->own_name(), names));
+      std::vector<std::string> names;
+      for (const Verb& own : at->verbs) names.push_back(own.own_name());
+      throw Error(fmt::format("{} is not a {}, expected one of {}{}", word, at == &command ? "command" : at->own_name(), fmt::join(names, ", "),
+                              did_you_mean(word, names)));
     }
     at = &*found;
   }
@@ -206,7 +230,7 @@ void expect_output_written() {
 
 /// Options that every verb has.
 struct CommonOptions {
-  bool help = false, version = false;
+  bool help = false, version = false, verbose = false;
   std::uint64_t threads = 0;
   double memory_mb = 0;
 };
@@ -220,6 +244,9 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   verb.options.splice(verb.options.begin(), verb.options, inherit("-h,--help", o.help, "Print this help message and exit"));
   if (top) inherit("--version", o.version, "print the version, and what imulab was built with");
   inherit("--threads N", o.threads, "work on at most this many processors; the results do not depend on it");
+  const auto is_verbose = [](const VerbOption& row) { return row.names.ends_with("--verbose"); };
+  if (std::none_of(verb.options.begin(), verb.options.end(), is_verbose))
+    inherit("-v,--verbose", o.verbose, "print also why a recording is taken as it is");
   inherit("--memory MB", o.memory_mb, "refuse work that would take more memory (all there is)");
   for (Verb& own : verb.verbs) add_common(own, o, false);
 }
@@ -242,6 +269,7 @@ void declare(Verb& command) {
 int parse_and_do(std::vector<std::string> arguments) {
   remove_unfinished_on_signals();
   forget_files();
+  show_evidence(false);
   Verb command("imulab", summary);
   declare(command);
   CommonOptions common;
@@ -256,16 +284,20 @@ int parse_and_do(std::vector<std::string> arguments) {
   app.add_option_function<double>("--memory", [&](double mb) { memory.emplace(static_cast<std::uint64_t>(1e6 * mb)); })
       ->type_name("MB")
       ->check(range_check(1e-3, 1e9, false));
+  app.add_flag_callback("-v,--verbose", [] { show_evidence(true); });
   if (arguments.empty()) {
     fmt::print(stderr, "{}", help_text(command));
     return 2;
   }
-  verb_at(command, arguments);
+  for (std::size_t i = 1; i < arguments.size(); ++i)
+    if (arguments[i - 1] == "procedure" && arguments[i] == "hand-held") arguments[i] = "handheld";  // as it was called before
+  const Verb& verb = verb_at(command, arguments);
+  const std::vector<std::string> given = arguments;
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) throw Error(fmt::format("{} (--help explains the command)", e.what()));
+    if (e.get_exit_code() != 0) throw Error(fmt::format("{}{} (--help explains the command)", e.what(), meant_option(verb, given)));
     app.exit(e);  // help and version
   }
   expect_output_written();

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 struct CompensateOptions : ShowOptions {
   std::string calibration, session;
-  std::vector<std::string> declarations;  ///< of a recording without a session
+  std::vector<std::string> declarations, topics;  ///< of a recording without a session
   Outliers outliers = Outliers::keep;
   bool reject_outliers = false, allow_undetermined = false;
   std::string stream_session, recording;  ///< of a stream
@@ -102,7 +102,7 @@ void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
   const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
-  const Session session = open_session(options.session, options.declarations);
+  const Session session = open_session(options.session, {options.declarations, options.topics});
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) will_write("-o", file);
@@ -198,6 +198,7 @@ void add_compensate(Verb& app) {
           "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
       .required()
       .reads();
+  topics_option(verb, options->topics);
   declarations_option(verb, options->declarations);
   verb.option("-o,--output FILE", options->output,
               "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")

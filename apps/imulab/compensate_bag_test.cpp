@@ -25,7 +25,7 @@ void write_bag_session(const TemporaryFolder& folder, const std::string& file, c
 class CompensateBag : public testing::Test {
  protected:
   CompensateBag() {
-    EXPECT_EQ(run_imulab(folder_, "procedure hand-held -o hand.toml").exit_code, 0);
+    EXPECT_EQ(run_imulab(folder_, "procedure handheld -o hand.toml").exit_code, 0);
     EXPECT_EQ(run_imulab(folder_, "simulate hand.toml -o hand").exit_code, 0);
     EXPECT_EQ(run_imulab(folder_, "calibrate hand --method handheld -o cal.json").exit_code, 0);
   }

@@ -246,6 +246,9 @@ void add_export(Verb& app) {
       verb.option("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
       {"vins"});
   belongs(verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(), {"openvins"});
+  belongs(
+      verb.option("--topic NAME", o->choices.topic, "kalibr, kalibr-imu, openvins: the IMU's topic; absent: that of the calibration's bag, or /imu0"),
+      {"kalibr", "kalibr-imu", "openvins"});
   belongs(verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 3).show_default(),
           autopilots);
   allow_undetermined_option(verb, o->allow_undetermined);

@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/several_files.hpp"
 
 #include <fmt/core.h>
 
@@ -52,8 +53,12 @@ bool is_truth(const fs::path& file) {
 
 void will_read(const fs::path& file) {
   std::error_code none;
-  if (file.empty() || (file != "-" && !fs::exists(file, none))) return;  // whoever reads it says so
-  if (fs::is_directory(file, none)) return will_read(file / "session.toml");
+  if (file.empty() || (file != "-" && !fs::exists(file, none) && !is_several_files(file))) return;  // whoever reads it says so
+  if (fs::is_directory(file, none) && fs::exists(file / "session.toml", none)) return will_read(file / "session.toml");
+  if (is_several_files(file)) {
+    for (const fs::path& one : files_of(file)) will_read(one);
+    return;
+  }
   inputs.push_back({identity_of(file, STDIN_FILENO), file == "-" ? "the file of standard input" : file.string(), ""});
   for (const UsedFile& output : outputs) expect_apart(output, inputs.back());
 }

@@ -60,7 +60,7 @@ const std::vector<Row> makers{
 struct Files : testing::Test {
   TemporaryFolder folder;
   void SetUp() override {
-    ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o p.toml").exit_code, 0);
+    ASSERT_EQ(run_imulab(folder, "procedure handheld --poses 12 -o p.toml").exit_code, 0);
     ASSERT_EQ(run_imulab(folder, "simulate p.toml -o S").exit_code, 0);
     ASSERT_LE(run_imulab(folder, "calibrate S --method handheld -o c.json").exit_code, 1);
     fs::copy(folder / "S", folder / "S2");

@@ -28,7 +28,7 @@ struct FleetCommand : ::testing::Test {
     return result;
   }
   void simulate(int count) {
-    run("procedure hand-held -o hand.toml");
+    run("procedure handheld -o hand.toml");
     std::filesystem::create_directories(folder / "week");
     for (int k = 1; k <= count; ++k) {
       const std::string n = std::to_string(k);

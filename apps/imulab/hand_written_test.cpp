@@ -16,7 +16,7 @@ constexpr const char* written_by_hand = R"({"format": "imulab.calibration/1", "m
   "gyro": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 3]]}}}
 )";
 
-/// The calibration h.json, the session of a hand-held IMU and c.json of it. Made once.
+/// The calibration h.json, the session of a handheld IMU and c.json of it. Made once.
 class HandWritten : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

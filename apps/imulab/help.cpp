@@ -1,5 +1,6 @@
 #include "apps/imulab/help.hpp"
 
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/formats/text/figures.hpp"
 
 #include <fmt/format.h>
@@ -75,7 +76,7 @@ std::string upper(std::string text) {
 
 // ---- completion
 
-/// Verbs without verbs of their own, with the words that lead to them: "procedure hand-held".
+/// Verbs without verbs of their own, with the words that lead to them: "procedure handheld".
 void add_leaves(const Verb& verb, const std::string& words, std::vector<std::pair<std::string, const Verb*>>& leaves) {
   if (verb.verbs.empty()) leaves.emplace_back(words, &verb);
   for (const Verb& own : verb.verbs) add_leaves(own, words.empty() ? own.own_name() : words + " " + own.own_name(), leaves);
@@ -204,6 +205,16 @@ std::string manual_page(const Verb& verb, const std::string& version) {
 std::string completion(const Verb& command, const std::string& shell) {
   if (shell == "fish") return fish(command);
   return shell == "zsh" ? zsh(command) : bash(command);
+}
+
+std::string meant_option(const Verb& verb, const std::vector<std::string>& words) {
+  std::vector<std::string> flags;
+  for (const VerbOption& row : verb.options) flags.insert(flags.end(), row.flags.begin(), row.flags.end());
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    if (word.starts_with("--") && std::find(flags.begin(), flags.end(), name) == flags.end()) return did_you_mean(name, flags);
+  }
+  return "";
 }
 
 }  // namespace imulab::command

@@ -18,4 +18,7 @@ std::string manual_page(const Verb& verb, const std::string& version);
 std::string completion(const Verb& command, const std::string& shell);
 inline const std::vector<std::string> completion_shells{"bash", "zsh", "fish"};
 
+/// What was meant by the first word that looks like an option and is none: "; did you mean --report?", or nothing.
+std::string meant_option(const Verb& verb, const std::vector<std::string>& words);
+
 }  // namespace imulab::command

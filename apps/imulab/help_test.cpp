@@ -22,7 +22,7 @@ const std::vector<std::string> verbs{"calibrate",
                                      "verify",
                                      "report",
                                      "procedure",
-                                     "procedure hand-held",
+                                     "procedure handheld",
                                      "procedure dai-unit",
                                      "simulate",
                                      "predict",
@@ -126,8 +126,8 @@ TEST(Help, WithoutACommandItIsShown) {
 
 TEST(Help, ThreadsAreTakenByEveryVerb) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o h.toml --threads 1").exit_code, 0);
-  EXPECT_THAT(run_imulab(folder, "procedure hand-held --threads 0").errors, HasSubstr("--threads"));
+  EXPECT_EQ(run_imulab(folder, "procedure handheld --poses 12 -o h.toml --threads 1").exit_code, 0);
+  EXPECT_THAT(run_imulab(folder, "procedure handheld --threads 0").errors, HasSubstr("--threads"));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ Session placed(Session session, const InspectOptions& o) {
   namespace fs = std::filesystem;
   const fs::path place = fs::absolute(o.output).parent_path();
   const auto rename = [&](std::string& name) {
-    for (const std::string& file : o.files)
+    for (const std::string& file : recordings_named(o.files))
       if (fs::path(file).filename().string() == name)
         name = fs::absolute(file).lexically_normal().lexically_proximate(place.lexically_normal()).string();
   };

@@ -205,6 +205,8 @@ void run(const Options& options) {
   if (options.session.empty()) throw Error("the columns of the stream are not known; expected --session");
   Session session = session_at(options.session);
   const RecordingSource source = named_recording(session, options.recording);
+  if (source.gyro.columns.empty() || source.accel.columns.empty())
+    throw Error(fmt::format("{}: has one triad; expected gyros and accelerometers", source.file));
   session.recordings = {source};
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
   const std::vector<Requirement> required =

@@ -15,11 +15,11 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using Json = nlohmann::json;
 
-/// A hand-held session of 16 rests, simulated once; its steps say nothing to `live`.
+/// A handheld session of 16 rests, simulated once; its steps say nothing to `live`.
 const TemporaryFolder& folder() {
   static const TemporaryFolder made;
   static const bool simulated = [] {
-    run_shell(made, "'" + command_path() + "' procedure hand-held --poses 16 | sed 's/rate_hz = 100/rate_hz = 200/' > hand.toml");
+    run_shell(made, "'" + command_path() + "' procedure handheld --poses 16 | sed 's/rate_hz = 100/rate_hz = 200/' > hand.toml");
     run_imulab(made, "simulate hand.toml -o session");
     run_shell(made, "sed '/^\\[\\[step\\]\\]/,$d' session/session.toml > session/found.toml");
     return true;
@@ -112,7 +112,8 @@ TEST(Live, BadStreams) {
   };
   for (const Case& c : {
            Case{"head -c 1000000", "the last line has no end and was not used\n", 1, true},
-           {"awk -F, -v OFS=, 'NR == 9000 {$4 = \"nan\"} 1'", "standard input:9000: gz: nan is not a reading", 2, true},
+           {"awk -F, -v OFS=, 'NR == 9000 {$4 = \"nan\"} 1'",
+            "1 line left out (the recording has no sample there), the first line 9000: gz: nan is not a reading", 1, true},
            {"awk -F, -v OFS=, 'NR == 9000 {$1 -= 3} 1'", "standard input:9000: t: time runs backwards", 2, true},
            {"awk 'NR < 6600 || NR > 7000'", "1 gap in time, the first before 35.000 s", 1, true},
            {"awk -F, -v OFS=, 'NR > 1 {for (i = 2; i <= 7; i++) $i = 5 * sin($1 * (3 + i / 7) + i)} 1'", "no rests", 1, false},

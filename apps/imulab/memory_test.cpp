@@ -10,7 +10,7 @@ using testing::HasSubstr;
 
 TEST(Memory, WhatWouldTakeMoreIsRefused) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o p.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "procedure handheld --poses 12 -o p.toml").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);  // 9600 rows: 0.54 MB as numbers
   for (const char* command : {"calibrate s --method static", "compensate s/truth.json s -o c.csv", "navigate none s"}) {
     const CommandResult refused = run_imulab(folder, std::string(command) + " --memory 0.5");

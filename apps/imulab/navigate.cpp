@@ -37,8 +37,8 @@ void check(const NavigateVerbOptions& o) {
     if (!value.empty()) throw Error(fmt::format("{}: belongs to one session; expected a single SESSION", name));
 }
 
-Session session_of_one(const std::string& name) {
-  Session session = session_at(name);
+Session session_of_one(const std::string& name, const RecordingWords& words) {
+  Session session = open_session(name, words);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
   return session;
 }
@@ -57,7 +57,7 @@ void run(const NavigateVerbOptions& o) {
   const Calibration calibration = calibration_of(o.calibration, o.allow_undetermined);
   NavigateOptions options = navigate_options(o);
   std::vector<Session> opened;  // all of them before the first is navigated
-  for (const auto& name : o.sessions) opened.push_back(session_of_one(name));
+  for (const std::string& name : o.sessions) opened.push_back(session_of_one(name, {o.declarations, o.topics}));
   std::optional<SolutionFile> file;  // takes the states as they are reached
   options.keep = false;
   if (!o.output.empty()) {

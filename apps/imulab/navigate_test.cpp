@@ -226,10 +226,6 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
   folder.write("session/lost.toml", changed("truth.csv", "lost.csv"));
   folder.write("elsewhen.csv",
                "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n500,45,0,0,0,0,0,0,0,0\n510,45,0,0,0,0,0,0,0,0\n");
-  folder.write("session/nan.csv", edited(read_text(folder / "session/recording.csv"), [](std::size_t line, const std::string& text) {
-                 return std::optional(line == 70 ? text.substr(0, text.rfind(',')) + ",nan" : text);
-               }));
-  folder.write("session/nan.toml", changed("file = \"recording.csv\"", "file = \"nan.csv\""));
   folder.write("session/huge.csv", edited(read_text(folder / "session/recording.csv"), [](std::size_t line, const std::string& text) {
                  return std::optional(line == 4500 ? text.substr(0, text.rfind(',')) + ",1e300" : text);
                }));
@@ -245,9 +241,8 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
         Case{"none session/late.toml", "navigation starts at 4000.000000 s, expected inside the recording, 0.000000 s to 100.000000 s"},
         Case{"none session --truth elsewhen.csv",
              "elsewhen.csv: the truth runs from 500.000 s to 510.000 s, the solution from 40.000 s to 100.000 s: expected times that overlap"},
-        Case{"none session/lost.toml", "lost.csv: cannot be opened"}, Case{"none session/nan.toml", "nan.csv:71: az: nan is not a reading"},
-        Case{"none session -o session/recording.csv", "would overwrite"}, Case{"none session -o session", "expected a file to write"},
-        Case{"none session --heading nan", "--heading: nan; expected a finite number"},
+        Case{"none session/lost.toml", "lost.csv: cannot be opened"}, Case{"none session -o session/recording.csv", "would overwrite"},
+        Case{"none session -o session", "expected a file to write"}, Case{"none session --heading nan", "--heading: nan; expected a finite number"},
         Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan; expected a finite number"},
         Case{"none session --heading-sigma 1", "--heading-sigma: belongs to --heading"}, Case{"none session --heading 400", "--heading"},
         Case{"none session --vertical up", "--vertical"}, Case{"nothing.json session", "nothing.json"}, Case{"none", "SESSION"}}) {

@@ -7,6 +7,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/tasks/inspect.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -35,16 +36,17 @@ void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
 
 void run(const NoiseVerbOptions& o) {
   expect_free("-o", o.output, o.force);
-  if (o.recordings.size() > 1 && !o.report.empty()) throw Error("--report: shows one log; expected one recording");
+  if (recordings_named(o.recordings).size() > 1 && !o.report.empty()) throw Error("--report: shows one log; expected one recording");
   std::vector<Session> sessions;  // all of them before the first is analyzed
   const std::uint64_t inspected = std::min<std::uint64_t>(o.most_bytes() / sizeof(double), most_inspected);
-  for (const std::string& path : o.recordings) sessions.push_back(open_session(path, o.declarations, inspected));
+  const std::vector<std::string> recordings = recordings_named(o.recordings);
+  for (const std::string& path : recordings) sessions.push_back(open_session(path, {o.declarations, o.topics}, inspected, Purpose::noise));
   if (sessions.size() == 1) return write_and_show(analyzed(sessions[0], o), o);
   std::vector<NoiseAnalysis> logs;
   for (std::size_t i = 0; i < sessions.size(); ++i) {
     logs.push_back(*analyzed(sessions[i], o).data);
-    logs.back().recording = o.recordings[i];
-    for (const std::string& text : logs.back().warnings) warn(o.recordings[i] + ": " + text);
+    logs.back().recording = recordings[i];
+    for (const std::string& text : logs.back().warnings) warn(recordings[i] + ": " + text);
   }
   write_and_show(noise_answer(std::move(logs)), o);
 }

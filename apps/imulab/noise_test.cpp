@@ -131,19 +131,21 @@ TEST(NoiseCommand, RefusesWhatShowsNoNoise) {
   }
 }
 
-TEST(NoiseCommand, RefusesNumbersThatAreNone) {
-  const TemporaryFolder folder;
-  write_still_log(folder, 6000, [](int i) {
-    std::array<double, 6> row = still_readings(i);
-    if (i == 3000) row[2] = NAN;
-    return row;
-  });
-  const CommandResult result = run_imulab(folder, "noise session.toml");
-  EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("log.csv:3001"));
-  const CommandResult inspected = run_imulab(folder, "noise log.csv --set gyro.unit=rad/s");
-  EXPECT_EQ(inspected.exit_code, 1);
-  EXPECT_THAT(inspected.errors, HasSubstr("gz has no finite number in 1 row, first in row 3000"));
+TEST(NoiseCommand, LeavesOutARowWithoutANumberAndRefusesMany) {
+  for (const int many : {1, 200}) {
+    const TemporaryFolder folder;
+    write_still_log(folder, 6000, [&](int i) {
+      std::array<double, 6> row = still_readings(i);
+      if (i >= 3000 && i < 3000 + many) row[2] = NAN;
+      return row;
+    });
+    const CommandResult result = run_imulab(folder, "noise session.toml");
+    EXPECT_EQ(result.exit_code, many == 1 ? 0 : 2) << result.errors;
+    EXPECT_THAT(result.errors,
+                HasSubstr(many == 1 ? "1 line left out (the recording has no sample there), the first line 3001: gz: nan is not a reading"
+                                    : "log.csv:3001: gz: nan is not a reading; expected a finite number; so in 200 rows"));
+    EXPECT_EQ(run_imulab(folder, "noise log.csv --set gyro.unit=rad/s").exit_code, many == 1 ? 0 : 1);
+  }
 }
 
 TEST(NoiseCommand, RefusesARateThatChanges) {

@@ -301,7 +301,7 @@ accel = { columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }
 }
 
 TEST_F(PredictCommand, ACommandThatIsWrongIsExplained) {
-  folder.write("hand.toml", run_imulab(folder, "procedure hand-held").output);
+  folder.write("hand.toml", run_imulab(folder, "procedure handheld").output);
   expect_refused("", "procedure is required");
   expect_refused("nowhere.toml", "nowhere.toml: cannot be opened: No such file");
   expect_refused("hand.toml", "hand.toml: the rig is of kind \"none\"; the method turntable expects \"turntable\"");

@@ -36,11 +36,11 @@ void add_hand_held(Verb& verb) {
     Output output;
   };
   const auto a = std::make_shared<Arguments>();
-  Verb& hand_held = verb.verb("hand-held", "By hand: rests at random attitudes, no rig");
+  Verb& hand_held = verb.verb("handheld", "By hand: rests at random attitudes, no rig");
   hand_held.option("--poses", a->options.poses, "number of rests").show_default();
   hand_held.option("--seed", a->seed, "random seed of the attitudes").show_default();
   add_output(hand_held, a->output);
-  hand_held.example("imulab procedure hand-held --poses 25 -o hand-held.toml");
+  hand_held.example("imulab procedure handheld --poses 25 -o handheld.toml");
   hand_held.does = [a] { write(a->output, hand_held_procedure(a->options, a->seed)); };
 }
 

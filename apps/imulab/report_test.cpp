@@ -8,13 +8,13 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A hand-held session and its calibration, made once.
+/// A handheld session and its calibration, made once.
 class Report : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     for (const char* command :
-         {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand", "calibrate hand --method handheld -o hand.json"})
+         {"procedure handheld --poses 24 -o hand.toml", "simulate hand.toml -o hand", "calibrate hand --method handheld -o hand.json"})
       ASSERT_EQ(run_imulab(*folder_, command).exit_code, 0) << command;
   }
   static void TearDownTestSuite() {

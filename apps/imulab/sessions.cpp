@@ -7,6 +7,7 @@
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/several_files.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <iterator>
 #include <string_view>
 #include <utility>
@@ -39,32 +41,78 @@ bool is_session_text(std::string_view text) {
   return false;
 }
 
-/// A session says so in its first lines; a folder has one.
+/// A session says so in its first lines; a folder has one, or is a recording.
 bool is_session(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path) || path.extension() == ".toml" || !std::filesystem::is_regular_file(path)) return true;
+  if (is_several_files(path)) return std::filesystem::exists(path / "session.toml");
+  if (path.extension() == ".toml" || !std::filesystem::is_regular_file(path)) return true;
   return is_session_text(MappedFile(path).text());
 }
 
-Session inspected(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
-  const InspectionTask task{.files = {path.string()}, .declared = parse_declarations(texts), .most_numbers = most_numbers};
+bool evidence_is_shown = false;
+std::string last_summary;  // several recordings of a unit are mostly alike
+
+/// True for evidence and questions that begin with one of these words.
+bool is_about(std::string_view line, std::initializer_list<std::string_view> words) {
+  return std::any_of(words.begin(), words.end(), [line](std::string_view word) { return line.starts_with(word); });
+}
+
+/// Leaves out what only a calibration needs.
+void keep_for_noise(Inspection& found) {
+  std::erase_if(found.evidence, [](const std::string& line) { return is_about(line, {"axes:", "up at", "rests:", "gyros explain"}); });
+  std::erase_if(found.ambiguous, [](const std::string& line) { return is_about(line, {"gyro.axes:", "accel.axes:"}); });
+  for (std::string& line : found.ambiguous)
+    if (is_about(line, {"gyro.unit:"})) line = "gyro.unit: a log at rest does not show it; declare --set gyro.unit=deg/s, rad/s or another, or count";
+}
+
+std::string triad_text(const Inspection& found, std::string_view name, const TriadSource& triad) {
+  std::string columns;
+  for (const ColumnFinding& column : found.columns)
+    if (column.role.starts_with(name)) columns += (columns.empty() ? "" : ", ") + column.name;
+  return fmt::format("{} {} in {}", name, columns, triad.unit);
+}
+
+/// "assumed: 100 Hz; gyro gx, gy, gz in rad/s, ...": what was found, in a line.
+std::string summary_of(const Inspection& found, const std::string& gravity) {
+  std::vector<std::string> parts;
+  if (found.rate_hz) parts.push_back(fmt::format("{:.5g} Hz", *found.rate_hz));
+  if (!found.source.gyro.columns.empty()) parts.push_back(triad_text(found, "gyro", found.source.gyro));
+  if (!found.source.accel.columns.empty()) parts.push_back(triad_text(found, "accel", found.source.accel));
+  if (!gravity.empty()) parts.push_back(gravity);
+  return fmt::format("assumed: {} (--verbose: why)", fmt::join(parts, "; "));
+}
+
+void tell_assumptions(const Inspection& found, const Session& session, Purpose purpose) {
+  std::string gravity = purpose == Purpose::noise ? "" : assumed_gravity(session);
+  if (!gravity.empty()) gravity += "; declare the place: --set latitude_deg=47.4";
+  if (!evidence_is_shown) {
+    if (std::string summary = summary_of(found, gravity); summary != last_summary) note(last_summary = std::move(summary));
+    return;
+  }
+  for (const std::string& line : found.evidence) note("assumed: " + line);
+  if (!gravity.empty()) note("assumed: " + gravity);
+}
+
+Session inspected(const std::filesystem::path& path, const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
+  const InspectionTask task{
+      .files = {path.string()}, .topics = words.topics, .declared = parse_declarations(words.declarations), .most_numbers = most_numbers};
   const auto [inspection, session] = [&] {
     const Progress progress("inspecting");
     Inspection found = inspect_files(task);
+    if (purpose == Purpose::noise) keep_for_noise(found);
     Session inspected_session = session_for(found, task, "declare with --set KEY=VALUE, or write a session");
     return std::pair(std::move(found), std::move(inspected_session));
   }();
-  for (const std::string& line : inspection.evidence) note("assumed: " + line);
-  if (const std::string gravity = assumed_gravity(session); !gravity.empty())
-    note(fmt::format("assumed: {}; declare the place: --set latitude_deg=47.4", gravity));
+  tell_assumptions(inspection, session, purpose);
   return session;
 }
 
-void expect_no_declarations(const std::vector<std::string>& texts) {
-  if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
+void expect_no_declarations(const RecordingWords& words) {
+  if (!words.declarations.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
+  if (!words.topics.empty()) throw Error("--topic: chooses a table of a recording; expected it without a session, which names it by topic");
 }
 
 /// A session, or rows, which are kept to be read again.
-Session session_of_standard_input(const std::vector<std::string>& texts, std::size_t most_numbers) {
+Session session_of_standard_input(const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
   constexpr double longest_wait_s = 1e9;  // to its end
   const std::string name = input_name("-");
   std::string text = [] {
@@ -74,9 +122,9 @@ Session session_of_standard_input(const std::vector<std::string>& texts, std::si
   if (text.empty()) throw Error(name + ": is empty; expected a session, or rows of a recording");
   if (!is_session_text(text)) {
     keep_as_file(name, std::move(text));
-    return inspected(name, texts, most_numbers);
+    return inspected(name, words, most_numbers, purpose);
   }
-  expect_no_declarations(texts);
+  expect_no_declarations(words);
   if (text.size() > longest_settings) throw Error(fmt::format("{}: a session of more than {} MiB; expected less", name, longest_settings >> 20));
   Session session = parse_session(text, name);
   will_read_files_of(session);
@@ -85,19 +133,22 @@ Session session_of_standard_input(const std::vector<std::string>& texts, std::si
 
 }  // namespace
 
-Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
-  if (path == "-") return session_of_standard_input(texts, most_numbers);
-  if (!is_session(path)) return inspected(path, texts, most_numbers);
-  if (std::filesystem::exists(path)) expect_no_declarations(texts);
+void show_evidence(bool shown) { evidence_is_shown = shown, last_summary.clear(); }
+
+Session open_session(const std::filesystem::path& named, const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
+  const std::filesystem::path path = without_slash(named);
+  if (path == "-") return session_of_standard_input(words, most_numbers, purpose);
+  if (!is_session(path)) return inspected(path, words, most_numbers, purpose);
+  if (std::filesystem::exists(path)) expect_no_declarations(words);
   return session_at(path);
 }
 
-Session open_sessions(const std::vector<std::string>& paths, const std::vector<std::string>& texts) {
-  Session all = open_session(paths.front(), texts);
+Session open_sessions(const std::vector<std::string>& paths, const RecordingWords& words) {
+  Session all = open_session(paths.front(), words);
   if (paths.size() == 1) return all;
   const auto folder_of = [](const Session& session) { return std::filesystem::absolute(session.file).parent_path(); };
   for (std::size_t k = 1; k < paths.size(); ++k) {
-    Session more = open_session(paths[k], texts);
+    Session more = open_session(paths[k], words);
     more.imu.name = all.imu.name;  // of a recording that was inspected, its file's
     const char* const other = !(more.imu == all.imu) ? "[imu]" : !(more.site == all.site) ? "[site]" : !(more.rigs == all.rigs) ? "[rig]" : nullptr;
     if (other)
@@ -129,6 +180,9 @@ Recording read_for(const Calibration& calibration, const Session& session, const
     return read_recording(session, source);
   }();
   warn_each(reading.warnings);
+  if (source.gyro.columns.empty() || source.accel.columns.empty())
+    throw Error(
+        fmt::format("{}: has no {}; expected a recording of both triads", source.file, source.gyro.columns.empty() ? "gyros" : "accelerometers"));
   return std::move(reading.recording);
 }
 

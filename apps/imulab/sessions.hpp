@@ -12,13 +12,25 @@
 
 namespace imulab::command {
 
-/// The session of that name; a recording is inspected, and what is assumed goes to standard error. Throws Unsupported, with what has to be declared,
-/// where the data leave something open. `most_numbers`: as InspectionTask has it.
-Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations, std::size_t most_numbers = numbers_inspected);
+/// What the command line says of recordings without a session: --set and --topic.
+struct RecordingWords {
+  std::vector<std::string> declarations, topics = {};
+};
 
-/// Sessions and recordings of one unit as one session, whose file is the first's: each as `open_session`. Throws Error where one declares another IMU,
-/// place or rig than the first, or has its recordings, too.
-Session open_sessions(const std::vector<std::string>& paths, const std::vector<std::string>& declarations);
+/// What a recording is opened for: noise has no use for axes, gravity and turns, so nothing is said or asked about them.
+enum class Purpose { calibration, noise };
+
+/// The session of that name; a recording, which may be a folder, is inspected, and what is assumed goes to standard error: a line, or with --verbose
+/// the evidence. Throws Unsupported, with what has to be declared, where the data leave something open. `most_numbers`: as InspectionTask has it.
+Session open_session(const std::filesystem::path& path, const RecordingWords& words, std::size_t most_numbers = numbers_inspected,
+                     Purpose purpose = Purpose::calibration);
+
+/// Whether the evidence of inspections is printed, from here on.
+void show_evidence(bool shown);
+
+/// Sessions and recordings of one unit as one session, whose file is the first's: each as `open_session`. Throws Error where one declares another
+/// IMU, place or rig than the first, or has its recordings, too.
+Session open_sessions(const std::vector<std::string>& paths, const RecordingWords& words);
 
 /// The recording of that file; the only one if no name is given. Otherwise throws Error that lists them.
 const RecordingSource& named_recording(const Session& session, const std::string& name);

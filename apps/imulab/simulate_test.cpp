@@ -25,7 +25,7 @@ class SimulateCommand : public testing::Test {
 };
 
 TEST_F(SimulateCommand, AHandHeldProcedureBecomesASession) {
-  const CommandResult procedure = imulab("procedure hand-held --poses 5 --seed 3");
+  const CommandResult procedure = imulab("procedure handheld --poses 5 --seed 3");
   ASSERT_EQ(procedure.exit_code, 0) << procedure.errors;
   folder.write("hand.toml", procedure.output);
   EXPECT_THAT(imulab("simulate hand.toml -o -").output, testing::HasSubstr("- (seed 1)\n")) << "a folder of this name: the answer is shown";

@@ -15,7 +15,7 @@ std::size_t columns_of(const std::string& line) {  // code points of UTF-8
 TEST(TerminalWidth, NoLineOfAResultIsLongerThanEightyColumns) {
   const TemporaryFolder folder;
   const std::vector<std::string> commands{
-      "procedure hand-held -o hand.toml",
+      "procedure handheld -o hand.toml",
       "procedure zhang-24 -o zhang.toml",
       "procedure cheng-path -o path.toml",
       "procedure dai-unit -o unit.toml",

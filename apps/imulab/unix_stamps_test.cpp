@@ -114,7 +114,7 @@ TEST(UnixStamps, Noise) {
   text.write(folder);
   ASSERT_EQ(run_imulab(folder, "noise session --report noise.html").exit_code, 0);
   expect_times(folder, "noise.html", 2, std::string("time [s]") + from_first_sample);
-  EXPECT_NE(read_text(folder / "noise.html").find("at rest: 1700000000 to 1700000060 s, 6000 samples"), std::string::npos);
+  EXPECT_NE(read_text(folder / "noise.html").find("at rest: 0 to 60 s of the log, 6000 samples"), std::string::npos);
 }
 
 TEST(UnixStamps, MessagesNameTheSample) {

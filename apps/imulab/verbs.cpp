@@ -11,6 +11,7 @@
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/compare.hpp"
+#include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/predict.hpp"
 #include "imulab/tasks/simulate.hpp"
@@ -46,7 +47,7 @@ void run(const CalibrateOptions& o) {
   CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
   std::vector<std::string> paths{o.session};
   paths.insert(paths.end(), o.more.begin(), o.more.end());
-  Session session = open_sessions(paths, o.declarations);
+  Session session = open_sessions(recordings_named(paths), {o.declarations, o.topics});
   expect_free("-o", o.output, o.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   if (!o.recording.empty()) named_recording(session, o.recording);

@@ -1,6 +1,7 @@
 #include "imulab/estimate/method.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
@@ -17,7 +18,7 @@
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/validate.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -61,6 +62,7 @@ constexpr std::array all{
            .reference = "Cheng 2014",
            .needs = "rests in nine or more directions",
            .equipment = 0,
+           .takes_accel_alone = true,
            .second = "handheld",
            .test = "multi-position (tumble), static",
            .angle_source = "the Earth's rate at the site's latitude",
@@ -116,6 +118,26 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
     said.push_back(fmt::format(
         "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which replaces them unless the recorded stamps are declared",
         r.name, 1e3 * clock->scatter_s, 1e3 * clock->interval_s));
+  }
+  return out;
+}
+
+/// Recordings with gyros that read nothing in place of gyros that they do not have; empty where all have them. Throws Error where the method needs
+/// what a recording lacks.
+std::vector<Recording> with_both_triads(const Method& method, std::span<const Recording> recordings) {
+  std::vector<Recording> out;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const RecordingView columns(recordings[k]);
+    if (columns.has(gyro_columns) && columns.has(accel_columns)) continue;
+    if (!columns.has(accel_columns))
+      throw Error(fmt::format("{}: has no accelerometers; the method {} needs them. Of gyros alone the noise can be analyzed", recordings[k].name,
+                              method.name));
+    if (!method.takes_accel_alone)
+      throw Error(fmt::format("{}: has no gyros, which the method {} needs; the method static calibrates accelerometers alone", recordings[k].name,
+                              method.name));
+    if (out.empty()) out.assign(recordings.begin(), recordings.end());
+    for (std::vector<double>& column : out[k].gyro) column.assign(out[k].size(), 0);
+    out[k].gyro_unit = "rad/s";
   }
   return out;
 }
@@ -203,9 +225,9 @@ const Method* find_method(std::string_view name, std::span<const Method> table) 
 
 const Method& method(std::string_view name, std::span<const Method> table) {
   if (const Method* found = find_method(name, table)) return *found;
-  std::string names;
-  for (const Method& m : table) names += (names.empty() ? "" : ", ") + std::string(m.name);
-  throw Error("no method " + std::string(name) + "; expected one of " + names);
+  std::vector<std::string_view> names;
+  for (const Method& m : table) names.push_back(m.name);
+  throw Error(fmt::format("no method {}; expected one of {}{}", name, fmt::join(names, ", "), did_you_mean(name, names)));
 }
 
 std::vector<Method> methods_by_equipment() {
@@ -230,9 +252,11 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   validate(input.session);
   validate_rests(input);
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
+  const std::vector<Recording> completed = with_both_triads(method, input.recordings);
+  const std::span<const Recording> given = completed.empty() ? input.recordings : std::span<const Recording>(completed);
   std::vector<std::string> clocks;
-  const std::vector<Recording> corrected = corrected_recordings(input, clocks);
-  const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
+  const std::vector<Recording> corrected = corrected_recordings({input.session, given, input.rests}, clocks);
+  const std::span<const Recording> recordings = corrected.empty() ? given : std::span<const Recording>(corrected);
   Session session = input.session;
   const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(session, recordings, clocks);
   CalibrationResult result = calibrate_in_either_hemisphere(method, {session, recordings, input.rests}, options);

@@ -100,7 +100,8 @@ struct Method {
   std::string_view needs;      ///< besides a recording: of steps, site and rig
   int equipment = 0;           ///< by which methods are offered: the least first
 
-  bool takes_several = false;  ///< recordings, each on its own; else they are joined to one
+  bool takes_accel_alone = false;  ///< recordings without gyros
+  bool takes_several = false;      ///< recordings, each on its own; else they are joined to one
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
   bool takes_runs = false;       ///< predictions by Monte Carlo, and the classical ones
   std::string_view second = {};  ///< the method that gives a second opinion on the same data; empty: none

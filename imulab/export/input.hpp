@@ -19,6 +19,7 @@ struct ExportOptions {
   std::optional<double> rate_hz;     ///< of the stream; absent: that of the noise log
   int instance = 0;                  ///< px4, ardupilot: which of the autopilot's IMUs, from 0
   std::string prefix = "imulab";     ///< c-header: with which its names begin
+  std::string topic{};               ///< kalibr, openvins: of the IMU; empty: that of the calibration's recording, else /imu0
 };
 
 struct ExportInput {

@@ -15,7 +15,7 @@ namespace {
 constexpr Held kalibr_holds{.g_sensitivity = true, .accel_matrix = true, .gyro_matrix = true, .accel_scale = true, .gyro_scale = true};
 
 /// Keys of the noise, which all of Kalibr's files and those after its pattern share.
-std::string noise_keys(const std::string& indent, const NoiseValues& n, const char* topic) {
+std::string noise_keys(const std::string& indent, const NoiseValues& n, const std::string& topic) {
   return fmt::format("{}rostopic: {}\n{}update_rate: {}  # Hz\n", indent, topic, indent, exact_number(n.rate_hz)) +
          noise_line(indent + "accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
          noise_line(indent + "accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)") +
@@ -29,7 +29,7 @@ std::string kalibr_imu_text(const ExportInput& input) {
   const NoiseValues n = noise_values(input, "Kalibr");
   Sentences facts{"Holds: continuous-time noise densities, Kalibr's imu.yaml. Correct the readings with `imulab compensate` before."};
   facts.insert(facts.end(), n.facts.begin(), n.facts.end());
-  return comment_head(input, "Kalibr (input)", facts, left_out_of_noise_files(input)) + noise_keys("", n, "/imu0");
+  return comment_head(input, "Kalibr (input)", facts, left_out_of_noise_files(input)) + noise_keys("", n, topic_text(input));
 }
 
 std::string kalibr_text(const ExportInput& input) {
@@ -53,9 +53,9 @@ std::string kalibr_text(const ExportInput& input) {
   text += "imu0:\n  T_i_b:\n";
   for (int i = 0; i < 3; ++i)
     text += fmt::format("    - [{}, {}, {}, 0.0]\n", exact_number(a.Q(i, 0)), exact_number(a.Q(i, 1)), exact_number(a.Q(i, 2)));
-  text += "    - [0.0, 0.0, 0.0, 1.0]\n  time_offset: 0.0\n" + noise_keys("  ", n, "/imu0") + "  model: scale-misalignment\n  accelerometers:\n" +
-          matrix_text("    ", "M", a.triangle) + "  gyroscopes:\n" + matrix_text("    ", "M", g.triangle) + matrix_text("    ", "A", A) +
-          matrix_text("    ", "C_gyro_i", C_gyro_i);
+  text += "    - [0.0, 0.0, 0.0, 1.0]\n  time_offset: 0.0\n" + noise_keys("  ", n, topic_text(input)) +
+          "  model: scale-misalignment\n  accelerometers:\n" + matrix_text("    ", "M", a.triangle) + "  gyroscopes:\n" +
+          matrix_text("    ", "M", g.triangle) + matrix_text("    ", "A", A) + matrix_text("    ", "C_gyro_i", C_gyro_i);
   return text;
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/export/target.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -39,7 +40,7 @@ const ExportTarget& export_target(std::string_view name, const std::vector<Expor
     if (target.name == name) return target;
     names.push_back(target.name);
   }
-  throw Error(fmt::format("{} is not an export target; expected one of {}", name, text::listed(names)));
+  throw Error(fmt::format("{} is not an export target; expected one of {}{}", name, text::listed(names), did_you_mean(name, names)));
 }
 
 }  // namespace imulab

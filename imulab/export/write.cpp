@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace imulab::export_io {
@@ -34,6 +35,23 @@ std::string matrix_text(std::string_view indent, std::string_view key, const Mat
   std::string text = fmt::format("{}{}:\n", indent, key);
   for (int i = 0; i < 3; ++i) text += fmt::format("{}  - {}\n", indent, row_text(m.row(i).transpose()));
   return text;
+}
+
+std::string topic_text(const ExportInput& input) {
+  std::string topic = input.options.topic;
+  for (const SourceFile& source : input.calibration.sources)
+    if (topic.empty()) topic = source.topic;
+  if (topic.empty()) return "/imu0";
+  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '/' || c == '_'; };
+  if (topic.front() == '/' && std::all_of(topic.begin(), topic.end(), is_plain)) return topic;
+  std::string quoted = "\"";
+  for (const unsigned char c : topic) {
+    if (c == '"' || c == '\\')
+      quoted += {'\\', static_cast<char>(c)};
+    else
+      quoted += c < 0x20 || c == 0x7f ? fmt::format("\\x{:02X}", c) : std::string(1, static_cast<char>(c));
+  }
+  return quoted + "\"";
 }
 
 std::string plain(std::string_view text) {

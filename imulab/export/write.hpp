@@ -19,6 +19,9 @@ std::string float_text(double value);
 std::string row_text(const Vector3d& row);
 std::string matrix_text(std::string_view indent, std::string_view key, const Matrix3d& m);
 
+/// The IMU's topic as YAML, quoted where it has to be: the chosen one, that of the calibration's recording, or "/imu0".
+std::string topic_text(const ExportInput& input);
+
 /// Text from a calibration for a comment: one line of printable ASCII, at most 120 characters, so that no name ends a comment or opens a line.
 std::string plain(std::string_view text);
 

@@ -1,6 +1,7 @@
 #include "imulab/inspection/declared.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -10,13 +11,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 
 namespace imulab {
 
 std::vector<std::string> declaration_keys() {
-  return {"rate_hz",   "time.column",   "time.unit",  "time.ticks_per_s", "time.wrap_bits", "gyro.columns", "gyro.unit", "gyro.output",
-          "gyro.axes", "accel.columns", "accel.unit", "accel.output",     "accel.axes",     "latitude_deg", "height_m",  "gravity_mps2"};
+  return {"rate_hz",    "time.column",  "time.unit", "time.ticks_per_s", "time.wrap_bits", "gyro.columns",
+          "gyro.unit",  "gyro.output",  "gyro.axes", "accel.columns",    "accel.unit",     "accel.output",
+          "accel.axes", "latitude_deg", "height_m",  "gravity_mps2",     "layout"};
 }
 
 Site declared_site(const Declarations& declared) {
@@ -58,14 +61,34 @@ std::vector<std::string> parts_of(const std::string& text) {
   return parts;
 }
 
+std::string file_of(const SignalTable& table, std::size_t i) {
+  const Signal& signal = table.signals[i];
+  const std::string own = signal.table > 0 ? table.parts[signal.table - 1].file : "";
+  return own.empty() ? std::filesystem::path(table.file).filename().string() : own;
+}
+
+/// The column of that name, or FILE:COLUMN where several files have it.
 std::size_t column_index(const SignalTable& table, const std::string& text, const std::string& key) {
-  for (std::size_t i = 0; i < table.signals.size(); ++i)
-    if (table.signals[i].name == text) return i;
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const Signal& signal = table.signals[i];
+    const int* number = std::get_if<int>(&signal.column);
+    const std::string in_file = number != nullptr ? fmt::format("{}", *number) : signal.name;
+    if (!table.parts.empty() && text == file_of(table, i) + ":" + in_file) return i;
+    if (signal.name.empty() || signal.name != text) continue;
+    if (found && table.signals[*found].table != signal.table)
+      throw Error(fmt::format("{} = {}: several files have such a column; expected {}:{} or {}:{}", key, text, file_of(table, *found), text,
+                              file_of(table, i), text));
+    if (!found) found = i;
+  }
+  if (found) return *found;
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc() && end == text.data() + text.size() && number >= 1 && number <= table.signals.size()) return number - 1;
-  throw Error(fmt::format("{} = {}: {} has no such column; expected a name in its header or a number from 1 to {}", key, text, table.file,
-                          table.signals.size()));
+  std::vector<std::string> names;
+  for (const Signal& signal : table.signals) names.push_back(signal.name);
+  throw Error(fmt::format("{} = {}: {} has no such column; expected a name in its header or a number from 1 to {}{}", key, text, table.file,
+                          table.signals.size(), did_you_mean(text, names)));
 }
 
 double positive_number(const std::string& text, const std::string& key) {
@@ -86,19 +109,37 @@ std::optional<SignalTriad> columns(const SignalTable& table, const Declarations&
 
 }  // namespace
 
+std::string column_name(const SignalTable& table, std::size_t i) {
+  const std::string& name = table.signals[i].name;
+  if (name.empty()) return fmt::format("column {}", i + 1);
+  const auto same = [&](const Signal& other) { return other.name == name && other.table != table.signals[i].table; };
+  return std::any_of(table.signals.begin(), table.signals.end(), same) ? file_of(table, i) + ":" + name : name;
+}
+
 void check_declarations(const Declarations& declared) {
   const std::vector<std::string> keys = declaration_keys();
   for (const auto& [key, value] : declared)
     if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      throw Error(fmt::format("{} is not a key; expected one of {}", key, fmt::join(keys, ", ")));
+      throw Error(fmt::format("{} is not a key; expected one of {}{}", key, fmt::join(keys, ", "), did_you_mean(key, keys)));
 }
 
 DeclaredColumns declared_columns(const SignalTable& table, const Declarations& declared) {
-  return {columns(table, declared, "gyro.columns"), columns(table, declared, "accel.columns")};
+  const DeclaredColumns result{columns(table, declared, "gyro.columns"), columns(table, declared, "accel.columns")};
+  if (result.gyro && result.accel)
+    for (const std::size_t i : *result.gyro)
+      if (std::find(result.accel->begin(), result.accel->end(), i) != result.accel->end())
+        throw Error(fmt::format("gyro.columns, accel.columns: {} is declared as both; expected three other columns", column_name(table, i)));
+  return result;
 }
 
 TimeGuess declared_time(const SignalTable& table, const Declarations& declared, TimeGuess guess) {
-  if (const std::string* column = find(declared, "time.column")) {
+  if (const std::string* column = find(declared, "time.column"); column != nullptr && *column == "none") {
+    guess = {};
+    guess.source.column.reset();
+    guess.source.unit = "sample";
+    guess.evidence = "rows at equal spacing, as declared";
+    guess.open = "rate_hz: rows without stamps have no other rate; --rate HZ";
+  } else if (column != nullptr) {
     const std::size_t index = column_index(table, *column, "time.column");
     SignalTable alone = table;
     for (std::size_t i = 0; i < alone.signals.size(); ++i)
@@ -113,12 +154,14 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     if (std::find(units.begin(), units.end(), *unit) == units.end())
       throw Error(fmt::format("time.unit = {}: is no unit of time; expected one of {}", *unit, fmt::join(units, ", ")));
     guess.source.unit = *unit;
+    guess.by_rate_alone = false;
     guess.open.clear();
     guess.evidence = fmt::format("{}, as declared", *unit);
   }
   if (const std::string* ticks = find(declared, "time.ticks_per_s")) {
     guess.source.unit = "tick";
     guess.source.ticks_per_s = positive_number(*ticks, "time.ticks_per_s");
+    guess.by_rate_alone = false;
     guess.open.clear();
     guess.evidence = fmt::format("{} ticks to a second, as declared", *ticks);
   }
@@ -132,7 +175,8 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     const double declared_hz = positive_number(*rate, "rate_hz");
     if (declared_hz < 1e-3 || declared_hz > 1e6) throw Error(fmt::format("rate_hz = {}: is out of range; expected 0.001 to 1000000", *rate));
     if (guess.column && guess.source.unit != "sample")
-      throw Error(fmt::format("rate_hz = {}: the rows have stamps; expected no rate, or time.unit = sample", *rate));
+      throw Error(
+          fmt::format("rate_hz = {}: the rows have stamps; expected no rate, or rows at equal spacing: --time none (time.column = none)", *rate));
     guess.rate_hz = declared_hz;
     guess.open.clear();
     guess.evidence += fmt::format("; {} Hz, as declared", *rate);

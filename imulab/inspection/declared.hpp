@@ -5,6 +5,7 @@
 #include "imulab/inspection/names.hpp"
 #include "imulab/inspection/time.hpp"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -14,6 +15,8 @@ struct DeclaredColumns {
   std::optional<SignalTriad> gyro, accel;
 };
 
+/// A column as messages name it and as declarations take it: "gx", "column 3", or "Gyroscope.csv:x" where several files have an x.
+std::string column_name(const SignalTable& table, std::size_t i);
 /// Throws Error for a key that there is not.
 void check_declarations(const Declarations& declared);
 /// Three names or numbers, divided by commas or blanks. Throws Error for a column that is not there.

@@ -63,7 +63,7 @@ class TriadSearch {
 }  // namespace
 
 bool has_role(const SignalTable& table, const SignalTriad& triad, Role role) {
-  return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) { return hint_of(table.signals[i].name).role == role; });
+  return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) { return hint_in(table, i).role == role; });
 }
 
 namespace {
@@ -74,15 +74,59 @@ std::vector<SignalTriad> named_triads(const SignalTable& table, const std::vecto
   for (const SignalTriad& triad : triads) {
     if (!has_role(table, triad, role)) continue;
     named.push_back(triad);
-    const std::string sensor = hint_of(table.signals[triad[0]].name).sensor;
+    const std::string sensor = hint_in(table, triad[0]).sensor;
     bool in_order = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const NameHint hint = hint_of(table.signals[triad[axis]].name);
+      const NameHint hint = hint_in(table, triad[axis]);
       in_order = in_order && hint.axis == static_cast<int>(axis) && hint.sensor == sensor;
     }
     if (in_order) complete.push_back(triad);
   }
   return complete.empty() ? named : complete;
+}
+
+/// The accelerometers alone: their rests are found by them.
+TriadEvidence accel_alone(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const SignalTriad& accel) {
+  TriadEvidence evidence = evidence_for(table, time_ns, accel, accel, {}, time_ns.size());
+  evidence.has_gyro = false;
+  evidence.gyro_matrix.reset();
+  evidence.turns = 0;
+  return evidence;
+}
+
+TriadEvidence gyro_alone(const SignalTriad& gyro) {
+  TriadEvidence evidence;
+  evidence.gyro = gyro;
+  evidence.has_accel = false;
+  return evidence;
+}
+
+/// The only triad that there is, where there is but one: by its name, as declared, or by gravity at rest.
+std::optional<TriadEvidence> triad_alone(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const std::vector<SignalTriad>& triads,
+                                         const std::vector<SignalTriad>& gyros, const std::vector<SignalTriad>& accels, Inspection& result) {
+  if (triads.empty()) return std::nullopt;
+  const SignalTriad& first = !gyros.empty() ? gyros.front() : !accels.empty() ? accels.front() : triads.front();
+  for (const SignalTriad& other : triads)
+    if (std::none_of(other.begin(), other.end(), [&](std::size_t i) { return std::find(first.begin(), first.end(), i) != first.end(); }))
+      return std::nullopt;
+  const auto is_named = [&](Role role) {  // a sensor whose readings cannot be used is no reason to take the other alone
+    for (std::size_t i = 0; i < table.signals.size(); ++i)
+      if (const NameHint hint = hint_in(table, i); hint.role == role && hint.axis >= 0) return true;
+    return false;
+  };
+  if (is_named(Role::gyro) && is_named(Role::accel)) return std::nullopt;
+  if (!accels.empty() && gyros.empty()) return accel_alone(table, time_ns, first);
+  if (!gyros.empty()) return gyro_alone(first);
+  TriadEvidence evidence = accel_alone(table, time_ns, first);
+  const double interval_s = 1e-9 * static_cast<double>(time_ns.back() - time_ns.front()) / static_cast<double>(time_ns.size());
+  constexpr std::size_t many = 6;  // rests, in different directions: what reads the same length in all of them is gravity
+  const bool gravity = evidence.rests.size() >= many && evidence.norm_most - evidence.norm_least < 0.2 * evidence.norm &&
+                       accel_unit(evidence.norm, evidence.norm_least, evidence.norm_most, interval_s, "", false).open.empty();
+  if (!gravity)
+    result.ambiguous.push_back(
+        "accel.columns, gyro.columns: one triad, whose names and readings do not say of which sensor; declare one of the two keys (files "
+        "of one recording are read together: inspect A B -o session.toml)");
+  return evidence;
 }
 
 }  // namespace
@@ -99,6 +143,7 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   if (declared.gyro) gyros = {*declared.gyro};
   if (declared.accel) accels = {*declared.accel};
   const std::size_t all = time_ns.size();
+  if (const auto alone = triad_alone(table, time_ns, triads, gyros, accels, result)) return alone;
   TriadSearch named(table, time_ns, scales);
   for (const SignalTriad& g : gyros)
     for (const SignalTriad& a : accels) named.consider(g, a);
@@ -113,6 +158,8 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
         if ((!declared.gyro || g == *declared.gyro) && (!declared.accel || a == *declared.accel)) search.consider(g, a);
     if (const auto best = search.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   }
+  if (declared.gyro && accels.empty()) return gyro_alone(*declared.gyro);
+  if (declared.accel && gyros.empty()) return accel_alone(table, time_ns, *declared.accel);
   if (gyros.empty() || accels.empty()) return std::nullopt;
   if (gyros.size() > 1 || accels.size() > 1)
     result.ambiguous.push_back(fmt::format(
@@ -132,12 +179,19 @@ double resolution(const std::vector<double>& values) {
   return least;
 }
 
-/// The part of the rows in which all six readings are those of the row before.
+std::vector<const SignalTriad*> triads_there(const TriadEvidence& triads) {
+  std::vector<const SignalTriad*> there;
+  if (triads.has_gyro) there.push_back(&triads.gyro);
+  if (triads.has_accel) there.push_back(&triads.accel);
+  return there;
+}
+
+/// The part of the rows in which all readings are those of the row before.
 double repeated_part(const SignalTable& table, const TriadEvidence& triads) {
   std::size_t same = 0;
   for (std::size_t i = 1; i < table.rows(); ++i) {
     bool equal = true;
-    for (const SignalTriad* triad : {&triads.gyro, &triads.accel})
+    for (const SignalTriad* triad : triads_there(triads))
       for (const std::size_t c : *triad) equal = equal && table.signals[c].values[i] == table.signals[c].values[i - 1];
     same += equal;
   }
@@ -146,7 +200,8 @@ double repeated_part(const SignalTable& table, const TriadEvidence& triads) {
 
 void add_readings(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
   std::string clipped;
-  for (const auto& [triad, name] : {std::pair{&triads.accel, "accel"}, {&triads.gyro, "gyro"}}) {
+  for (const SignalTriad* triad : triads_there(triads)) {
+    const char* const name = triad == &triads.gyro ? "gyro" : "accel";
     double step = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Signal& signal = table.signals[(*triad)[axis]];

@@ -3,10 +3,13 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/inspection/declared.hpp"
+#include "imulab/inspection/even_rows.hpp"
 #include "imulab/inspection/evidence.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/model/frame.hpp"
+#include "imulab/recording/clock.hpp"
+#include "imulab/recording/integers.hpp"
 
 #include <fmt/format.h>
 
@@ -28,12 +31,8 @@ bool whole_numbers(const SignalTable& table, const SignalTriad& triad) {
   });
 }
 
-std::string name_of(const SignalTable& table, std::size_t i) {
-  return table.signals[i].name.empty() ? fmt::format("column {}", i + 1) : table.signals[i].name;
-}
-
 std::string names_of(const SignalTable& table, const SignalTriad& triad) {
-  return fmt::format("{}, {}, {}", name_of(table, triad[0]), name_of(table, triad[1]), name_of(table, triad[2]));
+  return fmt::format("{}, {}, {}", column_name(table, triad[0]), column_name(table, triad[1]), column_name(table, triad[2]));
 }
 
 /// The unit that the file or the column's name states for a triad.
@@ -41,6 +40,16 @@ std::string stated_unit(const SignalTable& table, const SignalTriad& triad) {
   const Signal& signal = table.signals[triad[0]];
   const NameHint hint = hint_of(signal.name);
   return !signal.unit.empty() ? signal.unit : !hint.unknown.empty() ? hint.unknown : hint.unit;
+}
+
+/// What may be declared where both triads together are left-handed. Names of axes rule out that both are in another order than x, y, z.
+std::string left_handed_advice(const SignalTable& table, const TriadEvidence& triads) {
+  bool named = true;
+  for (const SignalTriad* triad : {&triads.gyro, &triads.accel})
+    for (std::size_t axis = 0; axis < 3; ++axis) named = named && hint_in(table, (*triad)[axis]).axis == static_cast<int>(axis);
+  const std::string reversed = "the data do not show which sensor is reversed; declare it (accel.axes, or gyro.axes = +x,+y,-z)";
+  return named ? "; " + reversed
+               : "; if the columns of both are in another order than x, y, z, declare accel.columns and gyro.columns in that order; else " + reversed;
 }
 
 /// The gyros' columns in the order of the accelerometers' axes, where they are merely exchanged; what speaks against them otherwise.
@@ -60,8 +69,7 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
     reversed = reversed || (*triads.gyro_matrix)(axis, from) < 0;
   }
   if (reversed) {
-    result.ambiguous.push_back("gyro.axes: " + wrong +
-                               "; the data do not show which sensor is reversed; declare it (accel.axes, or gyro.axes = +x,+y,-z)");
+    result.ambiguous.push_back("gyro.axes: " + wrong + left_handed_advice(table, triads));
     return {};
   }
   Matrix3d exchange = Matrix3d::Zero();
@@ -84,6 +92,12 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
   }
   source.unit = guess.unit;
   source.output = guess.output;
+  for (const std::size_t i : triad)
+    if (table.signals[i].integers != Integers::as_written) source.integers = table.signals[i].integers;
+  if (source.integers != Integers::as_written)
+    result.evidence.push_back(
+        fmt::format("integers: {} are {} printed with the wrong sign (of numbers near 0 and near its range only), and are taken as {}",
+                    names_of(table, triad), to_string(source.integers), to_string(source.integers)));
   if (const std::size_t part = table.signals[triad[0]].table; part > 0) {
     if (!table.parts[part - 1].file.empty()) source.file = table.parts[part - 1].file;
     if (!table.parts[part - 1].topic.empty()) source.topic = table.parts[part - 1].topic;
@@ -92,41 +106,57 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
   if (!guess.open.empty()) result.ambiguous.push_back(guess.open);
 }
 
-/// Units of both triads.
+UnitGuess accel_guess(const SignalTable& table, const TriadEvidence& triads, double interval_s) {
+  const std::string stated = stated_unit(table, triads.accel);
+  UnitGuess guess;
+  if (triads.offset_taken_out) {
+    guess.evidence = fmt::format("readings at rest lie on a sphere of radius {:.5g} about a point far from zero: counts", triads.norm);
+  } else if (!triads.rests.empty()) {
+    return accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated, whole_numbers(table, triads.accel));
+  } else if (stated.empty()) {
+    guess.open = "accel.unit: no rest was found, which would show gravity";
+  } else {
+    guess.unit = stated;
+    guess.evidence = stated + " as the file says; no rest was found that would confirm it";
+  }
+  return guess;
+}
+
+UnitGuess gyro_guess(const SignalTable& table, const TriadEvidence& triads, const TimeGuess& time, double interval_s, bool columns_declared) {
+  const std::string stated = stated_unit(table, triads.gyro);
+  if (triads.explained() && time.rate_hz) return gyro_unit(triads.gyro_scale(), interval_s, stated, whole_numbers(table, triads.gyro));
+  UnitGuess guess;
+  guess.unit = stated.empty() ? "count" : stated;
+  guess.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
+  if (triads.turns >= 3 && !triads.explained() && !columns_declared)
+    guess.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit",
+                             triads.error / unit::deg, triads.turned / unit::deg);
+  else if (stated.empty())
+    guess.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it"
+                              : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
+  return guess;
+}
+
+/// Units of the triads that there are.
 void settle_units(const SignalTable& table, const TriadEvidence& triads, const TimeGuess& time, const Declarations& declared, Inspection& result) {
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : 0;
-  const bool whole_accel = whole_numbers(table, triads.accel), whole_gyro = whole_numbers(table, triads.gyro);
-  UnitGuess accel;
-  if (const std::string stated_accel = stated_unit(table, triads.accel); triads.rests.empty()) {
-    accel.unit = stated_accel.empty() ? "count" : stated_accel;
-    if (stated_accel.empty()) {
-      accel.open = "accel.unit: no rest was found, which would show gravity";
-    } else {
-      accel.evidence = stated_accel + " as the file says; no rest was found that would confirm it";
-    }
-  } else if (triads.offset_taken_out) {
-    accel.evidence = fmt::format("readings at rest lie on a sphere of radius {:.5g} about a point far from zero: counts", triads.norm);
-  } else {
-    accel = accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated_accel, whole_accel);
-  }
+  UnitGuess accel, gyro;
+  if (triads.has_accel) accel = accel_guess(table, triads, interval_s);
+  if (triads.has_gyro) gyro = gyro_guess(table, triads, time, interval_s, declared.contains("gyro.columns") && declared.contains("accel.columns"));
   declare_unit(declared, "accel", accel);
-  UnitGuess gyro;
-  const std::string stated = stated_unit(table, triads.gyro);
-  if (!triads.explained() || !time.rate_hz) {
-    gyro.unit = stated.empty() ? "count" : stated;
-    gyro.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
-    if (triads.turns >= 3 && !triads.explained() && !(declared.contains("gyro.columns") && declared.contains("accel.columns")))
-      gyro.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit",
-                              triads.error / unit::deg, triads.turned / unit::deg);
-    else if (stated.empty())
-      gyro.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it"
-                               : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
-  } else {
-    gyro = gyro_unit(triads.gyro_scale(), interval_s, stated, whole_gyro);
-  }
   declare_unit(declared, "gyro", gyro);
-  settle_triad(table, triads.accel, accel, "accel", result.source.accel, result);
-  settle_triad(table, triads.gyro, gyro, "gyro", result.source.gyro, result);
+  if (time.by_rate_alone) {
+    const bool by_turns = triads.explained() && gyro.open.empty() && gyro.output == Output::rate && gyro.unit != "count";
+    const bool by_gravity = !triads.rests.empty() && triads.has_accel && accel.open.empty() && accel.output == Output::increment;
+    const bool count_declared = declared.contains("gyro.unit") && gyro.unit == "count";
+    if (!by_turns && !by_gravity && !count_declared) {
+      result.ambiguous.push_back(fmt::format(
+          "time.unit: {}; only the rate speaks for it: whole numbers may be ticks, too (declare time.unit, or time.ticks_per_s)", time.evidence));
+      if (triads.turns >= 3) gyro.open.clear();  // it follows from the clock
+    }
+  }
+  if (triads.has_accel) settle_triad(table, triads.accel, accel, "accel", result.source.accel, result);
+  if (triads.has_gyro) settle_triad(table, triads.gyro, gyro, "gyro", result.source.gyro, result);
   if (!accel.evidence.empty()) result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
   if (!gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
   if (triads.explained())
@@ -136,6 +166,7 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
 
 /// Names that contradict the data are asked about.
 void ask_about_names(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
+  if (!triads.has_gyro || !triads.has_accel) return;
   if (has_role(table, triads.gyro, Role::accel) || has_role(table, triads.accel, Role::gyro))
     result.ambiguous.push_back(
         fmt::format("gyro.columns, accel.columns: by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
@@ -159,7 +190,7 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
     result.columns[i].role = "temperature";
     result.columns[i].unit = unit;
     result.columns[i].evidence = fmt::format("its name, and {:.4g} to {:.4g}", *low, *high);
-    result.evidence.push_back(fmt::format("temperature: {}: {:.4g} to {:.4g}: {}", name_of(table, i), *low, *high, unit));
+    result.evidence.push_back(fmt::format("temperature: {}: {:.4g} to {:.4g}: {}", column_name(table, i), *low, *high, unit));
     ThermalSource thermal;
     thermal.columns = {signal.column};
     thermal.unit = unit;
@@ -171,7 +202,7 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
 TimeGuess settle_time(const SignalTable& table, const Declarations& declared, Inspection& result) {
   TimeGuess time = declared_time(table, declared, recognize_time(table));
   for (const auto& [index, role] : {std::pair{time.column, "time"}, {time.fraction, "time"}})
-    if (index) result.columns[*index] = {name_of(table, *index), role, time.source.unit, time.evidence};
+    if (index) result.columns[*index] = {column_name(table, *index), role, time.source.unit, time.evidence};
   if (time.fraction) result.columns[*time.fraction].unit = time.source.fraction_unit;
   result.source.time = time.source;
   if (!time.column || time.source.unit == "sample") result.source.rate_hz = time.rate_hz;
@@ -192,14 +223,39 @@ std::string columns_with_holes(const SignalTable& table) {
     const auto holes = std::count_if(values.begin(), values.end(), is_hole);
     if (holes == 0 || static_cast<double>(holes) > most * static_cast<double>(values.size())) continue;
     const auto first = std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1;
-    text += fmt::format("; {} has no finite number in {} {}, first in row {}", name_of(table, i), holes, holes == 1 ? "row" : "rows", first);
+    text += fmt::format("; {} has no finite number in {} {}, first in row {}", column_name(table, i), holes, holes == 1 ? "row" : "rows", first);
   }
   return text;
+}
+
+/// The table, or `right` with its readings as the integers that they are, where the file prints them with the wrong sign.
+const SignalTable& with_integers(const SignalTable& table, SignalTable& right) {
+  std::vector<const std::vector<double>*> columns;
+  for (const Signal& signal : table.signals) columns.push_back(&signal.values);
+  const std::vector<Integers> kinds = integers_of(columns);
+  if (kinds.empty()) return table;
+  right = table;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    right.signals[i].integers = kinds[i];
+    take_as(kinds[i], right.signals[i].values);
+  }
+  return right;
 }
 
 std::vector<std::int64_t> from_the_first(std::vector<std::int64_t> time_ns) {
   for (std::size_t i = time_ns.size(); i-- > 0;) time_ns[i] -= time_ns.front();
   return time_ns;
+}
+
+double rate_of_rows(const std::vector<std::int64_t>& time_ns) {
+  return static_cast<double>(time_ns.size() - 1) / (1e-9 * static_cast<double>(time_ns.back() - time_ns.front()));
+}
+
+/// A logger that empties a buffer now and then, and stamps all of it at once.
+bool in_bursts(const ClockQuality& clock, const std::vector<std::int64_t>& time_ns) {
+  constexpr std::size_t longest_burst = 200;  // rows
+  if (time_ns.size() < 2 || time_ns.back() <= time_ns.front()) return false;
+  return clock.gaps * longest_burst > time_ns.size() && clock.interval_s * rate_of_rows(time_ns) < 0.5;
 }
 
 void add_times(const std::vector<std::int64_t>& time_ns, Inspection& result) {
@@ -211,32 +267,35 @@ void add_times(const std::vector<std::int64_t>& time_ns, Inspection& result) {
 
 }  // namespace
 
-Inspection inspect(const SignalTable& table, const Declarations& declared) {
+Inspection inspect(const SignalTable& given, const Declarations& declared) {
   check_declarations(declared);
-  if (table.rows() < 20) throw Error(fmt::format("{}: {} rows; expected at least 20 to recognize anything", table.file, table.rows()));
+  if (given.rows() < 20) throw Error(fmt::format("{}: {} rows; expected at least 20 to recognize anything", given.file, given.rows()));
+  SignalTable right;  // with the integers of the right sign, where the file prints others
+  const SignalTable& table = with_integers(given, right);
   Inspection result;
   result.file = table.file;
   result.topic = result.source.topic = table.topic;
   result.source.file = std::filesystem::path(table.file).filename().string();
   result.format = table.format;
   result.rows = table.rows();
-  for (std::size_t i = 0; i < table.signals.size(); ++i) result.columns.push_back({name_of(table, i), "unused", "", ""});
+  for (std::size_t i = 0; i < table.signals.size(); ++i) result.columns.push_back({column_name(table, i), "unused", "", ""});
 
   const TimeGuess time = settle_time(table, declared, result);
   TimeGuess assumed = time;  // what does not depend on the rate is found without it
   if (!assumed.rate_hz) assumed.rate_hz = 100;
   const std::vector<std::int64_t> time_ns = from_the_first(stamps_of(table, assumed));
-  if (time.column && time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", name_of(table, *time.column)));
+  if (time.column && time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", column_name(table, *time.column)));
   const ClockQuality clock = clock_quality(time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
   if (clock.backward == 0 && !time_ns.empty()) result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
-    result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock", clock.backward,
-                                          clock.first_backward + 1));
+    result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock; {}", clock.backward,
+                                          clock.first_backward + 1, even_rows_advice()));
   } else if (!result.triads) {
     result.ambiguous.push_back(
-        "accel.columns, gyro.columns: no pair of triads behaves like accelerometers and gyros, and the names do not identify them; name the columns" +
+        "accel.columns, gyro.columns: no pair of triads behaves like accelerometers and gyros, and the names do not identify both; name the columns "
+        "of both, or of one that is alone" +
         columns_with_holes(table));
   } else {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
@@ -246,9 +305,13 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
     settle_temperature(table, result);
     add_support(table, *result.triads, result);
   }
+  if (time.column && in_bursts(clock, time_ns))
+    result.ambiguous.push_back(fmt::format("time.column: stamps come in bursts, {:.4g} s apart inside one, so that most of the time is in gaps; {}",
+                                           clock.interval_s, even_rows_advice(rate_of_rows(time_ns))));
   if (time.rate_hz) {
     add_clock(clock, result);
     add_times(time_ns, result);
+    if (clock.repeated > 0 && clock.backward == 0) take_even_rows(table, time_ns, result);
   }
   for (const SignalPart& part : table.parts)
     if (!part.open.empty()) result.ambiguous.push_back(fmt::format("{} (of {}{})", part.open, part.file, part.topic));

@@ -9,6 +9,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -71,13 +73,23 @@ std::string_view in_brackets(std::string_view name) {
   return {};
 }
 
+/// The index of "gyro_rad[2]", from 0.
+std::optional<int> index_in_brackets(std::string_view name) {
+  const std::string_view inside = in_brackets(name);
+  if (inside.size() != 1 || !std::isdigit(static_cast<unsigned char>(inside.front()))) return std::nullopt;
+  return inside.front() - '0';
+}
+
 /// The unit in brackets, or behind the last blank or underline: "acc_x [m/s^2]", "time_us".
 std::string unit_in(std::string_view name) {
+  if (index_in_brackets(name)) return unit_in(name.substr(0, name.find_first_of("[(")));
   if (const std::string_view inside = in_brackets(name); !inside.empty()) return unit_of(inside);
-  for (const char c : {' ', '_'})
-    if (const std::size_t cut = name.rfind(c); cut != std::string_view::npos)
-      if (std::string unit = unit_of(name.substr(cut + 1)); !unit.empty() && unit != "g" && unit != "m/s") return unit;  // ..._g may be a gyro's
-  if (name.ends_with("US") && name.size() > 2) return "us";                                                              // TimeUS
+  for (std::size_t cut = name.find_first_of(" _"); cut != std::string_view::npos; cut = name.find_first_of(" _", cut + 1))  // "rate_x_deg_per_s"
+    if (std::string unit = unit_of(name.substr(cut + 1));
+        !unit.empty() && unit != "m/s" && unit != "rad" && unit != "deg" && !name.ends_with("_g") && !name.ends_with(" g"))
+      return unit;  // ..._g may be a gyro's, gyro_rad is in rad/s
+  if (const std::string whole = unit_of(name); whole == "ms" || whole == "us" || whole == "ns") return name.size() > 2 ? whole : "";  // "micros"
+  if (name.ends_with("US") && name.size() > 2) return "us";                                                                           // TimeUS
   return {};
 }
 
@@ -118,26 +130,47 @@ Role role_of(std::vector<std::string> words) {
 
 }  // namespace
 
-std::string unit_of(std::string_view text) {
-  std::string key = lowered(text);
-  std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"'; });
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 51> units{{
-      {"m/s2", "m/s^2"},   {"m/s²", "m/s^2"},    {"mps2", "m/s^2"},    {"m/s/s", "m/s^2"},
-      {"ms-2", "m/s^2"},   {"m/sec2", "m/s^2"},  {"m/s-2", "m/s^2"},   {"g", "g"},
-      {"gee", "g"},        {"mg", "mg"},         {"ug", "ug"},         {"µg", "ug"},
-      {"rad/s", "rad/s"},  {"rad/sec", "rad/s"}, {"radps", "rad/s"},   {"rads-1", "rad/s"},
-      {"deg/s", "deg/s"},  {"deg/sec", "deg/s"}, {"degps", "deg/s"},   {"dps", "deg/s"},
-      {"°/s", "deg/s"},    {"mdps", "mdeg/s"},   {"mdeg/s", "mdeg/s"}, {"deg/h", "deg/h"},
-      {"deg/hr", "deg/h"}, {"dph", "deg/h"},     {"°/h", "deg/h"},     {"deg/min", "deg/min"},
-      {"m/s", "m/s"},      {"gs", "g*s"},        {"arcsec", "arcsec"}, {"s", "s"},
-      {"sec", "s"},        {"secs", "s"},        {"seconds", "s"},     {"ms", "ms"},
-      {"msec", "ms"},      {"us", "us"},         {"µs", "us"},         {"usec", "us"},
-      {"ns", "ns"},        {"nsec", "ns"},       {"nanosec", "ns"},    {"degc", "degC"},
-      {"°c", "degC"},      {"k", "K"},           {"count", "count"},   {"counts", "count"},
-      {"lsb", "count"},    {"raw", "count"},     {"adc", "count"},
+namespace {
+
+/// Of the symbols that a session names; nothing for another key, all of small letters without blanks.
+std::string unit_of_symbol(const std::string& key) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 63> units{{
+      {"rad", "rad"},         {"deg", "deg"},     {"ms2", "m/s^2"},     {"rads", "rad/s"},    {"degs", "deg/s"},   {"m/s2", "m/s^2"},
+      {"m/s²", "m/s^2"},      {"mps2", "m/s^2"},  {"m/s/s", "m/s^2"},   {"ms-2", "m/s^2"},    {"m/s-2", "m/s^2"},  {"ms⁻²", "m/s^2"},
+      {"m·s⁻²", "m/s^2"},     {"g", "g"},         {"gs", "g"},          {"gee", "g"},         {"g0", "g"},         {"mg", "mg"},
+      {"ug", "ug"},           {"µg", "ug"},       {"rad/s", "rad/s"},   {"radps", "rad/s"},   {"rads-1", "rad/s"}, {"rads⁻¹", "rad/s"},
+      {"rad·s⁻¹", "rad/s"},   {"r/s", "rad/s"},   {"deg/s", "deg/s"},   {"degps", "deg/s"},   {"dps", "deg/s"},    {"°/s", "deg/s"},
+      {"degs-1", "deg/s"},    {"mdps", "mdeg/s"}, {"mdeg/s", "mdeg/s"}, {"deg/h", "deg/h"},   {"dph", "deg/h"},    {"°/h", "deg/h"},
+      {"deg/min", "deg/min"}, {"dpm", "deg/min"}, {"m/s", "m/s"},       {"arcsec", "arcsec"}, {"s", "s"},          {"ms", "ms"},
+      {"millis", "ms"},       {"us", "us"},       {"µs", "us"},         {"micros", "us"},     {"ns", "ns"},        {"nanos", "ns"},
+      {"degc", "degC"},       {"°c", "degC"},     {"celsius", "degC"},  {"k", "K"},           {"kelvin", "K"},     {"count", "count"},
+      {"counts", "count"},    {"lsb", "count"},   {"lsbs", "count"},    {"raw", "count"},     {"adc", "count"},    {"nanosec", "ns"},
+      {"msec", "ms"},         {"usec", "us"},     {"nsec", "ns"},
   }};
   const auto found = std::find_if(units.begin(), units.end(), [&](const auto& unit) { return unit.first == key; });
   return found == units.end() ? std::string() : std::string(found->second);
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+std::string unit_of(std::string_view text) {
+  std::string key = lowered(text);
+  if (key == "g*s") return key;
+  std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"' || c == '_'; });
+  if (std::string unit = unit_of_symbol(key); !unit.empty()) return unit;
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 21> words{{
+      {"milliseconds", "ms"}, {"millisecond", "ms"}, {"microseconds", "us"}, {"microsecond", "us"}, {"nanoseconds", "ns"}, {"nanosecond", "ns"},
+      {"seconds", "s"},       {"second", "s"},       {"secs", "s"},          {"sec", "s"},          {"degrees", "deg"},    {"degree", "deg"},
+      {"radians", "rad"},     {"radian", "rad"},     {"meters", "m"},        {"metres", "m"},       {"meter", "m"},        {"hours", "h"},
+      {"hour", "h"},          {"squared", "2"},      {"per", "/"},
+  }};
+  for (const auto& [word, symbol] : words) replace_all(key, word, symbol);
+  if (key.ends_with("/hr")) key.pop_back();
+  return unit_of_symbol(key);
 }
 
 NameHint hint_of(std::string_view name) {
@@ -149,8 +182,10 @@ NameHint hint_of(std::string_view name) {
   hint.axis = axis_of(words);
   if (hint.axis < 0 && !words.empty() && words.back().size() == 1 && std::isdigit(static_cast<unsigned char>(words.back()[0])))
     hint.axis = words.back()[0] - '1';  // gyro.1, gyro.2, gyro.3
+  const std::optional<int> index = index_in_brackets(name);
+  if (index) hint.axis = *index;
   if (hint.axis > 2) hint.axis = -1;
-  if (const std::string_view inside = in_brackets(name); hint.unit.empty()) hint.unknown = std::string(inside);
+  if (const std::string_view inside = in_brackets(name); hint.unit.empty() && !index) hint.unknown = std::string(inside);
   const bool of_time = hint.unit == "s" || hint.unit == "ms" || hint.unit == "us" || hint.unit == "ns";
   if (of_time && hint.role != Role::fraction) hint.role = Role::time;  // "Temps (s)" is no temperature
   hint.ticks = std::any_of(words.begin(), words.end(), [](const std::string& w) { return is_among(w, tick_words); });
@@ -159,6 +194,35 @@ NameHint hint_of(std::string_view name) {
     if (!is_axis) hint.sensor += (hint.sensor.empty() ? "" : " ") + (hint.axis >= 0 && axis_of({word}) >= 0 ? word.substr(0, word.size() - 1) : word);
   }
   if (hint.role == Role::fraction && hint.unit.empty()) hint.unit = "ns";
+  return hint;
+}
+
+namespace {
+
+/// The sensor that has this unit; g is that of an accelerometer where it stands for a whole unit.
+Role role_of_unit(const std::string& unit) {
+  for (const auto& [quantity, role] : {std::pair{Quantity::accel, Role::accel}, {Quantity::gyro, Role::gyro}}) {
+    const std::vector<std::string_view> names = unit_names(quantity, false);
+    if (unit != "count" && std::find(names.begin(), names.end(), unit) != names.end()) return role;
+  }
+  return Role::unknown;
+}
+
+}  // namespace
+
+NameHint hint_in(const SignalTable& table, std::size_t column) {
+  const Signal& signal = table.signals[column];
+  NameHint hint = hint_of(signal.name);
+  if (hint.role != Role::unknown || (hint.axis < 0 && !signal.name.empty())) return hint;
+  const SignalPart* part = signal.table > 0 ? &table.parts[signal.table - 1] : nullptr;
+  const auto sensor_of = [](const std::string& name) {
+    const Role role = hint_of(name).role;
+    return role == Role::gyro || role == Role::accel ? role : Role::unknown;
+  };
+  hint.role = role_of_unit(!signal.unit.empty() ? signal.unit : hint.unit);
+  if (hint.role == Role::unknown && hint.axis >= 0) hint.role = sensor_of(part != nullptr && !part->topic.empty() ? part->topic : table.topic);
+  if (hint.role == Role::unknown && hint.axis >= 0)
+    hint.role = sensor_of(std::filesystem::path(part != nullptr && !part->file.empty() ? part->file : table.file).stem().string());
   return hint;
 }
 

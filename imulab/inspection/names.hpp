@@ -1,8 +1,10 @@
 // The name of a column is a hint, which the data have to confirm.
 #pragma once
 
+#include "imulab/inspection/signals.hpp"
 #include "imulab/recording/session.hpp"
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,10 @@ struct NameHint {
 /// "acc_x [m/s^2]", "GyroY(dps)", "angular_velocity.z", "wx", "timestamp_us", "Temp": role, axis and unit. `Role::other` is what is known not to be
 /// wanted: magnetometers, orientations, positions, pressure.
 NameHint hint_of(std::string_view name);
+
+/// The hint of a column in its table. Where its name gives an axis alone, as in "x (rad/s)", its unit says which sensor it is of, or else the name of
+/// its file or topic: "Gyroscope.csv".
+NameHint hint_in(const SignalTable& table, std::size_t column);
 
 /// A unit as files write it, as a session names it: "m/s2" and "mps2" are "m/s^2", "dps" is "deg/s"; empty where it is none.
 std::string unit_of(std::string_view text);

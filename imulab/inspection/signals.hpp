@@ -10,11 +10,12 @@
 namespace imulab {
 
 struct Signal {
-  std::string name;            ///< of the column; empty where the file has none
-  std::string unit;            ///< where the file's format states it; else empty
-  Column column = 1;           ///< how a session names it
-  std::vector<double> values;  ///< one a row; NaN where the field holds no number
-  std::size_t table = 0;       ///< of several that were joined: which
+  std::string name;                          ///< of the column; empty where the file has none
+  std::string unit;                          ///< where the file's format states it; else empty
+  Column column = 1;                         ///< how a session names it
+  std::vector<double> values;                ///< one a row; NaN where the field holds no number
+  std::size_t table = 0;                     ///< of several that were joined: which
+  Integers integers = Integers::as_written;  ///< as which the values are taken
 };
 
 /// Where a table that was joined to another one comes from, and its clock.

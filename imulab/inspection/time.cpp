@@ -1,6 +1,7 @@
 #include "imulab/inspection/time.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/inspection/makers.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/resampling.hpp"
@@ -135,6 +136,16 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
         fmt::format("time.unit: {} advances by {:.6g} of a unit that is not known here; expected s, ms, us, ns, tick or sample", name, steps.typical);
     return;
   }
+  if (const auto clock = makers_clock(signal.name, steps.typical); clock && signal.unit.empty()) {
+    guess.source.unit = "tick";
+    guess.source.ticks_per_s = clock->ticks_per_s;
+    for (const char* unit : time_units)
+      if (in_seconds(unit) * clock->ticks_per_s == 1) guess.source.unit = unit, guess.source.ticks_per_s.reset();
+    guess.rate_hz = clock->ticks_per_s / steps.typical;
+    guess.evidence = fmt::format("{} advances by {:.6g}: {:g} a second ({}'s clock of that name), {:.5g} Hz", name, steps.typical, clock->ticks_per_s,
+                                 clock->maker, *guess.rate_hz);
+    return;
+  }
   if (hint.ticks) {
     guess.source.unit = "tick";
     guess.evidence = fmt::format("{} advances by {:.6g}: ticks, by its name", name, steps.typical);
@@ -161,7 +172,9 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
                              steps.ones ? "a number of the sample, or ms" : "no unit of time gives a rate from 10 Hz to 10 kHz");
     return;
   }
-  decide(fit[0], "in no other unit the rate is between 10 Hz and 10 kHz");
+  guess.by_rate_alone = steps.whole;
+  decide(fit[0],
+         steps.whole ? "of the usual units the only one with a rate from 10 Hz to 10 kHz" : "in no other unit the rate is from 10 Hz to 10 kHz");
   if (*guess.rate_hz > usual_hz)
     guess.open = fmt::format("time.unit: {} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz);
 }
@@ -196,14 +209,14 @@ TimeGuess recognize_time(const SignalTable& table) {
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const auto steps = steps_of(table.signals[i].values);
     if (!steps || !is_clock(*steps, table.rows())) continue;
-    const Role role = hint_of(table.signals[i].name).role;
+    const Role role = hint_in(table, i).role;
     if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
     const bool time = role == Role::time || !table.signals[i].unit.empty();
     candidates.push_back({i, *steps, (time ? 4 : 0) + (steps->ones ? 0 : 2)});
   }
   if (candidates.empty()) {
     guess.evidence = "no column advances in even steps: the rows have no stamps";
-    guess.open = "rate_hz: the rows have no stamps";
+    guess.open = "rate_hz: the rows have no stamps that advance in even steps; declare the rate of the rows";
     return guess;
   }
   const auto best = std::max_element(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.merit < b.merit; });

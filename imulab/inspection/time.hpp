@@ -19,11 +19,13 @@ struct TimeGuess {
   std::optional<double> rate_hz;                ///< of the samples; absent where it cannot be known
   std::string evidence;
   std::vector<std::string> others;  ///< columns that could be time as well
+  bool by_rate_alone = false;       ///< whole numbers in the only usual unit that gives a rate of an IMU: they may as well be ticks
   std::string open;                 ///< a question that the data do not answer; empty where there is none
 };
 
-/// Finds the column whose numbers advance in even steps, and the unit in which these are the interval of an IMU (10 Hz to 10 kHz), by the unit that
-/// the column states, its beginning (a date since 1970), and its name.
+/// Finds the column whose numbers advance in even steps, and their unit by what the column states, its beginning (a date since 1970), its name, or
+/// its maker. Where none of these tells, the only unit in which the steps are the interval of an IMU (10 Hz to 10 kHz) is taken: for whole numbers,
+/// which may be ticks, that is `by_rate_alone`, and has to be confirmed.
 TimeGuess recognize_time(const SignalTable& table);
 
 /// Stamps [ns] of the rows by that clock; empty without a rate, and where a row has no stamp.

@@ -59,13 +59,18 @@ Columns3 columns_of(const SignalTable& table, const SignalTriad& triad, std::siz
   return columns;
 }
 
-/// A center far from zero that the rests' means lie about on a sphere: that of unsigned counts.
+/// A center far from zero that the rests' means lie about on a sphere: that of unsigned counts. Readings whose norm is constant while their direction
+/// changes lie about zero: rests that hardly differ in direction determine no other center.
 std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   Vector3d center = Vector3d::Zero();
   for (const RestMeans& rest : rests) center += rest.accel / static_cast<double>(rests.size());
   double reach = 0;
   for (const RestMeans& rest : rests) reach = std::max(reach, (rest.accel - center).norm());
   if (rests.size() < 6 || center.norm() < 3 * reach || reach == 0) return std::nullopt;
+  const auto shorter = [](const RestMeans& a, const RestMeans& b) { return a.accel.norm() < b.accel.norm(); };
+  const auto [least, most] = std::minmax_element(rests.begin(), rests.end(), shorter);
+  constexpr double along_a_sphere = 0.3;  // of the reach: an uncalibrated sensor's norm changes by a tenth of it
+  if (most->accel.norm() - least->accel.norm() < along_a_sphere * reach) return std::nullopt;
   std::vector<Vector3d> readings;
   for (const RestMeans& rest : rests) readings.emplace_back((rest.accel - center) / reach);
   const auto coarse = coarse::coarse_accel(readings, 1);
@@ -104,19 +109,32 @@ double norm_spread_in_motion(const Recording& recording, const std::vector<Range
   return norms.size() < 10 ? 0 : robust_sigma(norms) / median(norms);
 }
 
+/// The three columns in the order of their names' axes, where these are x, y and z of one sensor: some logs have z first.
+std::optional<SignalTriad> by_axes(const SignalTable& table, const SignalTriad& triad) {
+  std::array<std::optional<std::size_t>, 3> places;
+  const std::string sensor = hint_in(table, triad[0]).sensor;
+  for (const std::size_t i : triad) {
+    const NameHint hint = hint_in(table, i);
+    if (hint.axis >= 0 && hint.sensor == sensor) places[static_cast<std::size_t>(hint.axis)] = i;
+  }
+  if (!places[0] || !places[1] || !places[2]) return std::nullopt;
+  return SignalTriad{*places[0], *places[1], *places[2]};
+}
+
 }  // namespace
 
 double TriadEvidence::gyro_scale() const { return gyro_matrix ? std::cbrt(std::abs(gyro_matrix->determinant())) : 0; }
 
 std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without) {
   std::vector<SignalTriad> triads;
-  const auto add = [&](const SignalTriad& triad) {
+  const auto add = [&](SignalTriad triad) {
+    if (const auto named = by_axes(table, triad)) triad = *named;
     if (std::find(triads.begin(), triads.end(), triad) == triads.end()) triads.push_back(triad);
   };
   std::vector<std::size_t> usable;
   std::map<std::string, std::array<std::optional<std::size_t>, 3>> named;  // by what the names have in common
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
-    const NameHint hint = hint_of(table.signals[i].name);
+    const NameHint hint = hint_in(table, i);
     const bool taken = std::find(without.begin(), without.end(), i) != without.end();
     if (taken || hint.role == Role::other || hint.role == Role::temperature) continue;
     const Variation variation = variation_of(table.signals[i].values);
@@ -133,7 +151,8 @@ std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::ve
     for (std::size_t k = 0; k + 2 * stride < usable.size(); ++k) {
       const SignalTriad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
       const bool even = triad[1] - triad[0] == triad[2] - triad[1];
-      if (even || usable.size() == 6) add(triad);
+      const bool together = table.signals[triad[0]].table == table.signals[triad[2]].table;
+      if (together && (even || usable.size() == 6)) add(triad);
     }
   return triads;
 }

@@ -20,9 +20,10 @@ using SignalTriad = std::array<std::size_t, 3>;
 /// Three columns that may belong together, by their names or their places.
 std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without);
 
-/// The evidence for two triads in the data, if one is taken for the gyros and the other for the accelerometers.
+/// The evidence for two triads in the data, if one is taken for the gyros and the other for the accelerometers; or for one of them alone.
 struct TriadEvidence {
   SignalTriad gyro{}, accel{};
+  bool has_gyro = true, has_accel = true;
   std::vector<Range> rests;
   double norm = 0, norm_least = 0, norm_most = 0;  ///< of the accelerometers' means at rest, their offsets taken out where they are large
   bool offset_taken_out = false;                   ///< the rests' means lie about a center far from zero, as unsigned counts do

@@ -115,7 +115,7 @@ struct Quality {
   std::string verdict;  ///< "good", or "doubtful" for the reasons in `because`
   std::vector<std::string> because;
   std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty enters that of the others
-  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
+  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (handheld)
   std::vector<TermTest> term_tests;
   std::optional<SecondOpinion> second_opinion;
   std::vector<EffectEstimate> effects;
@@ -149,6 +149,7 @@ struct SourceFile {
   std::uint64_t bytes = 0;
   double first_s = 0, last_s = 0;                                            ///< first and last stamp
   std::optional<std::array<double, 2>> accel_temperature, gyro_temperature;  ///< smallest and largest thermal reading
+  std::string topic{};                                                       ///< of a bag: of the gyros' messages
   bool operator==(const SourceFile&) const = default;
 };
 

@@ -17,6 +17,7 @@ template <class Fields>
 void describe(Fields& f, SourceFile& s) {
   f("file", s.file), f("sha256", s.sha256), f("bytes", s.bytes), f("first_s", s.first_s), f("last_s", s.last_s);
   f("accel_temperature", s.accel_temperature, fields::optional), f("gyro_temperature", s.gyro_temperature, fields::optional);
+  f("topic", s.topic, fields::if_any);
 }
 
 template <class Fields>

@@ -1,9 +1,13 @@
 #include "imulab/model/coefficient.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace imulab {
 
@@ -90,9 +94,16 @@ auto& element(Model& model, const Coefficient& c) {
 }
 
 [[noreturn]] void unknown(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const Coefficient& c : coefficient_table()) {
+    const std::string_view full = c.name, term = full.substr(0, full.rfind('.'));
+    names.push_back(full);
+    if (std::find(names.begin(), names.end(), term) == names.end()) names.push_back(term);
+  }
   throw Error(
       "unknown coefficient \"" + std::string(name) +
-      "\": expected triad.term.element such as gyro.matrix.xy, a term such as accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal");
+      "\": expected triad.term.element such as gyro.matrix.xy, a term such as accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal" +
+      did_you_mean(name, names));
 }
 
 }  // namespace

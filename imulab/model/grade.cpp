@@ -1,8 +1,10 @@
 #include "imulab/model/grade.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/core/units.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -147,11 +149,13 @@ constexpr std::array<AirlinerSystem, 3> systems{{
 template <class Entry>
 const Entry& named(std::span<const Entry> entries, std::string_view what, std::string_view name) {
   std::string known;
+  std::vector<std::string_view> names;
   for (const Entry& e : entries) {
     if (e.name == name) return e;
+    names.emplace_back(e.name);
     known += (known.empty() ? "" : ", ") + std::string(e.name);
   }
-  throw Error(std::string(what) + " = \"" + std::string(name) + "\": unknown; expected one of " + known);
+  throw Error(std::string(what) + " = \"" + std::string(name) + "\": unknown; expected one of " + known + did_you_mean(name, names));
 }
 
 }  // namespace

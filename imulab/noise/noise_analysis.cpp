@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/recording/rest_or_motion.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
@@ -133,8 +134,8 @@ NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& st
   RecordingView r = recording;
   r.interval_s = still.interval_s;
   if (options.remove_temperature) {
-    expect_temperature(r, still.range, gyro_temperature_columns, "gyro");
-    expect_temperature(r, still.range, accel_temperature_columns, "accel");
+    if (r.has(gyro_columns)) expect_temperature(r, still.range, gyro_temperature_columns, "gyro");
+    if (r.has(accel_columns)) expect_temperature(r, still.range, accel_temperature_columns, "accel");
   }
   NoiseAnalysis analysis;
   analysis.recording = r.name;
@@ -144,19 +145,23 @@ NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& st
   analysis.begin_s = r.time_s(still.range.begin) - r.interval_s;
   analysis.end_s = r.time_s(still.range.end - 1);
   analysis.notes = still.notes;
-  analysis.axes.resize(6);
+  std::vector<std::size_t> columns;
+  for (std::size_t column = gyro_columns; column < gyro_temperature_columns; ++column)
+    if (r.has(column)) columns.push_back(column);
+  analysis.axes.resize(columns.size());
   std::array<double, 6> slopes{};
-  const auto analyze = [&](std::size_t k) { analyze_axis(analysis.axes[k], r, k, still.range, options, slopes[k]); };
+  const auto analyze = [&](std::size_t k) { analyze_axis(analysis.axes[k], r, columns[k], still.range, options, slopes[k]); };
   if (r.on_disk != nullptr)
-    for (std::size_t k = 0; k < 6; ++k) analyze(k);
+    for (std::size_t k = 0; k < columns.size(); ++k) analyze(k);
   else
-    parallel_for(std::size_t{6}, analyze);
+    parallel_for(columns.size(), analyze);
   if (options.remove_temperature)
-    for (std::size_t k = 0; k < 6; ++k)
+    for (std::size_t k = 0; k < columns.size(); ++k)
       if (analysis.axes[k].fit)
         analysis.notes.push_back(
             fmt::format("{}: a parabola of the temperature was removed, {:.3g} {} per degree at the mean: it may take some of K and B along",
                         analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
+  analysis.warnings = doubts_about_rest(r, still.range);
   for (const NoiseAxis& axis : analysis.axes) warn_of_fit(analysis, axis);
   if (options.remove_temperature) return analysis;
   warn_of_temperature(analysis, r, gyro_temperature_columns, still.range, "gyro");
@@ -228,6 +233,9 @@ BatchCoefficient together(const std::vector<NoiseCoefficient>& logs) {
 
 NoiseBatch noise_batch(std::vector<NoiseAnalysis> logs) {
   NoiseBatch batch{std::move(logs), {}};
+  for (const NoiseAnalysis& log : batch.logs)
+    if (log.axes.size() != batch.logs.front().axes.size() || (!log.axes.empty() && log.axes[0].name != batch.logs.front().axes[0].name))
+      throw Error(fmt::format("{}: has other triads than {}; expected logs with the same ones", log.recording, batch.logs.front().recording));
   for (std::size_t k = 0; k < batch.logs.front().axes.size(); ++k) {
     BatchAxis axis{batch.logs.front().axes[k].name, batch.logs.front().axes[k].unit, {}};
     std::array<std::vector<NoiseCoefficient>, 5> values;

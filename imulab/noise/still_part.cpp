@@ -5,6 +5,7 @@
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/resampling.hpp"
+#include "imulab/recording/rest_or_motion.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/recording/slow_motion.hpp"
 #include "imulab/recording/validate.hpp"
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -24,12 +26,20 @@ constexpr std::size_t fewest_samples = 1024;
 
 double seconds(const RecordingView& recording, const Range& range) { return static_cast<double>(range.size()) * recording.interval_s; }
 
+/// Gaps up to this, which are many: the readings are taken as if none was missing.
+constexpr double longest_closed_s = 1, most_closed = 0.3;
+/// A piece without gaps is used as long as it is not so much shorter.
+constexpr std::size_t times_longer = 4;
+/// The share of samples that may be filled in: each has half the noise of its neighbors.
+constexpr double most_filled = 0.005;
+
 /// The share of readings at its limit up to which a varying channel does not count as saturated there.
 constexpr double seldom = 0.001;
 
 std::string clipped_axes(const RecordingView& recording, const Range& range) {
   std::string names;
   for (std::size_t column = gyro_columns; column < gyro_temperature_columns; ++column) {
+    if (!recording.has(column)) continue;
     std::size_t clipped = 0;
     for_each_clipped(recording, column, range, [&](std::size_t) { ++clipped; });
     if (static_cast<double>(clipped) > seldom * static_cast<double>(range.size())) names += (names.empty() ? "" : ", ") + axis_name(column);
@@ -37,7 +47,8 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
   return names;
 }
 
-[[noreturn]] void too_short(const RecordingView& recording, const std::vector<Range>& rests, const Range& best) {
+[[noreturn]] void too_short(const RecordingView& recording, const Rests& found, const Range& best) {
+  const std::vector<Range>& rests = found.ranges;
   const std::string expected = fmt::format("expected at least {:g} s and {} samples at rest", shortest_still_s, fewest_samples);
   const Range all{0, recording.size()};
   const std::string where = std::string(recording.name) + ": ";
@@ -49,12 +60,43 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
     throw Unsupported(fmt::format("{}{} of {} samples are saturated{}: the noise is cut off there; {} without saturation", where, saturated,
                                   all.size(), axes.empty() ? "" : " (" + axes + ")", expected));
   }
-  if (rests.empty()) throw Unsupported(fmt::format("{}moves throughout: no rest was found; {}", where, expected));
+  if (rests.empty())
+    throw Unsupported(
+        fmt::format("{}moves throughout: no rest was found{}; {}", where, found.motion.empty() ? "" : " (" + found.motion + ")", expected));
   Range longest;
   for (const Range& rest : rests)
     if (rest.size() > longest.size()) longest = rest;
   throw Unsupported(fmt::format("{}the longest of {} rests has {:.3g} s, {:.3g} s of it without gaps and slow motion; {}", where, rests.size(),
                                 seconds(recording, longest), seconds(recording, best), expected));
+}
+
+/// Time that is missing in the gaps of a range [s].
+double missing_s(const RecordingView& recording, const Range& range) {
+  double missing = 0;
+  for (auto gap = std::upper_bound(recording.gaps.begin(), recording.gaps.end(), range.begin); gap != recording.gaps.end() && *gap < range.end; ++gap)
+    missing += recording.time_s(*gap) - recording.time_s(*gap - 1) - recording.interval_s;
+  return missing;
+}
+
+/// Rests that only a gap separates as one: who wants the noise does not ask what moved inside.
+std::vector<Range> across_gaps(const std::vector<Range>& rests) {
+  std::vector<Range> out;
+  for (const Range& rest : rests) {
+    if (!out.empty() && out.back().end == rest.begin)
+      out.back().end = rest.end;
+    else
+      out.push_back(rest);
+  }
+  return out;
+}
+
+/// The longest part across short gaps, if it is much longer than the longest without; else nothing.
+std::optional<Range> across_short_gaps(const RecordingView& recording, const Range& part, const Range& without) {
+  Range longest;
+  for (const Range& piece : without_interruptions(recording, part, longest_closed_s))
+    if (piece.size() > longest.size()) longest = piece;
+  if (longest.size() <= times_longer * without.size()) return std::nullopt;
+  return missing_s(recording, longest) <= most_closed * seconds(recording, longest) ? std::optional(longest) : std::nullopt;
 }
 
 /// The interval of all of the analysis: nominal, or that of the even clock of stamps whose usual difference is another. The stamps of each eighth are
@@ -66,18 +108,20 @@ double one_interval(const RecordingView& recording, const Range& range, bool dec
   std::string rates;
   for (std::size_t part = 0; part < parts; ++part) {
     const std::size_t first = range.begin + part * (range.size() - 1) / parts, last = range.begin + (part + 1) * (range.size() - 1) / parts;
-    hz[part] = static_cast<double>(last - first) / (recording.time_s(last) - recording.time_s(first));
+    hz[part] = static_cast<double>(last - first) / (recording.time_s(last) - recording.time_s(first) - missing_s(recording, {first, last + 1}));
     rates += fmt::format("{}{:.4g}", part == 0 ? "" : ", ", hz[part]);
   }
   const auto [least, greatest] = std::minmax_element(hz.begin(), hz.end());
-  const double nominal = 1 / recording.interval_s;
+  const double nominal = 1 / recording.interval_s, mean_hz = std::accumulate(hz.begin(), hz.end(), 0.0) / parts;
   if (*greatest / *least - 1 > most)
-    throw Unsupported(fmt::format("{}: the rate changes: {} Hz in the eighths of the rest; expected one rate: cut the log", recording.name, rates));
+    throw Unsupported(fmt::format("{}: the rate changes: {} Hz in the eighths of the rest; expected one rate: cut the log, or, {}", recording.name,
+                                  rates, even_rows_advice(mean_hz)));
   if (std::max(*greatest / nominal, nominal / *least) - 1 <= most) return recording.interval_s;
   const std::optional<EvenClock> clock = declared ? std::nullopt : even_clock(recording.time_ns.subspan(range.begin, range.size()));
   if (!clock)
-    throw Unsupported(fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz {}; expected a session with the correct rate", recording.name,
-                                  hz[0], nominal, declared ? "are declared" : "is their usual difference"));
+    throw Unsupported(fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz {}; expected a session with the correct rate, or, {}",
+                                  recording.name, hz[0], nominal, declared ? "are declared" : "is their usual difference",
+                                  even_rows_advice(mean_hz)));
   notes.push_back(fmt::format("the stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place",
                               1e3 * clock->scatter_s, 1e3 * clock->interval_s));
   return clock->interval_s;
@@ -85,9 +129,12 @@ double one_interval(const RecordingView& recording, const Range& range, bool dec
 
 std::vector<std::string> cut_notes(const RecordingView& recording, const std::vector<Range>& rests, const Range& used) {
   std::vector<std::string> notes;
-  notes.push_back(fmt::format("at rest: {} to {} s, {} samples; {:.3g} of {:.6g} s were cut",
-                              stamp_text(recording.time_s(used.begin) - recording.interval_s), stamp_text(recording.time_s(used.end - 1)),
-                              used.size(), seconds(recording, {0, recording.size() - used.size()}), seconds(recording, {0, recording.size()})));
+  // Clocks that count from 1970 or from power-on: from the log's first stamp on, unless that is near zero.
+  const double begin = recording.time_s(0) - recording.interval_s, from = std::abs(begin) < 1e6 ? 0 : begin;
+  notes.push_back(fmt::format("at rest: {} to {} s{}, {} samples; {:.3g} of {:.6g} s were cut",
+                              stamp_text(recording.time_s(used.begin) - recording.interval_s - from),
+                              stamp_text(recording.time_s(used.end - 1) - from), from == 0 ? "" : " of the log", used.size(),
+                              seconds(recording, {0, recording.size() - used.size()}), seconds(recording, {0, recording.size()})));
   double other = 0, at_rest = 0;
   for (const Range& rest : rests) {
     at_rest += seconds(recording, rest);
@@ -96,7 +143,12 @@ std::vector<std::string> cut_notes(const RecordingView& recording, const std::ve
   const double moving = seconds(recording, {0, recording.size()}) - at_rest;
   if (moving > 0.5 * recording.interval_s) notes.push_back(fmt::format("cut: {:.3g} s of motion or knocks", moving));
   if (other > 0) notes.push_back(fmt::format("cut: {:.3g} s of other rests, which are shorter", other));
-  if (const std::size_t gaps = recording.gaps.size(); gaps > 0)
+  if (const double missing = missing_s(recording, used); missing > 0)
+    notes.push_back(
+        fmt::format("gaps in the part used: {}, together {:.3g} s: its readings are taken as if none was missing. N and Q stand; times are "
+                    "{:.2g} % too short",
+                    recording.gaps_in({used.begin + 1, used.end}), missing, 100 * missing / (missing + seconds(recording, used))));
+  else if (const std::size_t gaps = recording.gaps.size(); gaps > 0)
     notes.push_back(fmt::format("gaps in the recording: {}; the part used has none", gaps));
   if (const std::size_t n = recording.saturated.size(); n > 0)
     notes.push_back(fmt::format("saturated samples in the recording: {}; the part used has none", n));
@@ -113,7 +165,15 @@ bool rate_is_declared(const RecordingView& recording, const Session& session) {
 
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
   StillRange still;
-  const std::vector<Range> rests = rests_of(recording, session).ranges;
+  Rests found = rests_of(recording, session);
+  if (recording.accel_unit == "count")  // of a log at rest their mean is gravity
+    std::erase_if(found.ranges, [&](const Range& rest) {
+      std::string motion = motion_in(recording, rest, true);
+      const bool moves = !motion.empty();
+      if (moves) found.motion = std::move(motion);
+      return moves;
+    });
+  const std::vector<Range> rests = across_gaps(found.ranges);
   bool slow_motion = false;
   for (const Range& rest : rests) {
     const std::vector<Range> parts = between_slow_motion(recording, rest);
@@ -121,7 +181,11 @@ StillRange still_range(const RecordingView& recording, const Session& session, s
     for (const Range& part : parts)
       if (const Range piece = longest_piece(recording, part); piece.size() > still.range.size()) still.range = piece;
   }
-  if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, rests, still.range);
+  const Range without_gaps = still.range;
+  for (const Range& rest : rests)
+    for (const Range& part : between_slow_motion(recording, rest))
+      if (const auto piece = across_short_gaps(recording, part, without_gaps); piece && piece->size() > still.range.size()) still.range = *piece;
+  if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, found, still.range);
   still.notes = cut_notes(recording, rests, still.range);
   if (slow_motion) still.notes.push_back("slow motion was cut: the mean over a second changes far more than usual");
   still.interval_s = one_interval(recording, still.range, rate_is_declared(recording, session), still.notes);
@@ -129,9 +193,14 @@ StillRange still_range(const RecordingView& recording, const Session& session, s
   return still;
 }
 
+bool worth_filling(const RecordingView& recording) {
+  return static_cast<double>(short_gaps(recording).filled) <= most_filled * static_cast<double>(recording.size());
+}
+
 StillPart still_part(Recording recording, const Session& session) {
   validate(recording);
-  FilledRecording filled = with_short_gaps_filled(std::move(recording));
+  FilledRecording filled{std::move(recording), 0};
+  if (worth_filling(filled.recording)) filled = with_short_gaps_filled(std::move(filled.recording));
   StillRange found = still_range(filled.recording, session, filled.filled);
   filled.recording.interval_s = found.interval_s;
   return {std::move(found), std::move(filled.recording)};

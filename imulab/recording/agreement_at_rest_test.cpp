@@ -11,7 +11,7 @@
 namespace imulab {
 namespace {
 
-/// A hand-held session without noise: the truth leaves rounding alone.
+/// A handheld session without noise: the truth leaves rounding alone.
 SimulatedSession quiet_session() {
   return simulate_session({.poses = 8}, 3, [](Truth& truth) { truth.accel_noise = truth.gyro_noise = {}; });
 }

@@ -284,6 +284,14 @@ std::array<double, 2> line_through(const std::vector<Early>& points) {
 
 }  // namespace
 
+std::string even_rows_advice(std::optional<double> rate_hz) {
+  const std::string rate = rate_hz ? fmt::format("{:.4g}", *rate_hz) : "HZ";
+  return fmt::format(
+      "where the sensor samples evenly, take its rows at equal spacing: --time none --rate {0}; in a session time = {{ unit = \"sample\" "
+      "}} and rate_hz = {0}",
+      rate);
+}
+
 std::int64_t EvenClock::stamp_ns(std::size_t i) const { return std::llround(first_ns + 1e9 * interval_s * static_cast<double>(i)); }
 
 std::optional<EvenClock> even_clock(std::span<const std::int64_t> time_ns) {

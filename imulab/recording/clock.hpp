@@ -90,6 +90,9 @@ struct RoundedStamps {
 /// The rounding of ascending stamps; nothing where they are not rounded, or not those of an even clock. Samples may be missing.
 std::optional<RoundedStamps> rounded_stamps(std::span<const std::int64_t> time_ns);
 
+/// What to type where stamps cannot be used, and a sensor's rows are to be taken at equal spacing. Without a rate, HZ stands for it.
+std::string even_rows_advice(std::optional<double> rate_hz = std::nullopt);
+
 /// A sensor samples evenly; a serial line, a busy computer or a coarse clock stamps its samples late: stamp i = first_ns + i * interval_s, late by up
 /// to a few intervals.
 struct EvenClock {

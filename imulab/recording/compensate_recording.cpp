@@ -4,6 +4,8 @@
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -52,6 +54,9 @@ void expect_finite(const Recording& r) {
 CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers) {
   CompensatedRecording out{std::move(recording), {}, {}};
   Recording& r = out.recording;
+  if (!r.time_ns.empty() && (r.gyro[0].empty() || r.accel[0].empty()))
+    throw Error(fmt::format("{}: has no {}; both triads are compensated together: expected a recording of both", r.name,
+                            r.gyro[0].empty() ? "gyros" : "accelerometers"));
   check_unit(r, "accel", r.accel_unit, model.accel);
   check_unit(r, "gyro", r.gyro_unit, model.gyro);
   if (outliers == Outliers::reject) out.replaced = replace_outliers(r);

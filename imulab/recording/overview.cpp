@@ -18,7 +18,10 @@ struct ColumnGroup {
 
   ColumnGroup(const RecordingView& recording, std::size_t first, const Range& range) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (recording.has(first + axis)) samples[axis] = recording.samples(first + axis, range, buffers[axis]);
+      if (recording.has(first + axis))
+        samples[axis] = recording.samples(first + axis, range, buffers[axis]);
+      else if (first < gyro_temperature_columns)
+        samples[axis] = buffers[axis] = std::vector<double>(range.size(), 0);  // a triad that is not there
   }
   ColumnGroup(ColumnGroup&&) = delete;
 };

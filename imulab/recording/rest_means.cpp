@@ -51,15 +51,15 @@ struct EndsOfTurns {
 };
 
 void find_ends_of_turns(const std::vector<double>& means, EndsOfTurns& ends) {
-  constexpr double far = 5;  // standard deviations of a block's mean
+  constexpr double most_sigmas = 5;  // standard deviations of a block's mean
   const std::size_t quarter = means.size() / 4;
   double center = 0, square = 0;
   for (std::size_t k = quarter; k < means.size() - quarter; ++k) center += means[k] / static_cast<double>(means.size() - 2 * quarter);
   for (std::size_t k = quarter; k < means.size() - quarter; ++k) square += std::pow(means[k] - center, 2);
   const double sigma = std::sqrt(square / static_cast<double>(means.size() - 2 * quarter - 1));
   for (std::size_t k = 0; k < quarter; ++k) {
-    if (std::abs(means[k] - center) > far * sigma) ends.first = std::max(ends.first, k + 1);
-    if (std::abs(means[means.size() - 1 - k] - center) > far * sigma) ends.last = std::max(ends.last, k + 1);
+    if (std::abs(means[k] - center) > most_sigmas * sigma) ends.first = std::max(ends.first, k + 1);
+    if (std::abs(means[means.size() - 1 - k] - center) > most_sigmas * sigma) ends.last = std::max(ends.last, k + 1);
   }
 }
 

@@ -4,6 +4,7 @@
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/recording/rest_or_motion.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
@@ -116,6 +117,10 @@ struct Quietness {
 
 Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
   Quietness result;
+  if (!triad.recording.has(triad.first_column)) {
+    result.quiet.assign(triad.recording.size() / triad.stride + 1 - strides_per_window, 1);
+    return result;
+  }
   std::vector<std::array<double, 3>> apart;  // windows that do not overlap
   for_each_window(triad, [&](std::size_t k, const std::array<double, 3>& variances) {
     if (k % strides_per_window == 0) apart.push_back(variances);
@@ -176,6 +181,7 @@ double mean_of(const RecordingView& recording, std::size_t column, Range range) 
 /// The runs with a steady rotation: the gyros' mean is farther from the runs' median than rests differ.
 std::vector<char> turning_runs(const RecordingView& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
   std::vector<char> turning(runs.size(), 0);
+  if (runs.empty() || !recording.has(gyro_columns)) return turning;
   for (std::size_t j = 0; j < 3; ++j) {
     std::vector<double> means, weighted;
     for (const Range& run : runs) {
@@ -223,10 +229,11 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   const std::size_t step = 1 + quiet.size() / 2000;  // enough windows for a median
   for (std::size_t k = 0; k < quiet.size(); k += step) {
     if (!quiet[k]) continue;
-    double sum = 0;
+    double sum = 0, axes = 0;
     for (const auto& [triad, least] : {std::pair(gyro_columns, least_gyro), std::pair(accel_columns, least_accel)})
-      for (std::size_t axis = 0; axis < 3; ++axis) sum += smoothness(recording, triad + axis, k * stride, stride, least);
-    ratios.push_back(sum / 6);
+      for (std::size_t axis = 0; axis < 3 && recording.has(triad); ++axis)
+        sum += smoothness(recording, triad + axis, k * stride, stride, least), ++axes;
+    ratios.push_back(sum / axes);
   }
   // Noise through a filter of a few hertz keeps 0.5; a turn at 500 deg/s has 0.1.
   return !ratios.empty() && median(ratios) < 0.25;
@@ -257,12 +264,24 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
   std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
-  const std::vector<char> turning = runs.empty() ? std::vector<char>{} : turning_runs(recording, runs, g.noise);
+  const std::vector<char> turning = turning_runs(recording, runs, g.noise);
+  std::size_t longest_moving = 0;
+  std::vector<Range> by_gyros;  // where they alone speak of motion
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    if (turning[k])
+    if (turning[k]) {
       ++found.turning;
-    else
+    } else if (std::string motion = motion_in(recording, runs[k]); !motion.empty()) {
+      ++found.moving;
+      if (motion_by_force(recording, runs[k]).empty()) by_gyros.push_back(runs[k]);
+      if (runs[k].size() > longest_moving) longest_moving = runs[k].size(), found.motion = std::move(motion);
+    } else {
       found.rests.push_back(runs[k]);
+    }
+  }
+  constexpr std::size_t several = 3;
+  if (found.rests.empty() && by_gyros.size() >= several && by_gyros.size() == found.moving) {
+    found.rests = std::move(by_gyros);  // the gyros are in another unit: the turns between the rests will tell
+    found.moving = 0, found.motion.clear();
   }
   found.gyro_noise = g.noise;
   found.accel_noise = a.noise;
@@ -271,6 +290,7 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
   found.notes.push_back(fmt::format(
       "{} rests found ({:g} s windows; thresholds from the recording: {:.2f} times the gyros' and {:.2f} times the accelerometers' noise)",
       found.rests.size(), options.window_s, g.factor, a.factor));
+  if (found.moving > 0) found.notes.push_back(fmt::format("{} quiet stretches were rejected as rests: {}", found.moving, found.motion));
   if (found.turning > 0) found.notes.push_back(fmt::format("{} quiet stretches were rejected as rests: the IMU was turning steadily", found.turning));
   return found;
 }
@@ -312,7 +332,7 @@ Rests rests_of(const RecordingView& recording, const Session& session) {
     RestDetection detection = detect_rests(recording);
     for (const Step& step : steps)  // a hand that takes a new grip
       std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });
-    return {std::move(detection.rests), std::move(detection.notes)};
+    return {std::move(detection.rests), std::move(detection.notes), std::move(detection.motion)};
   }
   for (const Step& step : steps) {
     if (step.kind != StepKind::hold) continue;

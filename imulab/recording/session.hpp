@@ -117,6 +117,11 @@ struct BodyAxis {
   bool operator==(const BodyAxis&) const = default;
 };
 
+/// How a file prints the bits of whole readings: as their numbers, or so that those of the other sign are 2^16, 2^24 or 2^32 away, as where -132 is
+/// printed as 65404. The name is the kind of integer that they are.
+enum class Integers { as_written, int16, uint16, int24, uint24, int32, uint32 };
+std::string_view to_string(Integers integers);
+
 struct TriadSource {
   std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
   std::optional<TimeSource> time{};
@@ -124,6 +129,7 @@ struct TriadSource {
   std::optional<std::array<BodyAxis, 3>> axes{};  ///< along which body axis each column measures; absent: x, y, z
   Output output = Output::rate;
   std::string unit = "count";
+  Integers integers = Integers::as_written;
   std::optional<double> counts_per_unit{};        ///< the file has counts: this number is one `unit`
   std::optional<std::array<double, 2>> limits{};  ///< in the file's unit
   bool operator==(const TriadSource&) const = default;

@@ -217,10 +217,29 @@ void transfer(Fields& f, TriadSource& triad, Quantity quantity) {
   f.axes("axes", triad.axes);
   f.choice("output", triad.output, std::vector{Output::rate, Output::increment});
   f.choice("unit", triad.unit, unit_names(quantity, triad.output == Output::increment), Presence::required);
+  f.choice("integers", triad.integers,
+           std::vector{Integers::as_written, Integers::int16, Integers::uint16, Integers::int24, Integers::uint24, Integers::int32, Integers::uint32},
+           Presence::optional);
   f.number("counts_per_unit", triad.counts_per_unit, positive());
   f.check(!triad.counts_per_unit || triad.unit != "count", "counts_per_unit", "is of counts; expected the physical unit that so many counts are");
   f.pair("limits", triad.limits, any_number());
   f.check(!triad.limits || (*triad.limits)[0] < (*triad.limits)[1], "limits", "are not in order; expected [lower, upper]");
+}
+
+/// True for the check of sessions that were made in memory, and may be of arrays.
+template <class Fields>
+inline constexpr bool is_of_arrays = requires {
+  Fields::of_arrays;
+};
+
+/// A triad that a recording of a file may lack: it then has no columns, as no triad of arrays has. Returns whether it is there.
+template <class Fields>
+bool transfer_triad(Fields& f, std::string_view key, TriadSource& triad, Quantity quantity) {
+  std::optional<TriadSource> given;
+  if (!triad.columns.empty() || is_of_arrays<Fields>) given = triad;
+  f.template table_of<TriadSource>(key, given, [quantity](Fields& t, TriadSource& source) { transfer(t, source, quantity); });
+  if (given) triad = *given;
+  return given.has_value();
 }
 
 template <class Fields>
@@ -246,8 +265,8 @@ void transfer(Fields& f, RecordingSource& recording) {
   f.choice("extent", recording.extent, std::vector{Extent::all, Extent::steps}, Presence::optional);
   f.table("time", Presence::required, [&](Fields& t) { transfer(t, recording.time); });
   f.check(recording.time.unit != "sample" || recording.rate_hz, "rate_hz", "is missing; expected because time is in samples");
-  f.table("gyro", Presence::required, [&](Fields& t) { transfer(t, recording.gyro, Quantity::gyro); });
-  f.table("accel", Presence::required, [&](Fields& t) { transfer(t, recording.accel, Quantity::accel); });
+  const bool gyro = transfer_triad(f, "gyro", recording.gyro, Quantity::gyro), accel = transfer_triad(f, "accel", recording.accel, Quantity::accel);
+  f.check(gyro || accel || is_of_arrays<Fields>, "gyro", "is missing; expected the columns of gyro, of accel, or of both");
   f.template table_of<ThermalSource>("gyro_temperature", recording.gyro_temperature, [](Fields& t, ThermalSource& s) { transfer(t, s); });
   f.template table_of<ThermalSource>("accel_temperature", recording.accel_temperature, [](Fields& t, ThermalSource& s) { transfer(t, s); });
 }

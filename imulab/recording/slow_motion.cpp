@@ -43,6 +43,7 @@ std::vector<Range> between_slow_motion(const RecordingView& recording, const Ran
   if (range.size() < fewest_blocks * block) return {range};
   std::vector<char> moving(range.size() / block, 0);
   for (std::size_t column = gyro_columns; column < gyro_temperature_columns; ++column) {
+    if (!recording.has(column)) continue;
     const Means means = means_of(recording, column, range, block);
     std::vector<double> change(means.of_block.size() - 1);
     for (std::size_t k = 0; k < change.size(); ++k) change[k] = std::abs(means.of_block[k + 1] - means.of_block[k]);

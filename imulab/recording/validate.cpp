@@ -24,6 +24,11 @@ void check_length(const Recording& r, std::string_view name, const Columns3& col
       throw Error(fmt::format("{}: {} {}: {} samples; expected {}, one for each stamp", r.name, name, "xyz"[axis], columns[axis].size(), r.size()));
 }
 
+/// A recording may lack one of its triads.
+bool has_triad(const Columns3& columns) {
+  return std::any_of(columns.begin(), columns.end(), [](const std::vector<double>& column) { return !column.empty(); });
+}
+
 /// Finite readings no larger than `largest`.
 void check_readings(const Recording& r, std::string_view name, const Columns3& columns, double largest) {
   const auto wrong = [&](double value) { return !(std::abs(value) <= largest); };
@@ -62,8 +67,9 @@ double largest_reading(std::string_view unit) { return unit == "m/s^2" ? 1e5 : u
 
 void validate(const Recording& r) {
   if (r.size() == 0) throw Error(fmt::format("{}: no samples; expected at least one", r.name));
-  check_length(r, "gyro", r.gyro);
-  check_length(r, "accel", r.accel);
+  if (!has_triad(r.gyro) && !has_triad(r.accel)) throw Error(fmt::format("{}: neither gyros nor accelerometers; expected one of them", r.name));
+  if (has_triad(r.gyro)) check_length(r, "gyro", r.gyro);
+  if (has_triad(r.accel)) check_length(r, "accel", r.accel);
   expect_increasing(r.name, r.time_ns);
   if (!(r.interval_s > 0 && std::isfinite(r.interval_s)))
     throw Error(fmt::format("{}: the interval is {} s; expected a positive number", r.name, r.interval_s));
@@ -90,6 +96,8 @@ using namespace session_fields;
 /// The counterpart of TomlFields for values that are there already: collects what is out of its range.
 class RangeCheck {
  public:
+  static constexpr bool of_arrays = true;  ///< a session made in memory may be of arrays, which have no columns in a file
+
   RangeCheck(std::string place, std::vector<std::string>& problems) : place_(std::move(place)), problems_(problems) {}
 
   void number(std::string_view key, double value, const Number& kind) {
@@ -155,7 +163,7 @@ void check(std::string place, Table table, std::vector<std::string>& problems, C
 std::string problem_of(const Step& step) {
   const auto finite = [](double value) { return std::isfinite(value) && std::abs(value) <= clock_time().high; };
   if (!finite(step.start) || !finite(step.end)) return "it begins or ends at no time that a clock can show; expected seconds";
-  if (step.end <= step.start) return fmt::format("it ends at {:g} s, not after its begin; expected later", step.end);
+  if (step.end <= step.start) return fmt::format("it ends at {} s, not after its begin; expected later", stamp_text(step.end));
   if (!std::all_of(step.angles.begin(), step.angles.end(), finite)) return "an angle is not finite; expected radians";
   if (step.kind == StepKind::rotate && !(finite(step.angle) && step.angle != 0))
     return fmt::format("its angle is {:g} rad; expected a turn", step.angle);
@@ -179,7 +187,7 @@ void check_steps(const Session& session, std::vector<std::string>& problems) {
     std::string problem = problem_of(step);
     const auto [before, first] = ends.try_emplace(step.recording, step.end);
     if (problem.empty() && !first && step.start < before->second)
-      problem = fmt::format("it begins before the end of the previous step; expected {:g} s or later", before->second);
+      problem = fmt::format("it begins before the end of the previous step; expected {} s or later", stamp_text(before->second));
     before->second = step.end;
     if (!problem.empty()) problems.push_back(step_name(step, k) + ": " + problem);
   }

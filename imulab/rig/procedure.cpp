@@ -18,17 +18,17 @@ namespace {
 
 /// Uniform over all attitudes: outer and inner uniform, middle with density cos. In whole tenths of a degree, which are easy to read in a file.
 std::array<double, 3> random_tenths(std::uint64_t seed, std::uint64_t pose) {
-  const RandomStream draws(seed, "hand-held attitudes");
+  const RandomStream draws(seed, "hand-held attitudes");  // of the name depend the draws
   const auto symmetric = [&](std::uint64_t k) { return 2 * draws.uniform(3 * pose + k) - 1; };
   return {std::round(1800 * symmetric(0)), std::round(std::asin(symmetric(1)) / unit::deg * 10), std::round(1800 * symmetric(2))};
 }
 
 void validate(const HandHeldOptions& o) {
-  if (o.poses < 1) throw Error("hand-held: no poses; expected at least one");
+  if (o.poses < 1) throw Error("handheld: no poses; expected at least one");
   constexpr int most_poses = 100'000;
-  if (o.poses > most_poses) throw Error(fmt::format("hand-held: {} poses; expected at most {}", o.poses, most_poses));
-  if (!(o.first_rest > 0 && o.rest > 0 && o.move > 0)) throw Error("hand-held: expected durations above 0 of the rests and moves");
-  if (!(o.rate_hz > 0)) throw Error("hand-held: expected a sampling rate above 0");
+  if (o.poses > most_poses) throw Error(fmt::format("handheld: {} poses; expected at most {}", o.poses, most_poses));
+  if (!(o.first_rest > 0 && o.rest > 0 && o.move > 0)) throw Error("handheld: expected durations above 0 of the rests and moves");
+  if (!(o.rate_hz > 0)) throw Error("handheld: expected a sampling rate above 0");
 }
 
 RecordingSource si_recording(double rate_hz) {
@@ -48,7 +48,7 @@ RecordingSource si_recording(double rate_hz) {
 Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) {
   validate(options);
   Session session;
-  session.imu.name = "hand-held";
+  session.imu.name = "handheld";
   session.imu.grade = options.grade;
   session.site.latitude = options.latitude;
   session.site.height = options.height;

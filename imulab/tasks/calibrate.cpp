@@ -84,6 +84,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
       .takes_several(0)
       .reads()
       .of_command();
+  topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
   std::string summaries;
   for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);

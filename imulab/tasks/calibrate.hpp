@@ -16,7 +16,7 @@ namespace imulab {
 struct CalibrateOptions : ShowOptions {
   std::string session, method, terms = "auto", effects = "table", recording, curves, prior;
   std::optional<std::string> require;
-  std::vector<std::string> more, declarations;
+  std::vector<std::string> more, declarations, topics;
   bool stepwise = false;
 };
 /// The verb `calibrate`, which sets these.

@@ -4,6 +4,7 @@
 #include "imulab/core/memory.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/several_files.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/recording/overview.hpp"
@@ -14,20 +15,21 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 namespace imulab {
 
 Verb& declare(Verb& command, InspectOptions& o) {
   Verb& verb = command.verb("inspect", "Identify the contents of a recording, and write a session for it");
-  verb.option("FILE", o.files, "the files of one recording: text, bags, logs, arrays; - for standard input").required().reads();
+  verb.option("FILE", o.files, "the files of one recording, or its folder: text, bags, logs, arrays, archives; - for standard input")
+      .required()
+      .reads();
   verb.option("--for SECONDS", o.longest_s, "how long to read a stream that does not end: a serial port")
       .in_range(0.1, 86400)
       .show_default()
       .of_command();
-  verb.option("--topic TOPIC", o.topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones")
-      .repeats()
-      .called("topics");
+  topics_option(verb, o.topics);
   declarations_option(verb, o.declarations);
   verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
   report_option(verb, o.report);
@@ -39,11 +41,22 @@ Verb& declare(Verb& command, InspectOptions& o) {
   return verb;
 }
 
+VerbOption& topics_option(Verb& verb, std::vector<std::string>& topics) {
+  return verb.option("--topic TOPIC", topics, "of a recording with several tables; repeat it where gyros and accelerometers are in different ones")
+      .repeats()
+      .called("topics");
+}
+
 void declarations_option(Verb& verb, std::vector<std::string>& declarations) {
   verb.option("--set KEY=VALUE", declarations,
               fmt::format("declare of a recording what its data leave open, as often as needed: {}", fmt::join(declaration_keys(), ", ")))
       .repeats()
       .of_command();
+  verb.option("--time COLUMN", declarations,
+              "the column of the stamps; none: the rows follow each other evenly, whatever stamps there are (with --rate)")
+      .declares("time.column")
+      .of_command();
+  verb.option("--rate HZ", declarations, "the sampling rate, of rows without stamps").in_range(1e-3, 1e6).declares("rate_hz").of_command();
 }
 
 Declarations parse_declarations(const std::vector<std::string>& texts) {
@@ -60,30 +73,42 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
   return declared;
 }
 
+std::vector<std::string> recordings_named(const std::vector<std::string>& files) {
+  std::vector<std::string> named = with_series_joined(files);
+  for (std::string& file : named) file = without_slash(file).string();
+  return named;
+}
+
 Inspection inspect_files(const InspectionTask& task) {
   inspection::check_declarations(task.declared);
   for (const std::string& file : task.files)
     if (std::filesystem::path(file).extension() == ".toml")
       throw Error(file + ": is a session or other settings; expected a recording, as a session names one");
+  const auto layout = task.declared.find("layout");
+  const std::string declared_layout = layout != task.declared.end() ? layout->second : "";
   std::vector<SignalTable> tables;
-  for (const std::string& file : task.files)
-    for (const std::string& topic : task.topics.empty() ? std::vector<std::string>{""} : task.topics)
-      tables.push_back(read_signals(file, topic, recording_formats(), task.longest_s, task.most_numbers));
-  return inspect(inspection::joined(std::move(tables), task.declared), task.declared);
+  for (const std::string& file : recordings_named(task.files))
+    for (SignalTable& table : read_tables(file, task.topics, recording_formats(), task.longest_s, task.most_numbers, declared_layout))
+      tables.push_back(std::move(table));
+  Inspection found = inspect(inspection::joined(std::move(tables), task.declared), task.declared);
+  found.source.layout = declared_layout;
+  return found;
 }
 
 InspectedRecording inspect_and_read(const InspectionTask& task) {
   const Site site = declared_site(task.declared);
   Inspection found = inspect_files(task);
   Session session = inspected_session(found, site);
-  session.file = task.files.front();  // its folder is that of the recording
+  session.file = recordings_named(task.files).front();  // its folder is that of the recording
   InspectedRecording out{std::move(found), std::move(session), {}};
   if (!out.inspection.complete() || is_stream(out.session.file)) return out;
   out.session.sha256 = file_sum(out.session.file).sha256;
   give_back_freed_memory();  // of the tables that were inspected
   try {
     RecordingReading reading = read_recording(out.session, out.session.recordings.front());
-    for (std::string& text : reading.warnings) out.inspection.evidence.push_back(std::move(text));
+    std::vector<std::string>& evidence = out.inspection.evidence;  // which has some of them already
+    for (std::string& text : reading.warnings)
+      if (std::find(evidence.begin(), evidence.end(), text) == evidence.end()) evidence.push_back(std::move(text));
     out.recording = std::move(reading.recording);
     const Recording& whole = *out.recording;  // of a long one only the first rows were inspected
     out.inspection.rows = std::max(out.inspection.rows, whole.size());
@@ -111,7 +136,7 @@ AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task) {
 }
 
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint) {
-  const std::string& file = task.files.front();
+  const std::string file = recordings_named(task.files).front();
   if (!inspection.problems.empty()) throw Error(fmt::format("{}: {}", file, inspection.problems.front()));
   if (!inspection.complete())
     throw Unsupported(

@@ -19,6 +19,8 @@ struct InspectOptions : ShowOptions {
 };
 /// The verb `inspect`, which sets these.
 Verb& declare(Verb& command, InspectOptions& o);
+/// The option --topic TOPIC.
+VerbOption& topics_option(Verb& verb, std::vector<std::string>& topics);
 /// The option --set KEY=VALUE.
 void declarations_option(Verb& verb, std::vector<std::string>& declarations);
 /// Throws OptionError for what is not KEY=VALUE.
@@ -28,10 +30,13 @@ struct InspectionTask {
   std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
   Declarations declared = {};
   double longest_s = stream_s;                   ///< for how long a stream is read
-  std::size_t most_numbers = numbers_inspected;  ///< as read_signals takes it
+  std::size_t most_numbers = numbers_inspected;  ///< as read_tables takes it
 };
 
-/// Throws Error as read_signals and inspect do, and for declarations that there are not.
+/// The recordings that files are: neighbors that are parts of one split bag are one recording.
+std::vector<std::string> recordings_named(const std::vector<std::string>& files);
+
+/// Throws Error as read_tables and inspect do, and for declarations that there are not.
 Inspection inspect_files(const InspectionTask& task);
 
 struct InspectedRecording {

@@ -7,6 +7,7 @@
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
+#include "imulab/tasks/inspect.hpp"
 
 #include <map>
 #include <utility>
@@ -16,10 +17,13 @@ namespace imulab {
 Verb& declare(Verb& command, NavigateVerbOptions& o) {
   Verb& verb = command.verb("navigate", "Align, compute the pure-inertial solution, and compare it with a truth");
   verb.option("CALIBRATION", o.calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required().reads();
-  verb.option("SESSION", o.sessions, "session folders or session.toml files, each with one recording; several give one row each")
+  verb.option("SESSION", o.sessions,
+              "session folders or session.toml files, each with one recording, or recordings, which are inspected first; several give one row each")
       .required()
       .takes_several(1)
       .reads();
+  topics_option(verb, o.topics).of_command();
+  declarations_option(verb, o.declarations);
   verb.option("--vertical CHANNEL", o.vertical, "treatment of the vertical channel; aided and held need --barometer")
       .one_of({"free", "fixed", "aided", "held"})
       .show_default();

@@ -14,7 +14,7 @@ namespace imulab {
 
 struct NavigateVerbOptions : ShowOptions {
   std::string calibration, truth, barometer, vertical = "free", gaps = "integrate";
-  std::vector<std::string> sessions;
+  std::vector<std::string> sessions, declarations, topics;
   std::optional<double> heading_deg, heading_sigma_deg;
   bool align = false, allow_undetermined = false;
 };

@@ -52,6 +52,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
   verb.option("--remove-temperature", o.remove_temperature, "subtract a parabola of the temperature first");
+  topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
   verb.option("--in-memory MB", o.in_memory_mb,
               "columns that take more than this go through temporary files (in TMPDIR, else /var/tmp); the results do not depend on it")
@@ -86,7 +87,7 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
   std::string why_not;
   if (std::optional<StoredReading> stored = read_stored(session, source, o.most_bytes(), why_not)) {
     for (const std::string& text : stored->warnings) tell(text);
-    const std::size_t filled = stored->recording.fill_short_gaps();
+    const std::size_t filled = worth_filling(stored->recording.view()) ? stored->recording.fill_short_gaps() : 0;
     const RecordingView recording = stored->recording.view();
     return analyzed(recording, still_range(recording, session, filled), o, with_page);
   }

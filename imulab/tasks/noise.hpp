@@ -13,7 +13,7 @@
 namespace imulab {
 
 struct NoiseVerbOptions : ShowOptions {
-  std::vector<std::string> recordings, declarations;
+  std::vector<std::string> recordings, declarations, topics;
   std::string recording, deviation = "overlapping-allan";
   double in_memory_mb = 336;  ///< six million rows of seven numbers: the analysis then takes about a gigabyte
   bool remove_temperature = false;

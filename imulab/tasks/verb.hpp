@@ -51,6 +51,8 @@ class VerbOption {
   VerbOption& required() { return is_required = true, *this; }
   VerbOption& takes_several(int least) { return at_least = least, *this; }  ///< values, any number from this on
   VerbOption& repeats() { return is_repeated = true, *this; }               ///< one value each time
+  /// Of a list that another option fills: its value is added as KEY=value.
+  VerbOption& declares(const std::string& key) { return prefix = key + "=", repeats(); }
   VerbOption& one_of(std::vector<std::string> texts) { return choices = std::move(texts), *this; }
   VerbOption& in_range(double least, double most, bool whole = false) { return range = {{least, most}}, is_whole = whole, *this; }
   /// `problem` says what is wrong with the text of a value; an empty answer: nothing.
@@ -72,6 +74,7 @@ class VerbOption {
   std::string value_name;          ///< "FILE"; empty for a flag
   Value value;                     ///< the value that it sets, which holds the default
   std::string help, keyword, initial;
+  std::string prefix;                ///< of each value in the list
   std::vector<std::string> choices;  ///< the only values, if they are limited to these
   std::optional<std::array<double, 2>> range;
   std::function<std::string(const std::string&)> problem_of;
@@ -106,7 +109,7 @@ class Verb {
   const VerbOption& at(const std::string& flag) const;
   std::string own_name() const { return name.substr(name.rfind(' ') + 1); }
 
-  std::string name;  ///< "imulab procedure hand-held"
+  std::string name;  ///< "imulab procedure handheld"
   std::string summary;
   std::string group;                  ///< the heading under which it is listed
   std::vector<std::string> examples;  ///< command lines

@@ -196,6 +196,7 @@ class Calibration(Answer):
         variance_matched: bool = False,
         instance: int = 0,
         prefix: str = "imulab",
+        topic: str = "",
         allow_undetermined: bool = False,
     ) -> str:
         """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`).
@@ -208,7 +209,7 @@ class Calibration(Answer):
         if prefix != "imulab" and target != "c-header":
             raise Error(f"prefix: {target} has none; expected the target c-header")
         given = "" if noise is None else noise.json
-        text, notes = self._answer.exported(target, given, axes, rate_hz, model, variance_matched, instance, prefix)
+        text, notes = self._answer.exported(target, given, axes, rate_hz, model, variance_matched, instance, prefix, topic)
         warn(notes)
         return text
 

@@ -75,7 +75,8 @@ def _callback(progress: Progress | None) -> Progress | None:
 
 
 def _is_session(place: str) -> bool:
-    return os.path.isdir(place) or place.endswith(".toml")
+    """A folder without session.toml may be a recording: that of a bag, or of texts."""
+    return os.path.exists(os.path.join(place, "session.toml")) or place.endswith(".toml")
 
 
 def _expect(name: str, value: Any, *kinds: type) -> None:
@@ -84,7 +85,9 @@ def _expect(name: str, value: Any, *kinds: type) -> None:
         raise TypeError(f"{name}: expected a {expected}, got {type(value).__name__}")
 
 
-def _declared(data: Data, site: Site | Table | None, imu: Table | None) -> tuple[Session, list[Recording] | None]:
+def _declared(
+    data: Data, site: Site | Table | None, imu: Table | None, topics: Sequence[str] = ()
+) -> tuple[Session, list[Recording] | None]:
     """The session of what was given, and its recordings where they are in memory."""
     own = site is not None or imu is not None
     if isinstance(data, Recording):
@@ -102,14 +105,14 @@ def _declared(data: Data, site: Site | Table | None, imu: Table | None) -> tuple
     place = path("data", data)
     if _is_session(place):
         return read_session(place), None
-    session, gravity = _imulab.session_of_recording(place)
+    session, gravity = _imulab.session_of_recording(place, list(topics))
     if gravity:
         warn([f"{place}: assumed: {gravity}; declare the place: inspect(file, declare={{'latitude_deg': '47.4'}}).session"])
     return Session._of(session), None
 
 
-def _one_recording(data: Data, site: Site | Table | None, chosen: str) -> tuple[Session, Recording]:
-    session, recordings = _declared(data, site, None)
+def _one_recording(data: Data, site: Site | Table | None, chosen: str, topics: Sequence[str] = ()) -> tuple[Session, Recording]:
+    session, recordings = _declared(data, site, None, topics)
     if recordings is None:
         found, notes = _imulab.read_recording(session._session, _imulab.choose_recording(session._session, chosen))
         warn(notes)
@@ -139,11 +142,16 @@ def inspect(*files: PathLike, topics: Sequence[str] = (), declare: Mapping[str, 
     return Inspection(*_imulab.inspect([path("file", f) for f in files], list(topics), dict(declare or {})))
 
 
-def read_recording(data: PathLike | Session, *, recording: str = "", declare: Mapping[str, str] | None = None) -> Recording:
-    """A recording of a session, or any recording file, which is inspected first. Raises Unsupported with what its data leave open."""
+def read_recording(
+    data: PathLike | Session, *, recording: str = "", topics: Sequence[str] = (), declare: Mapping[str, str] | None = None
+) -> Recording:
+    """A recording of a session, or any recording file or folder, which is inspected first. Raises Unsupported with what its data leave open.
+
+    topics: of a file with several tables, as of `inspect`.
+    """
     if declare:
-        return inspect(path("data", data), declare=declare).recording
-    return _one_recording(data, None, recording)[1]
+        return inspect(path("data", data), topics=topics, declare=declare).recording
+    return _one_recording(data, None, recording, topics)[1]
 
 
 @_options("calibrate")

@@ -14,14 +14,14 @@ import imulab
 def hand_session(tmp_path_factory):
     """A folder with a session by hand: 24 rests, its truth beside it."""
     folder = tmp_path_factory.mktemp("sessions") / "by-hand"
-    imulab.simulate(imulab.procedure("hand-held", poses=24, seed=3), seed=5, output=folder)
+    imulab.simulate(imulab.procedure("handheld", poses=24, seed=3), seed=5, output=folder)
     return folder
 
 
 @pytest.fixture(scope="session")
 def by_hand():
     """That session in memory."""
-    return imulab.simulate(imulab.procedure("hand-held", poses=24, seed=3), seed=5)
+    return imulab.simulate(imulab.procedure("handheld", poses=24, seed=3), seed=5)
 
 
 @pytest.fixture(scope="session")

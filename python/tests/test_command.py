@@ -39,7 +39,7 @@ def test_compare(hand_session, command, tmp_path):
     assert own.data == printed
 
 
-@pytest.mark.parametrize("method, name", [("turntable", "zhang-24"), ("hybrid", "cheng-path"), ("handheld", "hand-held")])
+@pytest.mark.parametrize("method, name", [("turntable", "zhang-24"), ("hybrid", "cheng-path"), ("handheld", "handheld")])
 def test_predict(method, name, command, tmp_path):
     procedure = imulab.procedure(name)
     procedure.save(tmp_path / "p.toml")

@@ -9,7 +9,7 @@ def week(tmp_path_factory):
     """A folder with sessions of 28 units."""
     folder = tmp_path_factory.mktemp("fleet") / "week"
     folder.mkdir()
-    procedure = imulab.procedure("hand-held", poses=15, seed=3)
+    procedure = imulab.procedure("handheld", poses=15, seed=3)
     for unit in range(28):
         procedure.save(folder / "p.toml")
         text = (folder / "p.toml").read_text().replace("[imu]", f'[imu]\nserial = "{unit}"', 1)

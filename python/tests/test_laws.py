@@ -108,11 +108,11 @@ def test_nan_gives_nan(calibration):
 
 
 def test_stated_uncertainties_hold():
-    """Hand-held calibrations of 12 seeds: errors against the truth in their sigmas. The mean square of 12 x 18 such errors, about six of which are
+    """Handheld calibrations of 12 seeds: errors against the truth in their sigmas. The mean square of 12 x 18 such errors, about six of which are
     independent a session, lies in 0.5 to 1.7 with a probability of more than 0.999 (chi-square of 72)."""
     squares = []
     for seed in range(12):
-        simulation = imulab.simulate(imulab.procedure("hand-held", poses=24, seed=seed), seed=100 + seed)
+        simulation = imulab.simulate(imulab.procedure("handheld", poses=24, seed=seed), seed=100 + seed)
         compared = imulab.compare(imulab.calibrate(simulation, method="handheld", effects="none"), simulation.truth)  # none are drawn
         squares += [sigmas**2 for sigmas in compared.sigmas.values()]
     assert 0.5 < np.mean(squares) < 1.7

@@ -13,7 +13,7 @@ SITE = imulab.Site(latitude_deg=45, height_m=0)
 
 
 def live(**options):
-    return imulab.Live(site=SITE, imu={"name": "hand-held", "grade": "mems"}, interval_s=0.01, **options)
+    return imulab.Live(site=SITE, imu={"name": "handheld", "grade": "mems"}, interval_s=0.01, **options)
 
 
 @pytest.fixture(scope="module")

@@ -47,7 +47,7 @@ def test_wrong_keywords(by_hand):
 
 
 def test_a_wrong_value_is_named_with_its_keyword(by_hand):
-    procedure = imulab.procedure("hand-held")
+    procedure = imulab.procedure("handheld")
     with pytest.raises(imulab.Error, match="^terms full: only the method whole-unit takes it"):
         imulab.calibrate(by_hand, method="static", terms="full")
     with pytest.raises(imulab.Error, match="^axes: bogus; expected"):

@@ -76,7 +76,7 @@ def test_interrupted_program_ends():
     """Also where the work knows of no progress: it goes on to its end behind the interpreter's."""
     code = """
 import imulab, os, signal, threading
-s = imulab.simulate(imulab.procedure("hand-held", poses=60), seed=1)
+s = imulab.simulate(imulab.procedure("handheld", poses=60), seed=1)
 threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
     while True:

@@ -1,4 +1,4 @@
-// The conditions of a hand-held calibration: gravity at every rest, Earth's rate at every rest, and the direction of gravity across every rotation.
+// The conditions of a handheld calibration: gravity at every rest, Earth's rate at every rest, and the direction of gravity across every rotation.
 #pragma once
 
 #include "imulab/estimate/rests/problem.hpp"

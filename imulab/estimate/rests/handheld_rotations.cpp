@@ -1,4 +1,4 @@
-// The rotations between the rests of a hand-held calibration: which are usable, and what the gyros integrate.
+// The rotations between the rests of a handheld calibration: which are usable, and what the gyros integrate.
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 

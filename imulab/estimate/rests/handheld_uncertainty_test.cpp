@@ -1,4 +1,4 @@
-// The hand-held method's uncertainties where the unit bends or its readings are coarse, and what it says of the parts of a recording.
+// The handheld method's uncertainties where the unit bends or its readings are coarse, and what it says of the parts of a recording.
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 

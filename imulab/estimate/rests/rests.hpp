@@ -10,7 +10,7 @@ namespace imulab::rests {
 /// its size. One recording. Throws Unsupported where nothing can be determined, Error where the declared units contradict the data.
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options);
 
-/// Hand-held calibration (docs/handheld.md): accelerometers from the rests, gyros with their g-sensitivity from the rests and the rotations between
+/// Handheld calibration (docs/handheld.md): accelerometers from the rests, gyros with their g-sensitivity from the rests and the rotations between
 /// them, all jointly by maximum likelihood (after Tedaldi 2014). One recording. Throws as calibrate_static does.
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options);
 
@@ -22,7 +22,7 @@ HandTurn opening_turn(std::size_t rests);
 Prediction predict_static(const Session& procedure, const PredictionOptions& options = {});
 Prediction predict_handheld(const Session& procedure, const PredictionOptions& options = {});
 
-/// A recording supports the methods if its rests have enough directions; the hand-held method also needs turns that its gyros explain.
+/// A recording supports the methods if its rests have enough directions; the handheld method also needs turns that its gyros explain.
 MethodSupport support_static(const RestEvidence& evidence);
 MethodSupport support_handheld(const RestEvidence& evidence);
 

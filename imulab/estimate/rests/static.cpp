@@ -43,6 +43,8 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
         {},
         fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h)};
   };
+  const auto is_silent = [](const std::vector<double>& column) { return std::all_of(column.begin(), column.end(), [](double v) { return v == 0; }); };
+  if (std::all_of(recording.gyro.begin(), recording.gyro.end(), is_silent)) return {{}, "the recording has none"};
   const bool counts = recording.gyro_unit == "count";
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
   if (const double noise = mean_noise(start, Matrix3d::Identity()); !counts && noise > resolvable_part * earth_rate) return not_resolved(noise);

@@ -1,4 +1,4 @@
-// Turns of a declared angle in the hand-held method: a box that a hand turns by 360 deg, each angle known to a degree.
+// Turns of a declared angle in the handheld method: a box that a hand turns by 360 deg, each angle known to a degree.
 #include "imulab/estimate/rests/turns.hpp"
 
 #include "imulab/core/error.hpp"

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/fleet/store/store.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <fmt/format.h>
 
@@ -40,6 +41,7 @@ int open(const std::string& file, Access access, sqlite3** handle) {
 }  // namespace
 
 Database::Database(const std::filesystem::path& path, Access access) : file_(path.string()) {
+  if (is_stream(path)) throw DatabaseError(file_ + ": is a pipe or a device; expected a fleet store");  // SQLite would wait for its writer
   int opened = open(file_, access, &handle_);
   if (opened == SQLITE_OK) {
     sqlite3_busy_timeout(handle_, wait_ms);

@@ -1,6 +1,8 @@
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/several_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,6 +41,8 @@ std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Re
   std::optional<RecordedAs> common;
   for (std::size_t k = 0; k < session.recordings.size(); ++k) {
     const RecordingSource& source = session.recordings[k];
+    const bool gyro = triad == &RecordingSource::gyro;
+    if (k < recordings.size() && (gyro ? recordings[k].gyro : recordings[k].accel)[0].empty()) return std::nullopt;  // it has no such triad
     const double interval_s = k < recordings.size() ? recordings[k].interval_s : source.rate_hz ? 1 / *source.rate_hz : 0;
     if ((source.*triad).output == Output::increment && !(interval_s > 0)) return std::nullopt;
     const RecordedAs one = recorded_as(source.*triad, interval_s);
@@ -46,6 +50,14 @@ std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Re
     common = one;
   }
   return common;
+}
+
+/// The topic of the gyros, where a file is a bag that has them; of a session that names none the only one of an IMU.
+std::string bag_topic(const Session& session, const RecordingSource& source, const std::string& file) {
+  const std::filesystem::path path = session_path(session, file);
+  if (file != source.gyro.file.value_or(source.file) || is_stream(path) || is_kept(path) || bag::bag_format(path) == nullptr) return "";
+  const std::string named = source.gyro.topic.value_or(source.topic);
+  return named.empty() ? bag::choose_topic(bag::open_bag(path)->topics(), "", path.string()).name : named;
 }
 
 }  // namespace
@@ -78,8 +90,8 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
     const Recording& r = recordings[k];
     for (const std::string& file : session.recordings[k].files()) {
       const FileSum sum = file_sum(session_path(session, file));
-      calibration.sources.push_back(
-          {file, sum.sha256, sum.bytes, r.time_s(0), r.time_s(r.size() - 1), range_of(r.accel_temperature), range_of(r.gyro_temperature)});
+      calibration.sources.push_back({file, sum.sha256, sum.bytes, r.time_s(0), r.time_s(r.size() - 1), range_of(r.accel_temperature),
+                                     range_of(r.gyro_temperature), bag_topic(session, session.recordings[k], file)});
     }
   }
 }
@@ -88,7 +100,7 @@ std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const s
   std::vector<VerifiedFile> out;
   const auto check = [&](const std::filesystem::path& file, const std::string& recorded) {
     std::error_code none;
-    if (!std::filesystem::exists(file, none)) {
+    if (!is_several_files(file) && !std::filesystem::exists(file, none)) {
       out.push_back({file, FileState::missing});
       return;
     }

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/compensated_file.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/formats/recording/bag/folder.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
@@ -36,6 +37,8 @@ const RecordingFormat* named_format(const fs::path& path) {
 
 void expect_format(const fs::path& path, const fs::path& input) {
   const RecordingFormat* format = bag::bag_format(input);
+  if (format != nullptr && format->recognizes_path != nullptr)
+    throw Error(fmt::format("{}: {} is a bag of several files; expected a .csv file for the compensated recording", path.string(), input.string()));
   if (format != nullptr && format == named_format(path)) return;
   throw Error(fmt::format("{}: {} is {}; expected {} for the compensated recording", path.string(), input.string(),
                           format != nullptr ? fmt::format("a {}", format->name) : "no bag",
@@ -78,7 +81,7 @@ std::vector<std::size_t> samples_of(const std::vector<std::int64_t>& stamps, con
 bool is_bag_name(const fs::path& path) { return named_format(path) != nullptr; }
 
 void write_compensated_bag(const fs::path& path, const Session& session, const RecordingSource& source, const CompensatedRecording& compensated) {
-  const fs::path input = session_path(session, source.file);
+  const fs::path input = bag::only_part(session_path(session, source.file));
   expect_format(path, input);
   expect_one_topic(source, path);
   const bag::Topic topic = bag::choose_topic(bag::open_bag(input)->topics(), source.topic, input.string());

@@ -123,6 +123,7 @@ RecordingSource written_source(RecordingSource source) {
     if (t.limits)
       for (double& limit : *t.limits) limit *= si_factor(t.unit) / t.counts_per_unit.value_or(1);
     t.counts_per_unit.reset();
+    t.integers = Integers::as_written;
     t.unit = t.output == Output::rate ? rate_unit : increment_unit;
   };
   triad(source.gyro, gyro_names, "rad/s", "rad");

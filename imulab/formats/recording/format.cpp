@@ -1,45 +1,37 @@
 #include "imulab/formats/recording/format.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/formats/recording/dialect.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/several_files.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <system_error>
 
 namespace imulab {
 
 const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
-      ros2_database_format(), mcap_format(), ros1_bag_format(),  numpy_format(),       matlab_format(),
-      hdf5_format(),          ulog_format(), dataflash_format(), binary_rows_format(), text_format(),
+      ros2_database_format(), mcap_format(),         ros1_bag_format(),    split_bag_format(), kitti_oxts_format(), text_folder_format(),
+      workbook_format(),      text_archive_format(), numpy_format(),       matlab_format(),    hdf5_format(),       ulog_format(),
+      dataflash_format(),     novatel_format(),      binary_rows_format(), text_format(),
   };
   return formats;
 }
 
 namespace {
 
-/// Throws Error that names the files in it for a folder with the metadata.yaml of a ROS 2 bag.
-void expect_no_folder(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (!fs::is_directory(path, ignored) || !fs::exists(path / "metadata.yaml", ignored)) return;
-  std::vector<std::string> files;
-  for (const auto& entry : fs::directory_iterator(path, ignored)) {
-    const std::string extension = entry.path().extension().string();
-    if (extension == ".mcap" || extension == ".db3" || extension == ".zstd") files.push_back(entry.path().filename().string());
-  }
-  std::sort(files.begin(), files.end());
-  std::string listed;
-  for (const std::string& file : files) listed += (listed.empty() ? "" : ", ") + (path.filename() / file).string();
-  throw Error(fmt::format("{}: is the folder of a ROS 2 bag; expected {}", path.string(),
-                          files.empty()       ? "a file in it, but it has none"
-                          : files.size() == 1 ? "its file " + listed
-                                              : "one of its files, each a recording of its own: " + listed));
+/// The format of a folder, or of names that are joined.
+const RecordingFormat& format_of_several(const std::filesystem::path& path, const std::vector<RecordingFormat>& formats) {
+  const auto format =
+      std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) { return f.recognizes_path != nullptr && f.recognizes_path(path); });
+  if (format != formats.end()) return *format;
+  throw Error(
+      fmt::format("{}: is a folder without a recording that is known here; expected a session.toml, a bag, or tables of text in it", path.string()));
 }
 
 /// Throws Error that says how to unpack a file that is compressed as a whole, by its first bytes.
@@ -54,19 +46,35 @@ void expect_not_packed(const std::filesystem::path& path, std::string_view head)
           fmt::format("{}: is compressed as a whole; expected it unpacked: {}{}", path.string(), program, is_kept(path) ? "" : " " + path.string()));
 }
 
+/// Throws Error for what navigation takes beside an IMU: positions of a GNSS receiver, as NMEA 0183 or RTKLIB's solution.
+void expect_no_aid(const std::filesystem::path& path, std::string_view head) {
+  const auto begins_lines = [&](std::string_view text) {
+    return head.starts_with(text) || head.find("\n" + std::string(text)) != std::string_view::npos;
+  };
+  const bool rtklib = head.starts_with('%') && (begins_lines("%  GPST") || begins_lines("%  UTC") || begins_lines("%  JST"));
+  bool nmea = head.starts_with("$G");
+  for (std::size_t at = head.find('\n'); nmea && at != std::string_view::npos; at = head.find('\n', at + 1))
+    nmea = at + 2 >= head.size() || head.substr(at + 1, 2) == "$G" || head[at + 1] == '\r';
+  if (!rtklib && !nmea) return;
+  throw Error(fmt::format("{}: is a GNSS solution ({}), an aid of a navigation and no recording; expected the readings of an IMU", input_name(path),
+                          rtklib ? "RTKLIB's .pos" : "NMEA 0183"));
+}
+
 }  // namespace
 
 const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats) {
-  expect_no_folder(request.file);
+  if (is_several_files(request.file)) return format_of_several(request.file, formats);
   if (is_stream(request.file))  // it is opened more than once
     throw Error(input_name(request.file) + ": is a pipe or a device; expected a recording that is a file on disk");
   const MappedFile mapped(request.file);
   const std::string_view head = mapped.text().substr(0, 4096);
+  const bool text = recording_io::is_text_layout(request.layout);
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
-    return f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
+    return text ? f.is_text && f.open_text == nullptr : f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
   });
   if (format != formats.end() && is_kept(request.file) && !format->is_text)
     throw Error(fmt::format("{}: is {}; expected rows of text, or a file on disk", request.file.string(), format->name));
+  if (format != formats.end() && format->is_text) expect_no_aid(request.file, head);
   if (format != formats.end()) return *format;
   expect_not_packed(request.file, head);
   std::vector<std::string_view> names;

@@ -35,6 +35,8 @@ struct Wanted {
   std::optional<double> rate_hz = 1;
 };
 
+class TextTable;
+
 /// Takes pieces of neighboring rows, in the order of the file; false where no more are needed.
 using PieceSink = std::function<bool(TableRows&&)>;
 
@@ -54,6 +56,9 @@ struct RecordingFormat {
   bool of_layout = false;               ///< reads files whose layout is declared, and no other
   bool is_text = false;                 ///< adds the stamps itself and checks the rows, line by line; may come as a stream
   const bag::BagFormat* bag = nullptr;  ///< of a bag: how it is opened, and copied with other readings
+  /// Of recordings that are several files: true for a folder, or joined names, in this format.
+  bool (*recognizes_path)(const std::filesystem::path& path) = nullptr;
+  recording_io::TextTable (*open_text)(const TableRequest& request) = nullptr;  ///< of recordings whose tables are texts: gives one as a file
 };
 
 /// All formats. The first that recognizes a file reads it; text comes last, since other formats may begin like text.
@@ -67,6 +72,12 @@ namespace recording_io {
 RecordingFormat ros1_bag_format();
 RecordingFormat mcap_format();
 RecordingFormat ros2_database_format();
+RecordingFormat split_bag_format();
+RecordingFormat kitti_oxts_format();
+RecordingFormat workbook_format();
+RecordingFormat novatel_format();
+RecordingFormat text_folder_format();
+RecordingFormat text_archive_format();
 RecordingFormat numpy_format();
 RecordingFormat matlab_format();
 RecordingFormat hdf5_format();

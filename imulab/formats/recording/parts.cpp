@@ -5,12 +5,14 @@
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/integers.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 namespace imulab::recording_io {
 namespace {
@@ -63,10 +65,23 @@ void keep_rows(TableRows& table, const std::vector<std::size_t>& rows) {
 
 }  // namespace
 
+void leave_out_lines(TableRows& table, std::size_t rows, const std::vector<std::size_t>& left_out) {
+  LineNumbers lines;
+  for (std::size_t i = 0, k = 0, next = 0; i < rows; ++i) {
+    if (next < left_out.size() && left_out[next] == i)
+      ++next;
+    else
+      lines.add(k++, table.lines[i]);
+  }
+  table.lines = std::move(lines);
+}
+
 RecordingParts requested_parts(const RecordingSource& source) {
   RecordingParts parts;
-  parts.gyro = request(parts.requests, source, source.gyro);
-  parts.accel = request(parts.requests, source, source.accel);
+  if (!source.gyro.columns.empty()) parts.gyro = request(parts.requests, source, source.gyro);
+  if (!source.accel.columns.empty()) parts.accel = request(parts.requests, source, source.accel);
+  if (source.gyro.columns.empty()) parts.gyro.table = parts.accel.table;  // its rows are then the recording's
+  if (source.accel.columns.empty()) parts.accel.table = parts.gyro.table;
   if (source.gyro_temperature) parts.gyro_temperature = request(parts.requests, source, *source.gyro_temperature);
   if (source.accel_temperature) parts.accel_temperature = request(parts.requests, source, *source.accel_temperature);
   return parts;
@@ -169,6 +184,8 @@ Readings take_readings(RecordingParts& parts, const RecordingSource& source) {
     return columns;
   };
   Readings readings{three_columns(taken(parts.gyro)), three_columns(taken(parts.accel)), recording_options(source)};
+  for (auto [triad, integers] : {std::pair{&readings.gyro, source.gyro.integers}, {&readings.accel, source.accel.integers}})
+    for (std::vector<double>& column : *triad) take_as(integers, column);
   readings.options.gyro.temperature = taken(parts.gyro_temperature);
   readings.options.accel.temperature = taken(parts.accel_temperature);
   return readings;

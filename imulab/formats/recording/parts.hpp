@@ -32,7 +32,7 @@ struct RecordingParts {
   TableRows& reference() { return tables[gyro.table]; }
 };
 
-/// The tables of a recording, not yet read.
+/// The tables of a recording, not yet read. A triad that the source does not have has no columns.
 RecordingParts requested_parts(const RecordingSource& source);
 
 /// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a
@@ -42,6 +42,9 @@ void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment
 /// Keeps the gyro's rows that have a partner in every other table: mutually nearest stamps at most half an interval apart. The others are
 /// dropped with a warning. Throws Error where nothing matches.
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings);
+
+/// The places of the table's rows without those of samples that are left out.
+void leave_out_lines(TableRows& table, std::size_t rows, const std::vector<std::size_t>& left_out);
 
 /// The readings as they are in the tables, which lose them, and how they are declared.
 struct Readings {

@@ -5,8 +5,10 @@
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/several_files.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/repeated_rows.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/recording/validate.hpp"
 
@@ -14,9 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 namespace imulab {
@@ -50,11 +50,12 @@ double nominal_interval_s(std::span<const std::int64_t> time_ns, const std::stri
   if (stamps.rounded_s && *stamps.rounded_s > said_of_rounding * stamps.median)
     warnings.push_back(fmt::format("{}: the stamps are rounded to {:g} s; an even clock of {:.4g} s ({:.4g} Hz) fits them, and gives its interval",
                                    file, *stamps.rounded_s, stamps.median, 1 / stamps.median));
-  if (!same_interval(stamps.median, stamps.mean))
-    warnings.push_back(
-        fmt::format("{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); the median is taken as the nominal interval, "
-                    "which scales increments: declare rate_hz",
-                    file, stamps.median, stamps.mean));
+  if (!same_interval(stamps.median, stamps.mean)) {
+    const bool increments = source.gyro.output == Output::increment || source.accel.output == Output::increment;
+    warnings.push_back(fmt::format(
+        "{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); the median is taken as the nominal interval{}", file, stamps.median,
+        stamps.mean, increments ? ", which scales increments: declare rate_hz" : "; " + even_rows_advice(1 / stamps.mean)));
+  }
   return stamps.median;
 }
 
@@ -123,6 +124,23 @@ void warn_of_repeated(const TableRows& table, std::vector<std::string>& warnings
     warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", table.file, table.repeated, table.repeated == 1 ? "" : "s"));
 }
 
+/// Rows that repeat the readings before are reported; those of both triads are returned, to be left out. One triad alone may repeat where a slow one
+/// was logged with a fast one.
+std::optional<RepeatedRows> to_leave_out(const RecordingView& recording, const std::string& file, std::vector<std::string>& warnings) {
+  const std::size_t first = recording.has(gyro_columns) ? gyro_columns : accel_columns;
+  const std::size_t end = recording.has(accel_columns) ? gyro_temperature_columns : accel_columns;
+  std::optional<RepeatedRows> found = repeated_rows(recording, first, end);
+  if (found) {
+    warnings.push_back(fmt::format("{}: {}", file, said_of(*found, "rows", true)));
+  } else if (end - first == 6) {
+    for (const auto& [column, name] : {std::pair{gyro_columns, "gyros' readings"}, {accel_columns, "accelerometers' readings"}})
+      if (const auto of_triad = repeated_rows(recording, column, column + 3))
+        warnings.push_back(fmt::format("{}: {}", file, said_of(*of_triad, name, false)));
+  }
+  if (found && found->samples.empty()) found.reset();
+  return found;
+}
+
 /// The tables' rows, or those of a piece, in SI or counts; each reading is one that a sensor can give.
 Recording checked(RecordingParts& parts, const RecordingSource& source, std::optional<double> interval_s) {
   TableRows& reference = parts.reference();
@@ -183,6 +201,11 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
   validate(reading.recording);  // rows without a partner are gone
   RecordingOptions options = recording_options(source);
   options.interval_s = interval_s;
+  if (const auto repeated = to_leave_out(reading.recording, parts.reference().file, reading.warnings)) {
+    leave_out_lines(parts.reference(), reading.recording.size(), repeated->samples);
+    reading.recording = without_samples(std::move(reading.recording), *repeated);
+    if (repeated->evenly) options.interval_s = stamp_intervals(reading.recording.time_ns).median;
+  }
   reading.recording = completed(std::move(reading.recording), options);
   warn_of_findings(reading.recording, parts.reference(), session, source, reading.warnings);
   return reading;
@@ -195,8 +218,7 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   const TableRequest request{session_path(session, part.file), part.topic, source.layout};
   const RecordingFormat& format = format_of(request, formats);
   const std::string file = request.file.string();
-  std::error_code unknown;
-  if (!format.in_pieces && (std::filesystem::file_size(request.file, unknown) < most_bytes || unknown)) return std::nullopt;
+  if (!format.in_pieces && bytes_of(request.file) < most_bytes) return std::nullopt;
   const std::vector<TableDescription> tables = format.describe(request);
   const std::uint64_t bytes = 8 * (part.columns.size() + 1) * rows_of(tables, request.topic);
   if (bytes <= most_bytes) return std::nullopt;
@@ -218,7 +240,12 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   reading.recording.end_of_pieces();
   reading.warnings = all.warnings;
   warn_of_repeated(all, reading.warnings);
-  const double interval_s = nominal_interval_s(reading.recording.time_ns(), all.file, source, reading.warnings);
+  double interval_s = nominal_interval_s(reading.recording.time_ns(), all.file, source, reading.warnings);
+  if (const auto repeated = to_leave_out(reading.recording.view(), all.file, reading.warnings)) {
+    leave_out_lines(all, rows, repeated->samples);
+    reading.recording.leave_out(*repeated);
+    if (repeated->evenly) interval_s = stamp_intervals(reading.recording.time_ns()).median;
+  }
   reading.recording.complete(interval_s, recording_options(source));
   warn_of_findings(reading.recording.view(), all, session, source, reading.warnings);
   reading.recording.let_go();

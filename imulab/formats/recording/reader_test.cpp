@@ -321,7 +321,8 @@ TEST(RecordingFile, ALongTextIsReadInPartsAsInOne) {
     ASSERT_EQ(r.accel[2][i], 2 * static_cast<double>(i));
   }
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("6 rows equal to the row before dropped")));
-  EXPECT_THAT([&] { parse_recording(text + "400,1,2,x,4,5,6\n"); }, testing::ThrowsMessage<Error>(HasSubstr(":300014: gz: \"x\" is not a number")));
+  EXPECT_THAT([&] { parse_recording(text + "400,1,2,x,4,5,6\n401,1,2,3,4,5,6\n"); },
+              testing::ThrowsMessage<Error>(HasSubstr(":300014: gz: \"x\" is not a number")));
   EXPECT_THAT([&] { parse_recording(text + "5,1,2,3,4,5,6\n"); }, testing::ThrowsMessage<Error>(HasSubstr(":300014: t: time runs backwards")));
   RecordingSource source = plain_source();
   source.accel.limits = {-1e9, 599'998};

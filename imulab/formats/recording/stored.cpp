@@ -29,6 +29,27 @@ ColumnFile with_inserted(std::size_t size, std::span<const std::size_t> before, 
   return out;
 }
 
+/// Copies the numbers of a file to another but for those of some samples.
+template <class Number, class Read>
+ColumnFile with_left_out(std::size_t size, const std::vector<std::size_t>& samples, const Read& read) {
+  ColumnFile out;
+  std::vector<Number> kept;
+  std::size_t next = 0;
+  for (std::size_t begin = 0; begin < size; begin += usual_block) {
+    const Range block{begin, std::min(size, begin + usual_block)};
+    const std::span<const Number> numbers = read(block);
+    kept.clear();
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      if (next < samples.size() && samples[next] == begin + i)
+        ++next;
+      else
+        kept.push_back(numbers[i]);
+    }
+    out.append(std::span<const Number>(kept));
+  }
+  return out;
+}
+
 }  // namespace
 
 StoredRecording::StoredRecording(const RecordingSource& source) {
@@ -36,7 +57,8 @@ StoredRecording::StoredRecording(const RecordingSource& source) {
     for (std::size_t axis = 0; axis < 3; ++axis) place_[first + axis] = files_.size(), files_.emplace_back();
   };
   place_.fill(none);
-  one_each(gyro_columns), one_each(accel_columns);
+  if (!source.gyro.columns.empty()) one_each(gyro_columns);
+  if (!source.accel.columns.empty()) one_each(accel_columns);
   for (const auto& [first, thermal] :
        {std::pair{gyro_temperature_columns, &source.gyro_temperature}, std::pair{accel_temperature_columns, &source.accel_temperature}}) {
     if (!*thermal) continue;
@@ -66,6 +88,26 @@ void StoredRecording::append(const Recording& piece) {
 }
 
 void StoredRecording::end_of_pieces() { stamps_ = MappedStamps(stamp_file_); }
+
+void StoredRecording::leave_out(const RepeatedRows& repeated) {
+  const std::size_t size = time_ns().size();
+  std::vector<double> buffer;
+  for (std::size_t c = 0, next = 0; c < all_columns; ++c)
+    if (place_[c] == next)
+      files_[next++] = with_left_out<double>(size, repeated.samples, [&](const Range& range) -> std::span<const double> {
+        read(c, range, buffer);
+        return buffer;
+      });
+  Recording marks;  // the stamps and marks alone
+  marks.time_ns.assign(time_ns().begin(), time_ns().end());
+  marks.saturated = saturated_;
+  marks = without_samples(std::move(marks), repeated);
+  ColumnFile stamps;
+  stamps.append(std::span<const std::int64_t>(marks.time_ns));
+  saturated_ = std::move(marks.saturated);
+  stamp_file_ = std::move(stamps);
+  stamps_ = MappedStamps(stamp_file_);
+}
 
 void StoredRecording::complete(double interval_s, const RecordingOptions& options) {
   interval_s_ = interval_s;

@@ -4,6 +4,7 @@
 #include "imulab/formats/recording/column_file.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/recording_view.hpp"
+#include "imulab/recording/repeated_rows.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <array>
@@ -28,6 +29,8 @@ class StoredRecording : public ColumnSource {
   /// that clip.
   void append(const Recording& piece);
   void end_of_pieces();
+  /// As without_samples, before it is complete.
+  void leave_out(const RepeatedRows& repeated);
   void complete(double interval_s, const RecordingOptions& options);
   /// As with_short_gaps_filled; returns the number of samples.
   std::size_t fill_short_gaps();

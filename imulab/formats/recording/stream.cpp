@@ -34,10 +34,17 @@ RecordingSource in_one_text(RecordingSource source, const std::string& name) {
 
 RecordingStream::RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy,
                                  bool interruptible)
-    : descriptor_(descriptor), name_(std::move(name)), source_(in_one_text(source, name_)), copy_(std::move(copy)), interruptible_(interruptible) {
+    : descriptor_(descriptor),
+      name_(std::move(name)),
+      source_(in_one_text(source, name_)),
+      copy_(std::move(copy)),
+      rewriter_({name_, source.topic, source.layout}),
+      interruptible_(interruptible) {
   for (const auto* triad : {&source.gyro, &source.accel}) {
     if (triad->file && *triad->file != source.file)
       throw Error(fmt::format("{}: the session has a triad in a file of its own ({}); expected all columns in one text", name_, *triad->file));
+    if (triad->topic && *triad->topic != source.topic)
+      throw Error(fmt::format("{}: the session has a triad in a topic of its own ({}); expected all columns in one text", name_, *triad->topic));
     if (triad->output == Output::increment && !source.rate_hz)
       throw Error(fmt::format("{}: increments need rate_hz; expected it in the session, since the median interval is known only at the end", name_));
   }
@@ -49,24 +56,37 @@ bool RecordingStream::fill() {
   if (text_.size() > longest_bytes)
     throw Error(
         fmt::format("{}:{}: more than {} bytes without a row; expected lines of numbers", name_, reader_ ? reader_->line() + 1 : 1, longest_bytes));
-  const std::size_t held = text_.size();
-  text_.resize(held + block_bytes);
+  std::string bytes(block_bytes, '\0');
   ssize_t count = 0;
   do {
-    count = ::read(descriptor_, text_.data() + held, block_bytes);
+    count = ::read(descriptor_, bytes.data(), block_bytes);
   } while (count < 0 && errno == EINTR);
-  text_.resize(held + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   if (count < 0) throw Error(fmt::format("{}: cannot be read: {}", name_, std::strerror(errno)));
-  if (copy_) copy_(std::string_view(text_).substr(held));
+  bytes.resize(static_cast<std::size_t>(count));
+  if (copy_) copy_(bytes);
+  if (recognized_) {
+    rewriter_.add(bytes, count == 0, text_);
+  } else {
+    head_ += bytes;
+    recognize(count == 0);
+  }
   return count > 0;
+}
+
+/// Finds out how the text is written, by whole lines, and rewrites what has come of it.
+void RecordingStream::recognize(bool ended) {
+  const bool complete = ended || head_.size() > longest_bytes;
+  recognized_ = rewriter_.start(complete ? head_ : std::string_view(head_).substr(0, head_.find_last_of("\n\r") + 1), complete);
+  if (recognized_) rewriter_.add(std::exchange(head_, {}), ended, text_);
 }
 
 /// Finds the layout, where the first row has come.
 bool RecordingStream::start() {
   if (reader_) return true;
+  if (!recognized_) return false;
   const std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
   const bool named = names_a_column(source_.time, parts_.requests.front().columns);
-  auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named, false);
+  auto layout = ended_ ? table_layout(name_, lines, named, rewriter_.hints()) : find_layout(name_, lines, named, false, rewriter_.hints());
   if (!layout) return false;
   const std::size_t offset = layout->offset;
   const bool settled = layout->settled;
@@ -76,6 +96,7 @@ bool RecordingStream::start() {
     if (settled) throw;
     return false;  // what has come so far may be a device's greeting
   }
+  reader_->leave_out(RowReader::Leaves::few);
   text_.erase(0, offset);
   return true;
 }
@@ -131,6 +152,8 @@ void RecordingStream::count(const Recording& block) {
 std::vector<std::string> RecordingStream::warnings() const {
   std::vector<std::string> warnings;
   const auto samples = [](std::size_t n) { return fmt::format("{} {}", n, n == 1 ? "sample" : "samples"); };
+  if (reader_)
+    for (std::string& warning : reader_->left_out_warnings()) warnings.push_back(std::move(warning));
   if (reader_ && reader_->repeated() > 0)
     warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", name_, reader_->repeated(), reader_->repeated() == 1 ? "" : "s"));
   if (cut_) warnings.push_back(fmt::format("{}: the last line has no end and was not used", name_));

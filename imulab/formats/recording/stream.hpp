@@ -3,6 +3,7 @@
 
 #include "imulab/formats/recording/csv_rows.hpp"
 #include "imulab/formats/recording/parts.hpp"
+#include "imulab/formats/recording/plain_text.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -33,6 +34,7 @@ class RecordingStream {
 
  private:
   bool fill();
+  void recognize(bool ended);
   bool start();
   recording_io::TableRows read_rows();
   void count(const Recording& block);
@@ -43,7 +45,10 @@ class RecordingStream {
   std::function<void(std::string_view)> copy_;
   recording_io::RecordingParts parts_;
   std::optional<recording_io::RowReader> reader_;
-  std::string text_;  // not yet read as rows
+  recording_io::TextRewriter rewriter_;
+  std::string head_;  // bytes, as long as it is not known how they are to be read
+  std::string text_;  // plain, not yet read as rows
+  bool recognized_ = false;
   bool ended_ = false, interruptible_ = false, cut_ = false;
   std::exception_ptr failure_;
   std::optional<std::int64_t> last_ns_;

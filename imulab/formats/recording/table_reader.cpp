@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/several_files.hpp"
 #include "imulab/recording/clock.hpp"
 
 #include <fmt/core.h>
@@ -98,8 +99,8 @@ void expect_ascending(TableRows& piece) {
       const bool same = std::all_of(piece.columns.begin(), piece.columns.end(),
                                     [&](const RawColumn& column) { return column.numbers[i] == column.numbers[kept - 1]; });
       if (!same)
-        throw Error(fmt::format("{}: {}: {} s is on two rows with different readings; expected one row for each time", piece.file, piece.place(i),
-                                text::seconds_text(piece.time_ns[i])));
+        throw Error(fmt::format("{}: {}: {} s is on two rows with different readings; expected one row for each time; {}", piece.file, piece.place(i),
+                                text::seconds_text(piece.time_ns[i]), even_rows_advice()));
       ++piece.repeated;
       continue;
     }
@@ -145,9 +146,7 @@ std::vector<Column> columns_and_time(std::vector<Column> columns, const TimeSour
 /// A file that is far smaller than the memory fits into it: a row of short integers, or of digits, is at most so many times as large as numbers.
 bool may_be_too_large(const TableRequest& request) {
   constexpr double most_expanded = 8;
-  std::error_code unknown;
-  const auto bytes = static_cast<double>(std::filesystem::file_size(request.file, unknown));
-  return !unknown && most_expanded * bytes >= static_cast<double>(memory_limit());
+  return most_expanded * static_cast<double>(bytes_of(request.file)) >= static_cast<double>(memory_limit());
 }
 
 }  // namespace

@@ -82,6 +82,12 @@ std::optional<ZipMember> zip_entry(std::string_view archive, std::size_t& at, co
 
 }  // namespace
 
+std::string_view first_member(std::string_view head) {
+  constexpr std::size_t before_name = 30;
+  if (!head.starts_with("PK\3\4") || head.size() < before_name) return {};
+  return head.substr(before_name, load<std::uint16_t>(head.data() + 26));
+}
+
 std::vector<ZipMember> zip_members(std::string_view archive, const std::string& file) {
   const ZipDirectory directory = zip_directory(archive, file);
   std::vector<ZipMember> members;

@@ -18,6 +18,9 @@ struct ZipMember {
   bool deflated = false;    ///< else stored is the content
 };
 
+/// The name of an archive's first member, from its first bytes; empty where it is none.
+std::string_view first_member(std::string_view head);
+
 /// Throws Error with `file` where the archive is damaged. Members of another method are left out.
 std::vector<ZipMember> zip_members(std::string_view archive, const std::string& file);
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,7 @@ class MappedFile {
 
  private:
   std::string text_, message_;
+  std::shared_ptr<const std::string> kept_;
   const char* data_ = nullptr;
   std::size_t size_ = 0;
 };
@@ -99,7 +101,8 @@ struct FileSum {
   std::string sha256;
   std::uint64_t bytes = 0;
 };
-/// The checksum of a file of any size, in little memory. Throws Error as MappedFile does.
+/// The checksum of a file of any size, in little memory; of a recording that is several files (several_files.hpp) that of their checksums and names.
+/// Throws Error as MappedFile does.
 FileSum file_sum(const std::filesystem::path& path);
 
 // A text that is read as if it were a file: rows that came through a pipe, and are read more than once.
@@ -109,5 +112,17 @@ void keep_as_file(const std::filesystem::path& name, std::string text);
 bool is_kept(const std::filesystem::path& path);
 /// When nothing reads them any more.
 void forget_kept();
+
+/// A text that is kept while this exists: a member of an archive, unpacked.
+class KeptFile {
+ public:
+  KeptFile(std::filesystem::path name, std::string text);
+  ~KeptFile();
+  KeptFile(const KeptFile&) = delete;
+  KeptFile& operator=(const KeptFile&) = delete;
+
+ private:
+  std::shared_ptr<const std::string> text_;
+};
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/formats/text/json.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <unordered_map>
 
 namespace imulab {
 namespace {
@@ -101,11 +103,13 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
   bool key(string_t& name) override {
+    constexpr std::size_t most_keys = 100'000;
     auto& fields = std::get<JsonFields>(open_.back()->is).fields;
-    auto at = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.first == name; });
-    if (at != fields.end() && keys_ == Keys::once) throw Error(file_ + ": " + excerpt(name) + ": is given twice; expected each key once");
-    if (at == fields.end()) at = fields.insert(at, {std::move(name), JsonValue()});
-    place_ = &at->second;
+    const auto [known, added] = places_.back().emplace(name, fields.size());
+    if (!added && keys_ == Keys::once) throw Error(file_ + ": " + excerpt(name) + ": is given twice; expected each key once");
+    if (fields.size() >= most_keys) throw Error(fmt::format("{}: an object has more than {} keys; expected {}", file_, most_keys, what_));
+    if (added) fields.emplace_back(std::move(name), JsonValue());
+    place_ = &fields[known->second].second;
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception& e) override {
@@ -129,17 +133,20 @@ class Builder : public nlohmann::json_sax<nlohmann::json> {
     constexpr std::size_t deepest = 100;
     if (open_.size() > deepest) throw Error(fmt::format("{}: nested too deeply; expected {}", file_, what_));
     open_.push_back(&place(std::move(value)));
+    places_.emplace_back();
     return true;
   }
   bool close() {
     open_.pop_back();
+    places_.pop_back();
     return true;
   }
 
   const std::string &file_, &what_;
   Keys keys_;
-  std::vector<JsonValue*> open_;  // a list grows only while its last element is closed
-  JsonValue* place_ = nullptr;    // of the key that was read last
+  std::vector<JsonValue*> open_;                                      // a list grows only while its last element is closed
+  std::vector<std::unordered_map<std::string, std::size_t>> places_;  // of each that is open, where its keys are
+  JsonValue* place_ = nullptr;                                        // of the key that was read last
 };
 
 }  // namespace
@@ -254,9 +261,15 @@ void Problems::expect_known_keys(const Field& field, const std::vector<std::stri
   std::vector<std::string_view> missing;
   for (const std::string_view key : known)
     if (!field.has(key)) missing.push_back(key);
+  constexpr std::size_t most_unknown = 1000;  // each is compared with all known ones
+  std::size_t unknown = 0;
   for (const std::string& key : field.keys()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const std::string_view meant = text::nearest_name(key, missing);
+    if (++unknown > most_unknown) {
+      none_in([&] { field.fail(fmt::format("has more than {} unknown keys; expected {}", most_unknown, text::listed(known))); });
+      break;
+    }
+    const std::string_view meant = nearest_name(key, missing);
     const auto small = [](std::string_view name) { return std::tolower(static_cast<unsigned char>(name[0])); };
     if (others_allowed && (meant.empty() || small(meant) != small(key))) continue;
     none_in([&] { field[key].fail(fmt::format("is unknown; expected {}", meant.empty() ? "one of " + text::listed(known) : std::string(meant))); });

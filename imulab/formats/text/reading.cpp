@@ -54,7 +54,13 @@ bool wait_for_more(int descriptor, SteadyClock::time_point until) {
   }
 }
 
-/// A stream to its end, or to a time.
+/// True for the first bytes of a text, also of one in two bytes a character.
+bool begins_like_text(std::string_view head) {
+  const bool two_bytes = head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF");
+  return two_bytes || head.find('\0') == std::string_view::npos;
+}
+
+/// A stream to its end, or to a time; of one that is no text, which may have no end, the first bytes.
 StreamText read_open_stream(int descriptor, const fs::path& path, std::size_t longest, std::optional<SteadyClock::time_point> until) {
   constexpr std::size_t piece = 1 << 16;
   StreamText stream;
@@ -70,23 +76,26 @@ StreamText read_open_stream(int descriptor, const fs::path& path, std::size_t lo
     size += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
     if (size > longest) throw Error(fmt::format("{}: is longer than {}; expected less", input_name(path), size_text(longest)));
     text.resize(size);
-    if (n == 0) return stream;
+    if (n == 0 || (until && size <= piece && !begins_like_text(text))) return stream;
   }
 }
 
 /// A pipe was opened without waiting for its writer; from here on it waits for data. Returns what came first. Throws Error where nobody opens its
-/// other end.
+/// other end, and where nothing comes from a device.
 std::string expect_writer(int descriptor, const fs::path& path) {
   constexpr int longest_s = 5;
+  struct stat status {};
+  const bool device = ::fstat(descriptor, &status) == 0 && S_ISCHR(status.st_mode);
   const auto until = SteadyClock::now() + std::chrono::seconds(longest_s);
   std::string first;
   while (!wait_for_more(descriptor, std::min(until, SteadyClock::now() + std::chrono::milliseconds(100)))) {
     char byte = 0;  // a pipe without a writer is at its end, one with a silent writer is not
     const ssize_t n = ::read(descriptor, &byte, 1);
     if (n > 0) first = byte;
-    if (n > 0 || (n < 0 && errno == EAGAIN)) break;
-    if (SteadyClock::now() >= until)
-      throw Error(fmt::format("{}: nobody writes to this pipe; expected a writer within {} s", path.string(), longest_s));
+    if (n > 0 || (n < 0 && errno == EAGAIN && !device)) break;
+    if (SteadyClock::now() < until) continue;
+    throw Error(device ? fmt::format("{}: nothing comes from this device; expected data within {} s", path.string(), longest_s)
+                       : fmt::format("{}: nobody writes to this pipe; expected a writer within {} s", path.string(), longest_s));
   }
   ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
   return first;
@@ -111,22 +120,32 @@ namespace {
 
 struct KeptText {
   fs::path name;
-  std::string text;
+  std::shared_ptr<const std::string> text;
 };
 std::mutex kept_mutex;
 std::list<KeptText> kept_texts;
 
-const std::string* kept_text(const fs::path& path) {
+std::shared_ptr<const std::string> kept_text(const fs::path& path) {
   const std::lock_guard lock(kept_mutex);
   const auto kept = std::find_if(kept_texts.begin(), kept_texts.end(), [&](const KeptText& k) { return k.name == path; });
-  return kept != kept_texts.end() ? &kept->text : nullptr;
+  return kept != kept_texts.end() ? kept->text : nullptr;
 }
 
 }  // namespace
 
 void keep_as_file(const fs::path& name, std::string text) {
   const std::lock_guard lock(kept_mutex);
-  kept_texts.push_back({name, std::move(text)});
+  kept_texts.push_back({name, std::make_shared<const std::string>(std::move(text))});
+}
+
+KeptFile::KeptFile(fs::path name, std::string text) : text_(std::make_shared<const std::string>(std::move(text))) {
+  const std::lock_guard lock(kept_mutex);
+  kept_texts.push_back({std::move(name), text_});
+}
+
+KeptFile::~KeptFile() {
+  const std::lock_guard lock(kept_mutex);
+  kept_texts.remove_if([this](const KeptText& kept) { return kept.text == text_; });
 }
 
 bool is_kept(const fs::path& path) { return kept_text(path) != nullptr; }
@@ -148,15 +167,19 @@ StreamText read_stream(const fs::path& path, double longest_s) {
   if (path == "-") return read_open_stream(STDIN_FILENO, path, longest_stream, until);
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};  // a pipe without a writer must not wait here
   if (file.fd < 0) fail_to_read(path, "cannot be opened");
-  return read_open_stream(file.fd, path, longest_stream, until);
+  std::string first = expect_writer(file.fd, path);
+  StreamText stream = read_open_stream(file.fd, path, longest_stream, until);
+  stream.text.insert(0, first);
+  return stream;
 }
 
 MappedFile::MappedFile(const fs::path& path, Content content) {
   const bool settings = content == Content::settings;
   const std::size_t longest = settings ? longest_settings : longest_stream;
   errno = 0;
-  if (const std::string* const kept = kept_text(path)) {
-    data_ = kept->data(), size_ = kept->size();
+  kept_ = kept_text(path);
+  if (kept_) {
+    data_ = kept_->data(), size_ = kept_->size();
     return;
   }
   if (path == "-") {

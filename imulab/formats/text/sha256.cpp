@@ -1,6 +1,7 @@
 // SHA-256 (FIPS 180-4), for naming sessions and recordings by their content.
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/formats/text/several_files.hpp"
 
 #include <algorithm>
 #include <array>
@@ -141,7 +142,9 @@ std::string sha256(std::string_view text, bool by_instructions) {
   return sum.digits();
 }
 
-FileSum file_sum(const std::filesystem::path& path) {
+namespace {
+
+FileSum sum_of_one(const std::filesystem::path& path) {
   constexpr std::size_t piece = 1 << 22;
   const MappedFile mapped(path);
   const std::string_view text = mapped.text();
@@ -153,6 +156,21 @@ FileSum file_sum(const std::filesystem::path& path) {
     mapped.release(at + piece);
   }
   return {sum.digits(), text.size()};
+}
+
+}  // namespace
+
+FileSum file_sum(const std::filesystem::path& path) {
+  if (!is_several_files(path)) return sum_of_one(path);
+  FileSum all;
+  std::string lines;  // of each file, as sha256sum prints them
+  for (const std::filesystem::path& file : files_of(path)) {
+    const FileSum one = sum_of_one(file);
+    lines += one.sha256 + "  " + file.lexically_relative(path.parent_path()).string() + "\n";
+    all.bytes += one.bytes;
+  }
+  all.sha256 = sha256(lines);
+  return all;
 }
 
 }  // namespace imulab

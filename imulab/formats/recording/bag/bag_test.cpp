@@ -113,14 +113,13 @@ TEST(Bag, ReadsMessagesSinglyBesideALargePicture) {
   }
 }
 
-/// A bag of ROS 2 that is a folder, or compressed as a whole.
+/// A bag of ROS 2 that is a folder is read; one that is compressed as a whole is not.
 TEST(Bag, SaysWhatToNameInstead) {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder / "run");
   folder.write("run/metadata.yaml", "rosbag2_bagfile_information:\n");
   std::filesystem::copy_file(fixture("imu.db3"), folder / "run/run_0.db3");
-  EXPECT_THAT([&] { read_columns(folder / "run", "", {1}); },
-              ThrowsMessage<Error>(HasSubstr("the folder of a ROS 2 bag; expected its file run/run_0.db3")));
+  EXPECT_GT(read_columns(folder / "run", "/imu0", {1}).size(), 0U) << "as one of its file";
   const auto packed = folder.write("run.db3.zstd", std::string("\x28\xB5\x2F\xFD\x00\x01", 6));
   EXPECT_THAT([&] { read_columns(packed, "", {1}); }, ThrowsMessage<Error>(HasSubstr("expected it unpacked: zstd -d")));
 }

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/bag/chunk.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 
 #include <fmt/core.h>
 
@@ -34,11 +35,13 @@ struct Piece {
 };
 
 template <class Step>
-std::string_view unpack_pieces(std::string_view packed, std::uint64_t size, Buffer& buffer, Step step) {
+std::string_view unpack_pieces(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file, Step step) {
   if (size > largest_chunk) throw Damaged("a chunk of more than a gigabyte");
   const auto whole = static_cast<std::size_t>(size);
   std::size_t written = 0, room = std::min(whole, std::max({buffer.size(), 8 * packed.size(), std::size_t{1} << 16}));
+  constexpr double copied = 1.5;  // while the buffer grows, what it holds is there twice
   while (true) {
+    if (room > buffer.size()) expect_memory(copied * static_cast<double>(room), fmt::format("{}: unpacking a chunk of {} MB", file, whole >> 20));
     char* out = buffer.of(std::max<std::size_t>(room, 1), written);
     const std::size_t before = packed.size();
     const Piece piece = step(packed, out + written, room - written);
@@ -56,11 +59,11 @@ std::string_view unpack_pieces(std::string_view packed, std::uint64_t size, Buff
 }
 
 #ifdef IMULAB_WITH_LZ4
-std::string_view unpack_lz4(std::string_view packed, std::uint64_t size, Buffer& buffer) {
+std::string_view unpack_lz4(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) throw Error("LZ4 has no memory");
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> owner(context, LZ4F_freeDecompressionContext);
-  return unpack_pieces(packed, size, buffer, [context](std::string_view& in, char* out, std::size_t room) {
+  return unpack_pieces(packed, size, buffer, file, [context](std::string_view& in, char* out, std::size_t room) {
     std::size_t taken = in.size(), written = room;
     const std::size_t left = LZ4F_decompress(context, out, &written, in.data(), &taken, nullptr);
     if (LZ4F_isError(left)) throw Damaged(std::string("LZ4: ") + LZ4F_getErrorName(left));
@@ -83,9 +86,9 @@ std::string pack_lz4(std::string_view bytes) {
 #endif
 
 #ifdef IMULAB_WITH_ZSTD
-std::string_view unpack_zstd(std::string_view packed, std::uint64_t size, Buffer& buffer) {
+std::string_view unpack_zstd(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
-  return unpack_pieces(packed, size, buffer, [&](std::string_view& in, char* out, std::size_t room) {
+  return unpack_pieces(packed, size, buffer, file, [&](std::string_view& in, char* out, std::size_t room) {
     ZSTD_inBuffer from{in.data(), in.size(), 0};
     ZSTD_outBuffer to{out, room, 0};
     const std::size_t left = ZSTD_decompressStream(context.get(), &to, &from);
@@ -105,11 +108,11 @@ std::string pack_zstd(std::string_view bytes) {
 #endif
 
 #ifdef IMULAB_WITH_BZIP2
-std::string_view unpack_bzip2(std::string_view packed, std::uint64_t size, Buffer& buffer) {
+std::string_view unpack_bzip2(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file) {
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) throw Error("bzip2 has no memory");
   const std::unique_ptr<bz_stream, decltype(&BZ2_bzDecompressEnd)> owner(&stream, BZ2_bzDecompressEnd);
-  return unpack_pieces(packed, size, buffer, [&stream](std::string_view& in, char* out, std::size_t room) {
+  return unpack_pieces(packed, size, buffer, file, [&stream](std::string_view& in, char* out, std::size_t room) {
     stream.next_in = const_cast<char*>(in.data());
     stream.avail_in = static_cast<unsigned>(in.size());
     stream.next_out = out;
@@ -156,15 +159,16 @@ Compression compression_of(std::string_view name) {
   throw Damaged("unknown compression \"" + std::string(name.substr(0, 20)) + "\"");
 }
 
-std::string_view unpack([[maybe_unused]] Compression compression, std::string_view packed, std::uint64_t size, [[maybe_unused]] Buffer& buffer) {
+std::string_view unpack([[maybe_unused]] Compression compression, std::string_view packed, std::uint64_t size, [[maybe_unused]] Buffer& buffer,
+                        [[maybe_unused]] const std::string& file) {
 #ifdef IMULAB_WITH_LZ4
-  if (compression == Compression::lz4) return unpack_lz4(packed, size, buffer);
+  if (compression == Compression::lz4) return unpack_lz4(packed, size, buffer, file);
 #endif
 #ifdef IMULAB_WITH_ZSTD
-  if (compression == Compression::zstd) return unpack_zstd(packed, size, buffer);
+  if (compression == Compression::zstd) return unpack_zstd(packed, size, buffer, file);
 #endif
 #ifdef IMULAB_WITH_BZIP2
-  if (compression == Compression::bzip2) return unpack_bzip2(packed, size, buffer);
+  if (compression == Compression::bzip2) return unpack_bzip2(packed, size, buffer, file);
 #endif
   if (packed.size() != size) throw Damaged("a chunk that is not as long as it says");
   return packed;

@@ -18,8 +18,8 @@ enum class Compression { none, lz4, zstd, bzip2 };
 Compression compression_of(std::string_view name);
 
 /// `packed` unpacked, in `buffer` (or `packed` itself where it is not compressed). Memory grows with what is found, not with what `size` promises.
-/// Throws Damaged where it is not exactly `size` bytes.
-std::string_view unpack(Compression compression, std::string_view packed, std::uint64_t size, Buffer& buffer);
+/// Throws Damaged where it is not exactly `size` bytes, and MemoryError with `file` where that is more than may be taken.
+std::string_view unpack(Compression compression, std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file = "a bag");
 
 /// The reverse. LZ4 is a frame of independent blocks with a checksum, which ROS 1 asks for.
 std::string pack(Compression compression, std::string_view bytes);

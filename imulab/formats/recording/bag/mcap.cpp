@@ -142,7 +142,7 @@ std::string_view Mcap::chunk_records(const McapRecord& record) {
   const McapChunk chunk = mcap_chunk(content);
   Bytes packed(content.substr(chunk.records));
   const std::string_view records =
-      unpack(damage_.compression(chunk.compression, record.begin), packed.take(chunk.packed_size), chunk.size, unpacked_);
+      unpack(damage_.compression(chunk.compression, record.begin), packed.take(chunk.packed_size), chunk.size, unpacked_, file_.path().string());
   if (chunk.crc != 0 && crc32(records) != chunk.crc) throw Damaged("its checksum is wrong");
   return records;
 }

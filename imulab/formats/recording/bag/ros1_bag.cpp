@@ -146,7 +146,8 @@ void Ros1Bag::scan_chunk(const Ros1Record& chunk) {
 
 std::string_view Ros1Bag::chunk_records(const Ros1Record& chunk) {
   const Compression compression = damage_.compression(chunk.fields().text("compression"), chunk.begin);
-  return unpack(compression, file_.read(chunk.data, chunk.data_size, packed_), chunk.fields().number<std::uint32_t>("size"), unpacked_);
+  return unpack(compression, file_.read(chunk.data, chunk.data_size, packed_), chunk.fields().number<std::uint32_t>("size"), unpacked_,
+                file_.path().string());
 }
 
 void Ros1Bag::each_message(const Topic& topic, const MessageSink& sink) {

@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/formats/text/several_files.hpp"
 
 #include <fmt/core.h>
 
@@ -57,9 +58,12 @@ const Topic& choose_topic(const std::vector<Topic>& topics, const std::string& n
 
 const RecordingFormat* bag_format(const std::filesystem::path& path) {
   Buffer buffer;
-  const std::string_view head = ByteFile(path).read_some(0, 16, buffer);
+  const bool several = is_several_files(path);
+  const std::string_view head = several ? std::string_view() : ByteFile(path).read_some(0, 16, buffer);
   const std::vector<RecordingFormat>& formats = recording_formats();
-  const auto found = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) { return f.bag != nullptr && f.recognizes(head); });
+  const auto found = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
+    return f.bag != nullptr && (several ? f.recognizes_path != nullptr && f.recognizes_path(path) : f.recognizes(head));
+  });
   return found != formats.end() ? &*found : nullptr;
 }
 

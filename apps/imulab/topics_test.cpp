@@ -1,0 +1,81 @@
+// Recordings with topics, and recordings that are folders, as verbs take them.
+#include <gmock/gmock.h>
+
+#include "tests/mcap_file.hpp"
+#include "tests/recorded_session.hpp"
+#include "tests/run_command.hpp"
+#include <sys/stat.h>
+
+namespace imulab {
+namespace {
+
+using testing::HasSubstr;
+
+/// The messages of the hand-held session, of which each part of a bag has some.
+std::vector<ImuMessage> hand_held_messages() {
+  std::vector<ImuMessage> messages;
+  const std::vector<std::string>& lines = hand_held_session().lines;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> row = SessionText::fields(lines[i]);
+    ImuMessage m{1'700'000'000'000'000'000 + 10'000'000 * static_cast<std::int64_t>(i), {}};
+    for (std::size_t k = 0; k < 6; ++k) m.readings[k] = std::stod(row[k + 1]);
+    messages.push_back(m);
+  }
+  return messages;
+}
+
+struct RecordingTopics : testing::Test {
+  TemporaryFolder folder;
+  const std::vector<ImuMessage> all = hand_held_messages();
+};
+
+TEST_F(RecordingTopics, ASplitBagIsOneRecordingOfEveryVerb) {
+  std::filesystem::create_directories(folder / "run");
+  const auto half = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  folder.write("run/run_0.mcap", mcap_file({{"/imu/data", {all.begin(), half}}}));
+  folder.write("run/run_1.mcap", mcap_file({{"/imu/data", {half, all.end()}}}));
+  const CommandResult inspected = run_imulab(folder, "inspect run/ -o run.toml --json");
+  EXPECT_EQ(inspected.exit_code, 0) << inspected.errors;
+  EXPECT_THAT(inspected.output, HasSubstr("\"topic\": \"/imu/data\""));
+  EXPECT_THAT(inspected.output, HasSubstr("\"rows\": 14400"));
+  for (const char* recording : {"run", "run.toml", "run/run_0.mcap run/run_1.mcap"}) {
+    const CommandResult result = run_imulab(folder, std::string("calibrate ") + recording + " --method handheld -o c.json --force");
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_THAT(read_text(folder / "c.json"), HasSubstr("\"topic\": \"/imu/data\""));
+  }
+  EXPECT_THAT(run_imulab(folder, "export c.json --to openvins").errors, HasSubstr("needs the noise"));
+  EXPECT_THAT(run_imulab(folder, "verify c.json").output, HasSubstr("run_0.mcap+run_1.mcap: unchanged"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "compensate c.json run -o out.csv").output), HasSubstr("out.csv: 14400 samples"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "compensate c.json run -o out.mcap").errors), HasSubstr("run is a bag of several files"));
+  EXPECT_EQ(run_imulab(folder, "compensate c.json run -o run/run_0.mcap").exit_code, 2) << "which is an input";
+}
+
+TEST_F(RecordingTopics, AreChosenOnEveryVerb) {
+  folder.write("two.mcap", mcap_file({{"/a", all}, {"/b", all}}));
+  for (const char* verb : {"calibrate two.mcap --method handheld -o c.json", "noise two.mcap", "inspect two.mcap"}) {
+    EXPECT_THAT(run_imulab(folder, verb).errors, HasSubstr("expected a topic of /a, /b")) << verb;
+    EXPECT_THAT(run_imulab(folder, std::string(verb) + " --topic /b").errors, testing::Not(HasSubstr("expected a topic"))) << verb;
+  }
+  EXPECT_EQ(run_imulab(folder, "compensate c.json two.mcap --topic /a -o out.csv").exit_code, 0);
+  hand_held_session().write(folder);
+  EXPECT_THAT(on_one_line(run_imulab(folder, "noise session --topic /a").errors), HasSubstr("--topic: chooses a table of a recording"));
+}
+
+TEST(OpenStreams, ThatAreNoTextOrSilentEnd) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(run_imulab(folder, "inspect /dev/zero").errors, HasSubstr("/dev/zero: is not text"));
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(run_imulab(folder, "fleet list --store pipe").errors, HasSubstr("pipe: is a pipe or a device; expected a fleet store"));
+}
+
+TEST(Aids, AreNamedAndRefused) {
+  const TemporaryFolder folder;
+  folder.write("a.pos", "% program   : RTKPOST ver.2.4.3\n%  GPST          latitude(deg) longitude(deg)\n2024/01/01 00:00:00.000 47.1 8.1 400 1 8\n");
+  folder.write("b.nmea", "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n$GPRMC,123519,A,4807.038,N\r\n");
+  EXPECT_THAT(on_one_line(run_imulab(folder, "inspect a.pos").errors),
+              HasSubstr("a.pos: is a GNSS solution (RTKLIB's .pos), an aid of a navigation and no recording"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "inspect b.nmea").errors), HasSubstr("b.nmea: is a GNSS solution (NMEA 0183), an aid"));
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,49 @@
+#include "imulab/core/nearest_name.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+
+namespace imulab {
+
+namespace {
+
+/// Letters to insert, delete or replace (Levenshtein).
+std::size_t edits(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replace});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string_view nearest_name(std::string_view word, const std::vector<std::string_view>& names) {
+  constexpr std::size_t longest = 100;  // the search takes the product of both lengths
+  if (word.size() > longest) return {};
+  std::string_view best;
+  std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const std::string_view name : names)
+    if (name.size() <= longest)
+      if (const std::size_t n = edits(word, name); n < least && n < name.size()) best = name, least = n;
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& names) {
+  const std::string_view nearest = nearest_name(word, names);
+  return nearest.empty() ? "" : "; did you mean " + std::string(nearest) + "?";
+}
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
+  return did_you_mean(word, std::vector<std::string_view>(names.begin(), names.end()));
+}
+
+}  // namespace imulab

@@ -1,0 +1,171 @@
+#include "imulab/formats/recording/text_tables.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
+#include "imulab/formats/recording/zip.hpp"
+#include "imulab/formats/text/several_files.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <system_error>
+#include <utility>
+
+namespace imulab::recording_io {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t described_bytes = 1 << 18;  // of a text that has to be unpacked
+constexpr std::size_t most_texts = 500;
+
+/// "imu0/data" of "imu0/data.csv".
+std::string without_extension(const std::string& name) { return fs::path(name).replace_extension().generic_string(); }
+
+std::string table_name(const std::vector<TextMember>& members, const TextMember& member) {
+  const std::string name = without_extension(member.name);
+  const bool only = std::count_if(members.begin(), members.end(), [&](const TextMember& m) { return without_extension(m.name) == name; }) == 1;
+  return only ? name : member.name;
+}
+
+/// Describes a member, where it is a table.
+std::optional<TableDescription> describe_text_member(const std::vector<TextMember>& members, const TextMember& member) {
+  try {
+    const TextTable head = member.open(described_bytes);
+    TableDescription table = text_format().describe({head.path()}).front();
+    if (head.bytes() > 0)
+      table.rows = static_cast<std::size_t>(static_cast<double>(table.rows) * static_cast<double>(member.bytes) / static_cast<double>(head.bytes()));
+    table.name = table_name(members, member);
+    table.other_names.push_back(member.name);
+    return table;
+  } catch (const MemoryError&) {
+    throw;
+  } catch (const Error&) {
+    return std::nullopt;  // a log of words, settings
+  }
+}
+
+void expect_few(const std::vector<TextMember>& members, const fs::path& path) {
+  if (members.size() > most_texts)
+    throw Error(fmt::format("{}: holds {} texts; expected those of one recording: at most {}", path.string(), members.size(), most_texts));
+}
+
+}  // namespace
+
+TextTable::TextTable(fs::path name, std::string text)
+    : path_(std::move(name)), bytes_(text.size()), kept_(std::make_unique<KeptFile>(path_, std::move(text))) {}
+
+bool is_text_name(const fs::path& file) {
+  constexpr std::array<std::string_view, 5> known{".csv", ".tsv", ".txt", ".dat", ".log"};
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return !file.filename().string().starts_with(".") && std::find(known.begin(), known.end(), extension) != known.end();
+}
+
+std::vector<TableDescription> describe_texts(const TableRequest& request, const std::vector<TextMember>& members) {
+  std::vector<TableDescription> tables;
+  for (const TextMember& member : members)
+    if (auto table = describe_text_member(members, member)) tables.push_back(*std::move(table));
+  if (tables.empty())
+    throw Error(fmt::format("{}: none of its {} texts is a table of numbers; expected samples", request.file.string(), members.size()));
+  return tables;
+}
+
+const TextMember& find_text(const TableRequest& request, const std::vector<TextMember>& members) {
+  const auto named = [&](const std::string& topic) {
+    return std::find_if(members.begin(), members.end(), [&](const TextMember& m) { return m.name == topic || table_name(members, m) == topic; });
+  };
+  if (const auto found = named(request.topic); found != members.end()) return *found;
+  return *named(find_table(describe_texts(request, members), request.topic, request.file.string()).name);
+}
+
+void read_text(const TableRequest& request, const std::vector<TextMember>& members, const Wanted& wanted, const PieceSink& sink) {
+  const TextTable table = find_text(request, members).open(whole_text);
+  text_format().read({table.path()}, wanted, sink);
+}
+
+namespace {
+
+// ---- a folder
+
+std::vector<TextMember> texts_of_folder(const fs::path& folder) {
+  std::vector<TextMember> members;
+  for (const fs::path& file : files_of(folder)) {
+    std::error_code none;
+    if (is_text_name(file))
+      members.push_back(
+          {file.lexically_relative(folder).generic_string(), fs::file_size(file, none), [file](std::uint64_t) { return TextTable(file); }});
+  }
+  expect_few(members, folder);
+  return members;
+}
+
+bool is_folder_of_texts(const fs::path& path) {
+  std::error_code none;
+  if (!fs::is_directory(path, none)) return false;
+  const std::vector<fs::path> files = files_of(path);
+  return std::any_of(files.begin(), files.end(), is_text_name);
+}
+
+// ---- an archive
+
+/// As much of a member as is asked for, in whole lines. Memory grows with what is found.
+std::string unpacked_text(const ZipMember& member, const std::string& place, std::uint64_t most) {
+  constexpr std::size_t piece = 1 << 20;
+  if (most >= member.bytes && member.bytes > longest_stream)
+    throw Error(fmt::format("{}: is longer than {} MiB; expected the archive unpacked: its folder is read as well", place, longest_stream >> 20));
+  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(most, member.bytes));
+  expect_memory(2 * static_cast<double>(size), place + ": unpacking it");
+  ZipReader reader(member, place);
+  std::string text;
+  for (std::size_t done = 0; done < size; done = text.size()) {
+    text.resize(std::min(size, done + piece));
+    reader.read(text.data() + done, text.size() - done);
+  }
+  if (size == member.bytes) {
+    reader.expect_intact();
+  } else {
+    text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
+  }
+  return text;
+}
+
+std::vector<TextMember> texts_of_archive(const fs::path& path) {
+  const auto archive = std::make_shared<const MappedFile>(path);
+  std::vector<TextMember> members;
+  for (ZipMember& member : zip_members(archive->text(), path.string())) {
+    if (!is_text_name(member.name) || member.name.starts_with("__MACOSX/")) continue;
+    const fs::path place = path / fs::path(member.name).relative_path();
+    const std::string name = member.name;
+    const std::uint64_t bytes = member.bytes;
+    members.push_back({name, bytes, [archive, place, zipped = std::move(member)](std::uint64_t most) {
+                         return TextTable(most < zipped.bytes ? fs::path(place.string() + " (its beginning)") : place,
+                                          unpacked_text(zipped, place.string(), most));
+                       }});
+  }
+  std::sort(members.begin(), members.end(), [](const TextMember& a, const TextMember& b) { return in_natural_order(a.name, b.name); });
+  expect_few(members, path);
+  if (members.empty()) throw Error(path.string() + ": is a zip archive without texts; expected .csv or .txt files in it, or the archive unpacked");
+  return members;
+}
+
+}  // namespace
+
+RecordingFormat text_folder_format() {
+  RecordingFormat row = text_tables_row<texts_of_folder>("folder of texts");
+  row.recognizes_path = is_folder_of_texts;
+  return row;
+}
+
+RecordingFormat text_archive_format() {
+  RecordingFormat row = text_tables_row<texts_of_archive>("zip archive of texts");
+  row.recognizes = [](std::string_view head) {  // NumPy's archives are zip, too
+    const std::string_view name = first_member(head);
+    return !name.empty() && !name.ends_with(".npy");
+  };
+  return row;
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,79 @@
+// Logs as people bring them, with what is right (shared/cases/README.md). They are not part of the project.
+#include "imulab/core/units.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/run_command.hpp"
+#include <filesystem>
+#include <string>
+
+namespace imulab {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path cases = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "cases";
+
+class Cases : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(cases)) GTEST_SKIP() << "the logs are not here: " << cases;
+    std::filesystem::create_directory_symlink(std::filesystem::canonical(cases), folder_ / "cases");
+  }
+  CommandResult run(const std::string& arguments) { return run_imulab(folder_, arguments); }
+  /// White noise of gyro x (axis 0) [deg/sqrt(h)] or accelerometer z (5) [ug/sqrt(Hz)].
+  double noise_of(const std::string& arguments, std::size_t axis = 0) {
+    const double unit = axis < 3 ? unit::deg_per_sqrt_h : unit::ug_per_sqrt_hz;
+    const CommandResult result = run("noise --json " + arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    if (result.exit_code != 0) return 0;
+    return nlohmann::json::parse(result.output).at("axes").at(axis).at("coefficients").at("N").at("value").get<double>() / unit;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Cases, NoiseIsThatOfTheSensor) {
+  constexpr double statistical = 0.04;  // of N: two standard deviations in a minute
+  const auto near = [&](double right) { return testing::DoubleNear(right, statistical * right); };
+  EXPECT_THAT(noise_of("cases/xsens_ticks/mt.txt --set gyro.unit=rad/s"), near(0.481));
+  EXPECT_THAT(noise_of("cases/same_names/Gyroscope.csv --set gyro.unit=rad/s"), near(0.309));
+  EXPECT_THAT(noise_of("cases/frozen/frozen.csv --set gyro.unit=rad/s"), near(0.300));
+  EXPECT_THAT(noise_of("cases/frozen/frozen.csv --set gyro.unit=rad/s", 5), near(150));
+  EXPECT_THAT(noise_of("cases/stamps_deadend/loop.csv --set gyro.unit=rad/s --time none --rate 158.7"), near(0.2385));
+  EXPECT_GT(noise_of("cases/one_triad/gyro.csv --set gyro.unit=rad/s"), 0);
+  EXPECT_THAT(run("noise cases/stamps_deadend/loop.csv --set gyro.unit=rad/s").errors, HasSubstr("--time none --rate 158.7"));
+  EXPECT_EQ(run("noise cases/moving_noise/fly.csv").exit_code, 1);
+}
+
+TEST_F(Cases, AreUnderstoodOrAskOneQuestion) {
+  for (const char* understood :
+       {"decimal_comma/m_Gyroscope.csv cases/decimal_comma/m_Accelerometer.csv", "unit_row/unitrow.csv", "unit_row/label_header_units.csv",
+        "small_tilt/robot_units.csv", "zyx/Gyroscope.csv cases/zyx/TotalAcceleration.csv", "one_triad/accel.csv"})
+    EXPECT_EQ(run(std::string("inspect cases/") + understood).exit_code, 0) << understood;
+  for (const char* gyro_unit : {"xsens_ticks/mt.txt", "same_names/Accelerometer.csv cases/same_names/Gyroscope.csv", "long_line/cr_4000.csv",
+                                "small_tilt/robot.csv", "blank_fields/blank8.csv", "utf16/utf16.csv", "stamps_deadend/five_digits.csv"})
+    EXPECT_THAT(run(std::string("inspect cases/") + gyro_unit).output, HasSubstr("open: 1 question that the data do not answer; declare with --set "
+                                                                                 "KEY=VALUE\n  ? gyro.unit"))
+        << gyro_unit;
+}
+
+TEST_F(Cases, CalibrationsHaveTheirOffsets) {
+  ASSERT_EQ(run_shell(folder_, "cp cases/zyx/*.csv cases/one_triad/accel.csv . && chmod u+w *.csv").exit_code, 0);
+  ASSERT_EQ(run("inspect Gyroscope.csv TotalAcceleration.csv --set latitude_deg=45 -o zyx.toml").exit_code, 0);
+  ASSERT_EQ(run("inspect accel.csv --set latitude_deg=45 -o alone.toml").exit_code, 0);
+  for (const std::string name : {"zyx", "alone"}) {  // the same motion
+    ASSERT_EQ(run("calibrate " + name + ".toml --method static --effects none -o " + name + ".json").exit_code, 0) << name;
+    const auto offset = nlohmann::json::parse(read_text(folder_ / (name + ".json"))).at("model").at("accel").at("offset");
+    constexpr double mg = 1e-3 * unit::g, four_sigma = 0.4;  // of 0.08 mg, and what a latitude of 45 degrees may be off
+    EXPECT_NEAR(offset.at(0).get<double>() / mg, 34.28, four_sigma) << name;
+    EXPECT_NEAR(offset.at(2).get<double>() / mg, 11.33, four_sigma) << name;
+  }
+  const CommandResult six = run("calibrate cases/six_files/*.csv --method static --set gyro.unit=rad/s");
+  EXPECT_EQ(six.exit_code, 1) << "six directions determine no misalignments";
+  EXPECT_THAT(six.output, HasSubstr("accel.offset.x"));
+}
+
+}  // namespace
+}  // namespace imulab
