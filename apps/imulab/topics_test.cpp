@@ -66,6 +66,7 @@ TEST(OpenStreams, ThatAreNoTextOrSilentEnd) {
   EXPECT_THAT(run_imulab(folder, "inspect /dev/zero").errors, HasSubstr("/dev/zero: is not text"));
   ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_THAT(run_imulab(folder, "fleet list --store pipe").errors, HasSubstr("pipe: is a pipe or a device; expected a fleet store"));
+  EXPECT_THAT(run_imulab(folder, "inspect pipe").errors, HasSubstr("pipe: nobody writes to this pipe; expected a writer within 5 s"));
 }
 
 TEST(Aids, AreNamedAndRefused) {

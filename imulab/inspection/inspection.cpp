@@ -95,9 +95,8 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
   for (const std::size_t i : triad)
     if (table.signals[i].integers != Integers::as_written) source.integers = table.signals[i].integers;
   if (source.integers != Integers::as_written)
-    result.evidence.push_back(
-        fmt::format("integers: {} are {} printed with the wrong sign (of numbers near 0 and near its range only), and are taken as {}",
-                    names_of(table, triad), to_string(source.integers), to_string(source.integers)));
+    result.evidence.push_back(fmt::format("integers: {} are {}, some of which are printed with another sign: they lie, or jump, near 0 and its range",
+                                          names_of(table, triad), to_string(source.integers)));
   if (const std::size_t part = table.signals[triad[0]].table; part > 0) {
     if (!table.parts[part - 1].file.empty()) source.file = table.parts[part - 1].file;
     if (!table.parts[part - 1].topic.empty()) source.topic = table.parts[part - 1].topic;
@@ -296,6 +295,7 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
     result.ambiguous.push_back(
         "accel.columns, gyro.columns: no pair of triads behaves like accelerometers and gyros, and the names do not identify both; name the columns "
         "of both, or of one that is alone" +
+        std::string(declared.contains("gyro.unit") ? "" : ", and gyro.unit if the log has no three turns, which would show it") +
         columns_with_holes(table));
   } else {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
@@ -305,14 +305,14 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
     settle_temperature(table, result);
     add_support(table, *result.triads, result);
   }
-  if (time.column && in_bursts(clock, time_ns))
-    result.ambiguous.push_back(fmt::format("time.column: stamps come in bursts, {:.4g} s apart inside one, so that most of the time is in gaps; {}",
-                                           clock.interval_s, even_rows_advice(rate_of_rows(time_ns))));
   if (time.rate_hz) {
     add_clock(clock, result);
     add_times(time_ns, result);
     if (clock.repeated > 0 && clock.backward == 0) take_even_rows(table, time_ns, result);
   }
+  if (result.source.time.column && in_bursts(clock, time_ns))
+    result.ambiguous.push_back(fmt::format("time.column: stamps come in bursts, {:.4g} s apart inside one, so that most of the time is in gaps; {}",
+                                           clock.interval_s, even_rows_advice(rate_of_rows(time_ns))));
   for (const SignalPart& part : table.parts)
     if (!part.open.empty()) result.ambiguous.push_back(fmt::format("{} (of {}{})", part.open, part.file, part.topic));
   result.evidence.insert(result.evidence.end(), table.notes.begin(), table.notes.end());

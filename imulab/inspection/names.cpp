@@ -1,5 +1,6 @@
 #include "imulab/inspection/names.hpp"
 
+#include "imulab/core/text.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -19,12 +20,6 @@ namespace imulab::inspection {
 namespace {
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
-
-std::string lowered(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(), lower);
-  return result;
-}
 
 /// "accelX_raw.1" -> accel, x, raw, 1
 std::vector<std::string> words_of(std::string_view name) {

@@ -1,6 +1,7 @@
 #include "imulab/model/requirement.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/model/frame.hpp"
 
 #include <fmt/core.h>
@@ -14,10 +15,7 @@ namespace imulab {
 
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t\n"), end = text.find_last_not_of(" \t\n");
-  return begin == std::string_view::npos ? std::string_view{} : text.substr(begin, end - begin + 1);
-}
+constexpr std::string_view blanks = " \t\n";
 
 /// The unit of this name that all of the coefficients can have: a group may be of scales and misalignments. `stated`: the requirement's text.
 UserUnit required_unit(const Requirement& requirement, const std::string& stated, std::string_view name) {
@@ -38,19 +36,19 @@ UserUnit required_unit(const Requirement& requirement, const std::string& stated
 Requirement parse_requirement(std::string_view text) {
   const auto sign = text.find("<=");
   if (sign == std::string_view::npos)
-    throw Error(fmt::format("\"{}\": expected COEFFICIENTS <= NUMBER UNIT, as in \"gyro.matrix.off_diagonal <= 5 arcsec\"", trimmed(text)));
+    throw Error(fmt::format("\"{}\": expected COEFFICIENTS <= NUMBER UNIT, as in \"gyro.matrix.off_diagonal <= 5 arcsec\"", trimmed(text, blanks)));
   Requirement out;
-  out.selector = trimmed(text.substr(0, sign));
+  out.selector = trimmed(text.substr(0, sign), blanks);
   out.coefficients = select_coefficients(out.selector);
   for (const CoefficientIndex index : out.coefficients)
     if (const Term term = coefficient(index).term; term != Term::offset && term != Term::matrix && term != Term::g_sensitivity)
       throw Error(fmt::format("{}: cannot be required; expected coefficients of offset, matrix or g_sensitivity", out.selector));
-  const std::string_view value = trimmed(text.substr(sign + 2));
+  const std::string_view value = trimmed(text.substr(sign + 2), blanks);
   const std::string stated = fmt::format("{} <= {}", out.selector, value);
   const char* const end = value.data() + value.size();
   const auto [after, failure] = std::from_chars(value.data(), end, out.limit);
   if (failure != std::errc() || !(out.limit > 0) || !std::isfinite(out.limit)) throw Error(stated + ": expected a number above 0");
-  out.unit = required_unit(out, stated, trimmed({after, end}));
+  out.unit = required_unit(out, stated, trimmed({after, end}, blanks));
   out.limit *= out.unit.size;
   return out;
 }

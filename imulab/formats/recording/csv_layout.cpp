@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/encoding.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -15,12 +16,6 @@
 
 namespace imulab::recording_io {
 namespace {
-
-std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r") {
-  const std::size_t first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
 
 bool is_number(std::string_view field) {
   field = text::without_plus(field);

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/csv_rows.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -104,12 +105,6 @@ bool misses_numbers(std::string_view line, const RowPlan& plan) {
     if (!misses && !(of_time ? cause_in_stamp(fields[i], plan.exponent, false) : cause_in_number(fields[i])).empty()) return false;
   }
   return missing;
-}
-
-std::string_view without_blanks_around(std::string_view line) {
-  const std::size_t first = line.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return line.substr(first, line.find_last_not_of(" \t\r") - first + 1);
 }
 
 /// Reads one row that begins at p into `row`; returns the end of its line, or nullptr where something is wrong with it. With Blanks, runs of
@@ -229,7 +224,7 @@ void RowReader::continue_after(const Row& last, std::size_t lines) {
 /// Counts a line that is no row, and throws where it must be one.
 void RowReader::leave_out(std::string_view line) {
   const std::vector<std::string>& header = plan_.layout.header;
-  const std::string_view content = without_blanks_around(line);
+  const std::string_view content = trimmed(line);
   const std::size_t at = next_line_ - plan_.layout.line;
   if (leaves_ == Leaves::none) explain(line, next_line_, plan_);
   if (std::find(header.begin(), header.end(), content) != header.end()) return left_out_.headers.add(at, "the header again");

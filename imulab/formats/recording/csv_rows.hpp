@@ -61,7 +61,7 @@ class RowReader {
   const Row& row() const { return row_; }
   /// From now on nothing is left out (all), or no more than one row in a hundred of those read so far (of a stream, whose end is not known).
   enum class Leaves { any, few, none };
-  void leave_out(Leaves leaves) { leaves_ = leaves; }
+  void limit_left_out(Leaves leaves) { leaves_ = leaves; }
   const LeftOutRows& left_out() const { return left_out_; }
   std::vector<std::string> left_out_warnings() const { return left_out_.warnings(plan_.layout, 100 * rows_); }
   void forget_left_out() { left_out_ = {}; }

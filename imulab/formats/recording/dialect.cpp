@@ -2,6 +2,7 @@
 #include "imulab/formats/recording/dialect.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/number_form.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/inspection/names.hpp"
@@ -22,12 +23,6 @@ using text::moment_of;
 
 constexpr std::size_t lines_looked_at = 200, bytes_looked_at = std::size_t{1} << 18;
 
-std::string_view without_blanks(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// A line with its place.
 struct HeadLine {
   std::string_view text;
@@ -40,7 +35,7 @@ template <class Each>
 void for_lines(std::string_view text, Each&& each) {
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = without_blanks(text.substr(0, end));
+    const std::string_view line = trimmed(text.substr(0, end));
     if (!line.empty() && line.front() != '#' && !each(text.substr(0, end), number)) return;
     text.remove_prefix(std::min(end + 1, text.size()));
   }

@@ -1,5 +1,6 @@
 // Fields of a line, and the words for dialects.
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/dialect.hpp"
 #include "imulab/formats/text/printable.hpp"
 
@@ -9,17 +10,7 @@
 #include <optional>
 
 namespace imulab::recording_io {
-namespace {
-
 using text::DateOrder;
-
-std::string_view inner(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-}  // namespace
 
 std::vector<FieldText> split_fields(std::string_view line, char delimiter) {
   std::vector<FieldText> fields;
@@ -32,12 +23,12 @@ std::vector<FieldText> split_fields(std::string_view line, char delimiter) {
       std::size_t end = line.find('"', 1);
       while (end != std::string_view::npos && line.substr(end + 1).starts_with('"')) end = line.find('"', end + 2);
       if (end != std::string_view::npos) {
-        field = {inner(line.substr(1, end - 1)), true};
+        field = {trimmed(line.substr(1, end - 1)), true};
         line.remove_prefix(end + 1);
       }
     }
     const std::size_t end = std::min(delimiter == ' ' ? line.find_first_of(" \t\r") : line.find(delimiter), line.size());
-    if (!field.quoted) field.text = inner(line.substr(0, end));
+    if (!field.quoted) field.text = trimmed(line.substr(0, end));
     fields.push_back(field);
     if (end == line.size()) return fields;
     line.remove_prefix(end + 1);

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/imu_tables.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/inspection/names.hpp"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -26,12 +26,6 @@ using inspection::Role;
 using Tables = std::vector<const TableDescription*>;
 
 constexpr std::size_t far_more = 10;  // rows: two IMUs' rates differ by less
-
-std::string lowered_name(const std::string& name) {
-  std::string lowered = name;
-  std::transform(lowered.begin(), lowered.end(), lowered.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lowered;
-}
 
 /// The columns of a sensor by axis, as a table's names tell them.
 std::map<std::string, std::array<std::optional<std::size_t>, 3>> sensors_of(const TableDescription& table, Role role) {
@@ -54,7 +48,7 @@ bool has_triad(const TableDescription& table, Role role, bool axes) {
 
 /// A reference that a data set has beside its readings: its columns are called like those of an IMU, whose biases it states.
 bool is_reference(const TableDescription& table) {
-  const std::string name = lowered_name(table.name);
+  const std::string name = lowered(table.name);
   return name.find("truth") != std::string::npos || name.find("vicon") != std::string::npos || name.find("mocap") != std::string::npos;
 }
 
@@ -146,7 +140,7 @@ std::optional<ImuTables> by_readings(const RecordingFormat& format, const TableR
 
 /// How well a table's name says that it holds what a sensor measures: apps of phones also give it without gravity, and before their own calibration.
 int rank_of(const TableDescription& table) {
-  const std::string name = lowered_name(table.name);
+  const std::string name = lowered(table.name);
   const auto has = [&](std::string_view word) { return name.find(word) != std::string::npos; };
   const bool linear = has("linear") || has("gravity") || has("user");
   return linear ? 0 : has("uncalibrated") ? 1 : has("total") ? 3 : 2;

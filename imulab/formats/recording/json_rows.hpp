@@ -25,8 +25,9 @@ class JsonRows {
   Shape shape() const { return shape_; }
   /// Of the columns; empty where rows are arrays. An array in an object has numbers behind its name: "acc.1".
   const std::vector<std::string>& names() const { return names_; }
+  /// True if the text cannot be read in pieces.
+  bool is_whole() const { return shape_ == Shape::columns; }
   /// True if lines of the result are elements of an array, and not lines of the file.
-  bool is_whole() const { return shape_ == Shape::columns; }  ///< cannot be read in pieces
   bool counts_elements() const { return shape_ == Shape::array || shape_ == Shape::columns; }
 
   /// Appends a line for each element that is complete, or for each line of the text. Throws Error with the element for what is no row of an array.

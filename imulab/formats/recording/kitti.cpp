@@ -2,7 +2,7 @@
 // for each of these lines. As a text of one table, which is read as any other.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/text_tables.hpp"
-#include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/date.hpp"
 #include "imulab/formats/text/several_files.hpp"
 
 #include <fmt/core.h>
@@ -34,19 +34,13 @@ std::optional<fs::path> oxts_folder(const fs::path& path) {
 
 /// "2011-09-26 13:02:25.964389445" in nanoseconds since 1970.
 std::optional<std::int64_t> oxts_time_ns(std::string_view line) {
-  const std::size_t point = line.find('.');
-  if (line.size() < 19 || (point != std::string_view::npos && (point != 19 || line.size() > 29))) return std::nullopt;
-  std::string second(line.substr(0, 19));
-  second[10] = 'T';
-  const std::optional<double> whole = time_of(second + "Z");
-  if (!whole) return std::nullopt;
+  const text::Moment moment = text::moment_of(line);
+  if (!moment.has_date || !moment.has_time || moment.fraction.size() > 9) return std::nullopt;
+  std::string digits(moment.fraction);
+  digits.resize(9, '0');
   std::int64_t fraction = 0;
-  if (point != std::string_view::npos) {
-    std::string digits(line.substr(point + 1));
-    digits.resize(9, '0');
-    if (std::from_chars(digits.data(), digits.data() + 9, fraction).ptr != digits.data() + 9 || fraction < 0) return std::nullopt;
-  }
-  return static_cast<std::int64_t>(*whole) * 1'000'000'000 + fraction;
+  std::from_chars(digits.data(), digits.data() + digits.size(), fraction);
+  return moment.seconds * 1'000'000'000 + fraction;
 }
 
 std::string_view take_one_line(std::string_view& text) {

@@ -1,5 +1,6 @@
 #include "imulab/formats/recording/labels.hpp"
 
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/number_form.hpp"
 #include "imulab/formats/text/date.hpp"
 #include "imulab/inspection/names.hpp"
@@ -18,11 +19,7 @@ bool is_digit_at(std::string_view text, std::size_t i) { return i < text.size() 
 
 bool is_whole(std::string_view number) { return number.find_first_not_of("0123456789") == std::string_view::npos; }
 
-std::string_view inside(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(dividers);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(dividers) - first + 1);
-}
+std::string_view inside(std::string_view text) { return trimmed(text, dividers); }
 
 /// The place of the next = or : that stands behind a name, and not inside a time of day.
 std::size_t find_mark(std::string_view text) {

@@ -39,6 +39,35 @@ bool append_number(std::string_view field, char decimal, char thousands, std::st
   return true;
 }
 
+/// Appends a line of nothing but numbers without signs between thousands, as nearly all lines are; false, with nothing appended, for another.
+bool append_numbers(std::string_view line, const Dialect& dialect, std::string& out) {
+  const std::size_t begin = out.size();
+  out.resize(begin + line.size());
+  char* to = out.data() + begin;
+  bool at_first = true, marked = false, quoted = false;  // of the field
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (is_a_digit(c)) {
+      *to++ = c, at_first = false;
+    } else if (c == dialect.delimiter && !quoted) {
+      *to++ = c, at_first = true, marked = false;
+    } else if (c == dialect.decimal && !marked) {
+      *to++ = '.', at_first = false, marked = true;
+    } else if (c == '-' || c == '+' || (!at_first && (c == 'e' || c == 'E'))) {
+      *to++ = c, at_first = false;
+    } else if (c == '"' && dialect.quotes && at_first && !quoted) {
+      quoted = true;
+    } else if (c == '"' && quoted && (i + 1 == line.size() || line[i + 1] == dialect.delimiter)) {
+      quoted = false;
+    } else {
+      return out.resize(begin), false;
+    }
+  }
+  if (quoted) return out.resize(begin), false;
+  out.resize(static_cast<std::size_t>(to - out.data()));
+  return true;
+}
+
 }  // namespace
 
 bool LineRewriter::is_independent() const {
@@ -136,9 +165,12 @@ bool LineRewriter::is_of_another_sensor(std::string_view name) const {
 
 void LineRewriter::add(std::string_view lines, std::string& out) {
   out.reserve(out.size() + lines.size() + lines.size() / 8);
+  const bool only_numbers = dialect_.uses.empty() && dialect_.delimiter != ' ';
   while (!lines.empty()) {
     const std::size_t end = std::min(lines.find('\n'), lines.size());
-    add_line(lines.substr(0, end), out);
+    std::string_view line = lines.substr(0, end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (!only_numbers || !append_numbers(line, dialect_, out)) add_line(line, out);
     if (end < lines.size()) out.push_back('\n');
     lines.remove_prefix(std::min(end + 1, lines.size()));
   }

@@ -243,6 +243,11 @@ std::vector<TableDescription> describe_tables(const NovatelTables& tables, const
   std::vector<TableDescription> out;
   for (std::size_t k = 0; k < tables.size(); ++k)
     if (tables[k].rows > 0) out.push_back(describe_log(novatel_logs[k], tables[k]));
+  std::size_t damaged = 0;
+  for (const NovatelTable& table : tables) damaged += table.damaged;
+  if (out.empty() && damaged > 0)
+    throw Error(fmt::format("{}: all {} raw readings of an IMU in it have a wrong checksum or field; expected the log as the receiver wrote it", file,
+                            damaged));
   if (out.empty())
     throw Error(file + ": is a log of a NovAtel receiver without raw readings of an IMU; expected RAWIMUSX, RAWIMUX, RAWIMUS or RAWIMU in it");
   return out;

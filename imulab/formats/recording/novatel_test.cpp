@@ -91,6 +91,7 @@ TEST_F(Novatel, DamagedMessagesAreLeftOutAndSaid) {
   EXPECT_THAT(read(manual + wrong).warnings, testing::ElementsAre(HasSubstr("1 RAWIMUSX with a wrong checksum or field were left out")));
   EXPECT_THAT([&] { read("\xAA\x44\x12" + std::string(100, '\0')); },
               ThrowsMessage<Error>(HasSubstr("is a log of a NovAtel receiver without raw readings")));
+  EXPECT_THAT([&] { read(wrong); }, ThrowsMessage<Error>(HasSubstr("all 1 raw readings of an IMU in it have a wrong checksum or field")));
   EXPECT_THROW(read(line("RAWIMUSXA,1692,1.0;00,11,99999999,1.5,0,1,2,3,4,5,6")), Error) << "no week";
   EXPECT_THROW(read(manual.substr(0, 40)), Error);
 }

@@ -17,8 +17,6 @@ namespace {
 constexpr std::size_t bytes_of_head = std::size_t{1} << 18;
 constexpr double with_rewritten = 2.2;  // the file and the text that is made of it
 
-std::string bytes_text(std::size_t bytes) { return fmt::format("{} bytes", bytes); }
-
 }  // namespace
 
 TextRewriter::TextRewriter(TextRequest request) : request_(std::move(request)) {}
@@ -82,9 +80,8 @@ bool TextRewriter::start(std::string_view bytes, bool complete) {
   const auto at_first = [&](auto&& find) { return find(head, complete && whole) || (!whole && find(bytes, complete)); };
   if (!at_first([&](std::string_view text, bool last) { return find_stages(text, last); })) return false;
   std::optional<Dialect> dialect;
-  const bool all_at_once = json_ && json_->shape() == JsonRows::Shape::columns;
   if (!at_first([&](std::string_view text, bool last) {
-        dialect = all_at_once && !last ? std::nullopt : find_dialect(text, last);
+        dialect = needs_whole() && !last ? std::nullopt : find_dialect(text, last);
         return dialect.has_value();
       }))
     return false;
@@ -154,7 +151,7 @@ void TextFile::rewrite(std::string_view bytes, Part part) {
     const std::string_view kept = without_erased(all);
     if (kept.empty() && !all.empty()) throw Error(file_ + ": is not text; expected CSV or plain columns of numbers");
     if (const std::size_t erased = all.size() - kept.size(); erased > 1)
-      notes_.push_back(fmt::format("{}: ends with {} of erased memory (0xFF or 0), which are left out", file_, bytes_text(erased)));
+      notes_.push_back(fmt::format("{}: ends with {} bytes of erased memory (0xFF or 0), which are left out", file_, erased));
     return kept;
   };
   const auto read_as = recognize_bytes(bytes, true);

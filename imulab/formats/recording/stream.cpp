@@ -96,7 +96,7 @@ bool RecordingStream::start() {
     if (settled) throw;
     return false;  // what has come so far may be a device's greeting
   }
-  reader_->leave_out(RowReader::Leaves::few);
+  reader_->limit_left_out(RowReader::Leaves::few);
   text_.erase(0, offset);
   return true;
 }

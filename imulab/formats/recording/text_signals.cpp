@@ -11,12 +11,10 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
-#include "imulab/inspection/names.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -68,7 +66,7 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
   for (std::size_t i = 0; i < layout.columns; ++i) columns.emplace_back(static_cast<int>(i) + 1);
   try {
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
-    reader.leave_out(RowReader::Leaves::none);
+    reader.limit_left_out(RowReader::Leaves::none);
     const ReadingMeter meter(text.size());
     for (Signal& signal : table.signals) signal.values.reserve(rows_to_reserve(text.substr(layout.offset)));
     for (std::string_view left = text.substr(layout.offset); !left.empty();) {
@@ -145,30 +143,6 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
       table.notes.push_back(fmt::format("column {}: \"{}\" is no number: such columns are not used", i + 1, excerpt(fields[i])));
 }
 
-/// The sensors of interleaved rows that make an IMU: gyros, then accelerometers; of several accelerometers not what a phone has computed.
-std::vector<std::string> sensors_of_imu(const std::string& file, const std::vector<std::string>& sensors) {
-  using inspection::Role;
-  std::vector<std::string> chosen;
-  for (const Role role : {Role::gyro, Role::accel}) {
-    std::vector<std::string> found, raw;
-    for (const std::string& sensor : sensors) {
-      if (inspection::hint_of(sensor).role != role) continue;
-      found.push_back(sensor);
-      std::string lowered = sensor;
-      std::transform(lowered.begin(), lowered.end(), lowered.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-      static constexpr std::array<std::string_view, 4> computed{"linear", "gravity", "uncal", "user"};
-      if (std::none_of(computed.begin(), computed.end(), [&](std::string_view word) { return lowered.find(word) != std::string::npos; }))
-        raw.push_back(sensor);
-    }
-    const std::vector<std::string>& own = found.size() > 1 ? raw : found;
-    if (found.size() > 1 && own.size() != 1)
-      throw Error(fmt::format("{}: rows of several sensors are interleaved; expected one or two with --topic: {}", file,
-                              text::listed({sensors.begin(), sensors.end()})));
-    chosen.insert(chosen.end(), own.begin(), own.end());
-  }
-  return chosen;
-}
-
 /// The columns of a plain text, or of its first lines.
 SignalTable signals_of_plain(const std::string& name, std::string_view text, const TextFile& file, const std::string& topic,
                              const std::function<void()>& passed) {
@@ -195,10 +169,22 @@ SignalTable signals_of_plain(const std::string& name, std::string_view text, con
   return table;
 }
 
-/// The tables of a text: of interleaved sensors those of the topic, or of an IMU.
-std::vector<std::string> topics_of_text(const std::string& name, const TextFile& file, const std::string& topic) {
-  if (file.sensors().empty() || !topic.empty()) return {topic};
-  return sensors_of_imu(name, file.sensors());
+/// The tables of a text that are read: that of the topic, or of interleaved sensors, each of which is one, those of an IMU.
+ImuTables topics_of_text(const std::string& name, const TextFile& file, const std::string& topic) {
+  if (file.sensors().empty() || !topic.empty()) return {{topic}, {}};
+  const TableLayout layout = table_layout(name, file.text(), false, file.hints());
+  std::vector<TableDescription> tables;
+  for (const std::string& sensor : file.sensors()) {
+    TableDescription& table = tables.emplace_back();
+    table.name = sensor;
+    table.rows = 1;  // whichever has more of them is the sensor of the higher rate
+    for (std::size_t i = 0; i < layout.columns; ++i) table.columns.push_back({layout.column_name(i)});
+  }
+  return imu_tables(text_format(), {.file = name}, tables);
+}
+
+void add_notes(std::vector<SignalTable>& tables, const ImuTables& topics) {
+  if (!tables.empty()) tables.front().notes.insert(tables.front().notes.end(), topics.notes.begin(), topics.notes.end());
 }
 
 SignalTable table_of_file(const std::filesystem::path& path, const std::string& topic, const std::string& layout, std::size_t most_numbers) {
@@ -222,11 +208,13 @@ std::string head_note(std::size_t rows) { return fmt::format("the first {} rows 
 std::vector<SignalTable> tables_of_bytes(const std::string& name, std::string_view bytes, const std::string& topic, const std::string& layout) {
   std::vector<SignalTable> tables;
   const TextFile all(bytes, {name, "", layout});
-  for (const std::string& own : topics_of_text(name, all, topic)) {
+  const ImuTables topics = topics_of_text(name, all, topic);
+  for (const std::string& own : topics.names) {
     if (own.empty()) return {signals_of_plain(name, all.text(), all, own, [] {})};
     const TextFile file(bytes, {name, own, layout});
     tables.push_back(signals_of_plain(name, file.text(), file, own, [] {}));
   }
+  add_notes(tables, topics);
   return tables;
 }
 
@@ -246,9 +234,10 @@ std::vector<SignalTable> tables_of_stream(const std::filesystem::path& file, con
 std::vector<SignalTable> tables_of_text_file(const std::filesystem::path& file, const std::string& topic, const std::string& layout,
                                              std::size_t most_numbers) {
   std::vector<SignalTable> tables;
-  const std::vector<std::string> topics =
-      topic.empty() ? topics_of_text(input_name(file), TextFile(file, "", layout, TextFile::Part::head), topic) : std::vector{topic};
-  for (const std::string& own : topics) tables.push_back(table_of_file(file, own, layout, most_numbers));
+  const ImuTables topics =
+      topic.empty() ? topics_of_text(input_name(file), TextFile(file, "", layout, TextFile::Part::head), topic) : ImuTables{{topic}, {}};
+  for (const std::string& own : topics.names) tables.push_back(table_of_file(file, own, layout, most_numbers));
+  add_notes(tables, topics);
   return tables;
 }
 

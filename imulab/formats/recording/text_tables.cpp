@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/text/several_files.hpp"
 
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <system_error>
 #include <utility>
 
@@ -43,6 +43,7 @@ std::optional<TableDescription> describe_text_member(const std::vector<TextMembe
   } catch (const MemoryError&) {
     throw;
   } catch (const Error&) {
+    if (members.size() == 1) throw;
     return std::nullopt;  // a log of words, settings
   }
 }
@@ -59,8 +60,7 @@ TextTable::TextTable(fs::path name, std::string text)
 
 bool is_text_name(const fs::path& file) {
   constexpr std::array<std::string_view, 5> known{".csv", ".tsv", ".txt", ".dat", ".log"};
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lowered(file.extension().string());
   return !file.filename().string().starts_with(".") && std::find(known.begin(), known.end(), extension) != known.end();
 }
 
@@ -111,24 +111,12 @@ bool is_folder_of_texts(const fs::path& path) {
 
 // ---- an archive
 
-/// As much of a member as is asked for, in whole lines. Memory grows with what is found.
+/// As much of a member as is asked for, in whole lines.
 std::string unpacked_text(const ZipMember& member, const std::string& place, std::uint64_t most) {
-  constexpr std::size_t piece = 1 << 20;
   if (most >= member.bytes && member.bytes > longest_stream)
     throw Error(fmt::format("{}: is longer than {} MiB; expected the archive unpacked: its folder is read as well", place, longest_stream >> 20));
-  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(most, member.bytes));
-  expect_memory(2 * static_cast<double>(size), place + ": unpacking it");
-  ZipReader reader(member, place);
-  std::string text;
-  for (std::size_t done = 0; done < size; done = text.size()) {
-    text.resize(std::min(size, done + piece));
-    reader.read(text.data() + done, text.size() - done);
-  }
-  if (size == member.bytes) {
-    reader.expect_intact();
-  } else {
-    text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
-  }
+  std::string text = unpacked(member, place, most);
+  if (text.size() < member.bytes) text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
   return text;
 }
 

@@ -100,9 +100,15 @@ TEST_F(TextTables, SayWhatIsWrong) {
       ThrowsMessage<Error>(HasSubstr("is a zip archive without texts")));
   EXPECT_THAT(
       [&] {
+        read_tables(folder.write("a.zip", zip_file({{"a.csv", "only words\n"}, {"b.txt", "and more\n"}})));
+      },
+      ThrowsMessage<Error>(HasSubstr("none of its 2 texts is a table of numbers")));
+  EXPECT_THAT(
+      [&] {
         read_tables(folder.write("a.zip", zip_file({{"a.csv", "only words\n"}})));
       },
-      ThrowsMessage<Error>(HasSubstr("none of its 1 texts is a table of numbers")));
+      ThrowsMessage<Error>(HasSubstr("a.zip/a.csv")))
+      << "of one alone, why";
   std::string damaged = zip_file({{"a.csv", phone_text(phone_header, 1)}});
   damaged[60] = static_cast<char>(damaged[60] ^ 0x55);
   EXPECT_THROW(read_tables(folder.write("a.zip", damaged)), Error);
@@ -198,7 +204,7 @@ TEST_F(TextTables, OfKittiAreItsRecordsWithTheirTimes) {
     EXPECT_EQ(rows.columns[1].numbers[24], 11);
   }
   folder.write("log/oxts/data/0000000003.txt", "1 2 3\n");
-  EXPECT_THAT([&] { read_tables(path); }, ThrowsMessage<Error>(HasSubstr("none of its 1 texts")));
+  EXPECT_THAT([&] { read_tables(path); }, ThrowsMessage<Error>(HasSubstr("0000000003.txt:1: has 3 fields; expected the 30 of an OXTS record")));
 }
 
 }  // namespace

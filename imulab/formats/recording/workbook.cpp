@@ -1,7 +1,6 @@
 // Excel workbooks (.xlsx: ECMA-376, part 1, SpreadsheetML): the first sheet as a text divided by tabs, which is read as any other. Only what a table
 // of numbers needs is read of the XML: cells with their places, numbers as they are written, texts and shared texts.
 #include "imulab/core/error.hpp"
-#include "imulab/core/memory.hpp"
 #include "imulab/formats/recording/text_tables.hpp"
 #include "imulab/formats/recording/zip.hpp"
 
@@ -150,16 +149,7 @@ std::string unpacked_part(const std::vector<ZipMember>& members, const std::stri
   if (member == members.end()) return "";
   const std::string place = file + "/" + name;
   if (member->bytes > most_unpacked) throw Error(fmt::format("{}: is longer than {} MiB; expected a .csv file", place, most_unpacked >> 20));
-  expect_memory(2 * static_cast<double>(member->bytes), place + ": unpacking it");
-  constexpr std::size_t piece = 1 << 20;
-  ZipReader reader(*member, place);
-  std::string text;
-  for (std::size_t done = 0; done < member->bytes; done = text.size()) {
-    text.resize(std::min(member->bytes, done + piece));
-    reader.read(text.data() + done, text.size() - done);
-  }
-  reader.expect_intact();
-  return text;
+  return unpacked(*member, place);
 }
 
 /// The file of the first sheet, by the workbook and its relations, where they are as Excel and LibreOffice write them.

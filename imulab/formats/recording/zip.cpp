@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/zip.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/formats/recording/binary.hpp"
 
 #include <fmt/core.h>
@@ -140,6 +141,20 @@ void ZipReader::read(char* to, std::size_t size) {
 
 void ZipReader::expect_intact() const {
   if (member_.deflated && check_ != member_.check) fail_zip(place_, "its check sum is wrong: the data are damaged");
+}
+
+std::string unpacked(const ZipMember& member, const std::string& place, std::uint64_t most) {
+  constexpr std::size_t piece = 1 << 20;
+  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(most, member.bytes));
+  expect_memory(2 * static_cast<double>(size), place + ": unpacking it");
+  ZipReader reader(member, place);
+  std::string text;
+  for (std::size_t done = 0; done < size; done = text.size()) {
+    text.resize(std::min(size, done + piece));
+    reader.read(text.data() + done, text.size() - done);
+  }
+  if (size == member.bytes) reader.expect_intact();
+  return text;
 }
 
 }  // namespace imulab::recording_io

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -45,5 +46,8 @@ class ZipReader {
   std::uint32_t check_ = 0;
   std::unique_ptr<Inflater> inflater_;
 };
+
+/// A member, or its first `most` bytes, unpacked into memory, which grows with what is found.
+std::string unpacked(const ZipMember& member, const std::string& place, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace imulab::recording_io

@@ -1,12 +1,12 @@
 #include "imulab/formats/text/several_files.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <system_error>
 
 namespace imulab {
@@ -19,15 +19,9 @@ constexpr std::array<std::string_view, 14> read_extensions{".csv", ".tsv",  ".tx
                                                            ".yml", ".mcap", ".db3", ".bag", ".xml", ".zstd", ".imu"};
 constexpr std::array<std::string_view, 3> bag_extensions{".bag", ".mcap", ".db3"};
 
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 template <std::size_t N>
 bool has_extension(const fs::path& file, const std::array<std::string_view, N>& known) {
-  return std::find(known.begin(), known.end(), lower_extension(file)) != known.end();
+  return std::find(known.begin(), known.end(), lowered(file.extension().string())) != known.end();
 }
 
 /// The parts that a name joins; empty where one of them is not there.
@@ -118,17 +112,32 @@ std::string series_of(const fs::path& file) {
   return (file.parent_path() / stem.substr(0, number - 1)).string() + file.extension().string();
 }
 
+namespace {
+
+/// True if files of one series, in their order, are all of its parts: recorders number these from 0.
+bool are_all_parts(const std::vector<std::string>& files) {
+  for (std::size_t k = 0; k < files.size(); ++k)
+    if (!fs::path(files[k]).stem().string().ends_with(fmt::format("_{}", k))) return false;
+  return files.size() > 1;
+}
+
+}  // namespace
+
 std::vector<std::string> with_series_joined(const std::vector<std::string>& files) {
   std::vector<std::string> joined;
-  std::string series;
-  for (const std::string& file : files) {
-    const std::string own = series_of(file);
-    if (!own.empty() && own == series) {
-      joined.back() += "+" + fs::path(file).filename().string();
+  for (std::size_t begin = 0; begin < files.size();) {
+    const std::string series = series_of(files[begin]);
+    std::size_t end = begin + 1;
+    while (!series.empty() && end < files.size() && series_of(files[end]) == series) ++end;
+    std::vector<std::string> parts(files.begin() + static_cast<std::ptrdiff_t>(begin), files.begin() + static_cast<std::ptrdiff_t>(end));
+    std::sort(parts.begin(), parts.end(), [](const std::string& a, const std::string& b) { return in_natural_order(a, b); });
+    if (are_all_parts(parts)) {
+      joined.push_back(parts.front());
+      for (std::size_t k = 1; k < parts.size(); ++k) joined.back() += "+" + fs::path(parts[k]).filename().string();
     } else {
-      joined.push_back(file);
+      joined.insert(joined.end(), files.begin() + static_cast<std::ptrdiff_t>(begin), files.begin() + static_cast<std::ptrdiff_t>(end));
     }
-    series = own;
+    begin = end;
   }
   return joined;
 }

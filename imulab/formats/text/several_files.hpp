@@ -25,7 +25,8 @@ bool in_natural_order(std::string_view a, std::string_view b);
 /// The name without the number that a recorder gives the parts of a bag: "run_2.bag" is part of "run". Empty where it is no bag, or has none.
 std::string series_of(const std::filesystem::path& file);
 
-/// Files as they were named, with neighbors that are parts of one split bag joined to one name.
+/// Files as they were named, with neighbors that are all parts of one split bag, numbered from 0, joined to one name: recordings of two nights may be
+/// called night_1.bag and night_2.bag.
 std::vector<std::string> with_series_joined(const std::vector<std::string>& files);
 
 /// A folder without a slash at its end, which would be an empty name.

@@ -25,6 +25,13 @@ TEST(SeveralFiles, PartsOfOneBagAreOneRecording) {
               ElementsAre("d/run_0.bag+run_1.bag", "x.csv", "d/run_0.mcap"));
   EXPECT_THAT(with_series_joined({"a_0.bag", "b_1.bag", "a_1.csv", "a_2.csv", "7.bag", "8.bag"}),
               ElementsAre("a_0.bag", "b_1.bag", "a_1.csv", "a_2.csv", "7.bag", "8.bag"));
+  EXPECT_THAT(with_series_joined({"night_1.bag", "night_2.bag", "x_0.bag", "x_2.bag"}),
+              ElementsAre("night_1.bag", "night_2.bag", "x_0.bag", "x_2.bag"))
+      << "two nights; a part is missing";
+  EXPECT_THAT(
+      with_series_joined({"r_0.db3", "r_1.db3", "r_10.db3", "r_2.db3", "r_3.db3", "r_4.db3", "r_5.db3", "r_6.db3", "r_7.db3", "r_8.db3", "r_9.db3"}),
+      ElementsAre(testing::EndsWith("r_8.db3+r_9.db3+r_10.db3")))
+      << "as a shell sorts them";
 }
 
 TEST(SeveralFiles, OfAFolderAreThoseThatMayHoldReadings) {
