@@ -31,7 +31,7 @@ int main() try {
 
   const Calibration calibration = calibrate("handheld", {session, {&recording, 1}}).calibration;
   for (const CoefficientIndex index : calibration.estimated)
-    std::printf("%-24s %12.6g +/- %.2g %s\n", coefficient(index).name.data(), coefficient_value(calibration.model, index),
+    std::printf("%-24s %12.6g  u = %.2g  %s\n", coefficient(index).name.data(), coefficient_value(calibration.model, index),
                 *standard_uncertainty(calibration, index), coefficient(index).unit.data());
   for (const std::string& warning : calibration.quality.warnings) std::printf("warning: %s\n", warning.c_str());
   std::printf("verdict: %s\n", verdict_text(calibration.quality).c_str());

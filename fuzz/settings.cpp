@@ -9,6 +9,7 @@
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/report/navigation_page.hpp"
+#include "imulab/report/noise_page.hpp"
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/summary.hpp"
@@ -49,6 +50,8 @@ std::string page_of(const PredictionSummary& s) { return prediction_page({.proce
 std::string page_of(const PlanSummary& s) { return plan_page(s); }
 std::string page_of(const BudgetSummary& s) { return budget_page({.mission = "fuzzed", .summary = s}); }
 std::string page_of(const NavigationSummary& s) { return navigation_page({.sessions = s}); }
+std::string page_of(const NoiseAnalysis& noise) { return noise_page(noise); }
+std::string page_of(const NoiseBatch& noise) { return noise_page(noise); }
 std::string page_of(const CompensationSummary& s) { return compensation_page(s); }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "imulab/formats/import/calibration.hpp"
 #include "imulab/formats/noise/file.hpp"
 #include "imulab/model/compensate.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"
@@ -35,6 +36,16 @@ py::list coefficients(const Calibration& c) {
     const Coefficient& row = coefficient(index);
     rows.append(py::make_tuple(row.name, coefficient_value(c.model, index),
                                standard_uncertainty(c, index).value_or(std::numeric_limits<double>::quiet_NaN()), row.unit));
+  }
+  return rows;
+}
+
+/// Likewise in the units that people use: offsets in ug and deg/h, scales in ppm from one.
+py::list user_rows(const Calibration& c) {
+  py::list rows;
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const UserValue v = user_value(c, index);
+    rows.append(py::make_tuple(coefficient(index).name, v.value, v.uncertainty, v.unit));
   }
   return rows;
 }
@@ -123,13 +134,13 @@ void bind_calibration(py::module_& module) {
                     Imported imported = import_calibration(path, {.gyro_file = gyro_file, .instance = instance, .raw = raw});
                     return std::pair(object_of(std::move(imported.calibration)), std::move(imported.warnings));
                   })
-      .def_property_readonly("json", [](const CalibrationObject& c) { return calibration_text(c.calibration()); })
+      .def_property_readonly("json", [](const CalibrationObject& c) { return calibration_document(c.calibration()); })
       .def_property_readonly("text", [](const CalibrationObject& c) { return calibration_summary(c.calibration()); })
       .def_property_readonly(
           "details", [](const CalibrationObject& c) { return calibration_details(c.calibration(), c.result->coarse ? &*c.result->coarse : nullptr); })
       .def_property_readonly("imu", [](const CalibrationObject& c) { return c.calibration().imu; })
       .def_property_readonly("method", [](const CalibrationObject& c) { return c.calibration().method; })
-      .def_property_readonly("verdict", [](const CalibrationObject& c) { return c.calibration().quality.verdict; })
+      .def_property_readonly("verdict", [](const CalibrationObject& c) { return conclusion_of(c.calibration()).verdict; })
       .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
       .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
       .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
@@ -150,6 +161,7 @@ void bind_calibration(py::module_& module) {
                              })
       .def_property_readonly("shortcomings", [](const CalibrationObject& c) { return shortcomings(*c.result); })
       .def_property_readonly("coefficients", [](const CalibrationObject& c) { return coefficients(c.calibration()); })
+      .def_property_readonly("in_user_units", [](const CalibrationObject& c) { return user_rows(c.calibration()); })
       .def_property_readonly("estimated",
                              [](const CalibrationObject& c) {
                                std::vector<std::string_view> names;
@@ -196,6 +208,15 @@ void bind_calibration(py::module_& module) {
     std::vector<std::pair<std::string_view, std::string_view>> targets;
     for (const ExportTarget& target : export_targets()) targets.emplace_back(target.name, target.summary);
     return targets;
+  });
+  module.def("group_of", [](const std::string& name) {
+    const Coefficient& c = coefficient(coefficient_index(name));
+    const bool misalignment = c.term == Term::matrix && c.row != c.column;
+    return name.substr(0, name.rfind('.')) + (misalignment ? ".off_diagonal" : "");
+  });
+  module.def("user_unit", [](const std::string& name, double size) {
+    const UserUnit unit = user_unit(coefficient(coefficient_index(name)), size, TriadModel{});
+    return std::pair(unit.name, unit.size);
   });
   module.def("compensate", [](const CalibrationObject& c, std::shared_ptr<Recording> recording, bool reject_outliers) {
     CompensatedRecording out = run(py::none(), [result = c.result, recording = std::move(recording), reject_outliers](const auto&) {

@@ -38,7 +38,8 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
 Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given, const py::dict& keywords) {
   std::vector<NamedCalibration> inputs;
   for (const auto& [name, object] : given) inputs.push_back({name, object->calibration()});
-  return {comparison_answer(std::move(inputs), options_from<CompareOptions>(keywords).different_imus)};
+  const auto o = options_from<CompareOptions>(keywords);
+  return {comparison_answer(std::move(inputs), o.different_imus, o.tolerance)};
 }
 
 Outcome predicted(std::shared_ptr<Session> procedure, const py::dict& keywords, const py::object& progress) {

@@ -82,6 +82,12 @@ void bind_fleets(py::module_& module) {
   module.def("fleet_calibrate", &calibrated_all);
   module.def("fleet_units", &units_of);
   module.def("fleet_statistics", &statistics_of);
+  module.def("fleet_csv", [](const std::string& file) {
+    return run(py::none(), [=](const auto&) {
+      FleetStore store(file);
+      return fleet::fleet_csv(store);
+    });
+  });
   module.def("fleet_check", &checked);
 }
 

@@ -104,8 +104,8 @@ void add_table(py::dict& tables) {
 
 void bind_outcome(py::module_& module) {
   py::class_<Outcome>(module, "Outcome")
-      .def_property_readonly("json", [](const Outcome& o) { return o.json(); })
-      .def_property_readonly("text", [](const Outcome& o) { return o.table(false); })
+      .def_property_readonly("json", [](const Outcome& o) { return o.document(); })
+      .def_property_readonly("text", [](const Outcome& o) { return o.text(false); })
       .def_property_readonly("headline", [](const Outcome& o) { return o.headline(); })
       .def_property_readonly("shortcomings", [](const Outcome& o) { return o.shortcomings; })
       .def_property_readonly("warnings", [](const Outcome& o) { return o.warnings; })

@@ -59,15 +59,20 @@ py::tuple flown(const std::string& mission, const py::dict& keywords, const std:
         .mission = mission, .errors = o.errors, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .seed = o.seed, .progress = report};
     return flight_answer(read_mission(mission), task, folder);
   });
-  return py::make_tuple(std::make_shared<Session>(answer.data->session), std::make_shared<Recording>(answer.data->recording),
-                        std::make_shared<Solution>(answer.data->truth), answer.warnings);
+  const auto session = std::make_shared<Session>(answer.data->session);
+  std::vector<std::string> warnings = answer.warnings;
+  if (folder.empty() && session->barometer_file) {
+    session->barometer_file.reset();
+    warnings.emplace_back("the heights of the mission's barometer are a file: name a folder, or give navigate a barometer");
+  }
+  return py::make_tuple(session, std::make_shared<Recording>(answer.data->recording), std::make_shared<Solution>(answer.data->truth), warnings);
 }
 
 std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,
                                                         std::shared_ptr<Session> session, std::shared_ptr<Recording> recording,
                                                         const py::dict& keywords, std::shared_ptr<Solution> truth) {
   const auto answer = run(py::none(), [=, o = options_from<NavigateVerbOptions>(keywords)](const auto&) {
-    const NavigateOptions options = navigate_options(o);
+    const NavigateOptions options = navigate_options(o, *session);
     std::optional<TrueMotion> reference;
     if (truth)
       reference = {"truth", *truth};
@@ -75,7 +80,7 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
       reference = o.truth.empty() ? session_truth(*session) : read_truth(o.truth);
     if (calibration) check_thermal_units(calibration->calibration(), session->source_of(name));
     return navigation_answer(
-        {navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true)});
+        {navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true)}, o);
   });
   Outcome out{answer};
   const auto sessions = std::const_pointer_cast<std::vector<NavigatedSession>>(answer.data);  // Python reads alone

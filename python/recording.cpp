@@ -1,5 +1,6 @@
 #include "imulab/recording/recording.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/recording/make_recording.hpp"
@@ -43,6 +44,32 @@ Array seconds(const Recording& r) {
 
 py::object temperature(const Columns3& columns) { return columns[0].empty() ? py::object(py::none()) : py::object(array_of(columns)); }
 
+// Every member as it is, so that another process has the same bits.
+
+py::tuple state_of(const Recording& r) {
+  return py::make_tuple(r.name, r.interval_s, array_of(r.time_ns), array_of(r.gyro), array_of(r.accel), r.gyro_increment, r.accel_increment,
+                        temperature(r.gyro_temperature), temperature(r.accel_temperature), r.gyro_unit, r.accel_unit, indices_of(r.saturated),
+                        indices_of(r.gaps), indices_of(r.starts));
+}
+
+Columns3 columns_in(const py::object& object) { return object.is_none() ? Columns3{} : columns_of("state", object.cast<Array>()); }
+
+std::shared_ptr<Recording> recording_of(const py::tuple& state) {
+  constexpr std::size_t members = 14;
+  if (state.size() != members) throw Error("a pickled recording of another version; expected one of this version");
+  auto r = std::make_shared<Recording>();
+  r->name = state[0].cast<std::string>(), r->interval_s = state[1].cast<double>();
+  const auto stamps = state[2].cast<py::array_t<std::int64_t, py::array::c_style>>();
+  r->time_ns.assign(stamps.data(), stamps.data() + stamps.size());
+  r->gyro = columns_in(state[3]), r->accel = columns_in(state[4]);
+  r->gyro_increment = state[5].cast<bool>(), r->accel_increment = state[6].cast<bool>();
+  r->gyro_temperature = columns_in(state[7]), r->accel_temperature = columns_in(state[8]);
+  r->gyro_unit = state[9].cast<std::string>(), r->accel_unit = state[10].cast<std::string>();
+  r->saturated = state[11].cast<std::vector<std::size_t>>(), r->gaps = state[12].cast<std::vector<std::size_t>>();
+  r->starts = state[13].cast<std::vector<std::size_t>>();
+  return r;
+}
+
 }  // namespace
 
 void bind_recording(py::module_& module) {
@@ -62,6 +89,7 @@ void bind_recording(py::module_& module) {
       .def_property_readonly("accel_temperature", [](const Recording& r) { return temperature(r.accel_temperature); })
       .def_property_readonly("gaps", [](const Recording& r) { return indices_of(r.gaps); })
       .def_property_readonly("saturated", [](const Recording& r) { return indices_of(r.saturated); })
+      .def(py::pickle(&state_of, &recording_of))
       .def("save", [](const Recording& r, const std::string& path) {
         const py::gil_scoped_release unlocked;
         write_recording(path, r);

@@ -70,6 +70,15 @@ Inspected inspected(const InspectionTask& task) {
           found->recording ? std::shared_ptr<Recording>(found, &*found->recording) : nullptr};
 }
 
+/// From its text, which has every digit, and what the text does not say.
+std::shared_ptr<Session> unpickled(const py::tuple& state) {
+  constexpr std::size_t members = 4;
+  if (state.size() != members) throw Error("a pickled session of another version; expected one of this version");
+  auto session = shared(parse_session(state[0].cast<std::string>(), state[1].cast<std::string>()));
+  session->sha256 = state[2].cast<std::string>(), session->noise_taken = state[3].cast<std::optional<std::string>>();
+  return session;
+}
+
 /// As the command opens a recording in place of a session, and what that assumes of gravity.
 std::pair<std::shared_ptr<Session>, std::string> session_of_recording(const std::string& file, const std::vector<std::string>& topics) {
   return run(py::none(), [=](const auto&) {
@@ -97,6 +106,7 @@ void bind_session(py::module_& module) {
                              })
       .def_property_readonly("text", &session_text)
       .def_property_readonly("procedure_text", &procedure_text)
+      .def(py::pickle([](const Session& s) { return py::make_tuple(session_text(s), s.file, s.sha256, s.noise_taken); }, &unpickled))
       .def("save", [](const Session& s, const std::string& path) { write_session(path, s); })
       .def("__eq__", [](const Session& a, const Session& b) { return a == b; });
   module.def("procedure", [](const std::string& name, const std::map<std::string, double>& options, std::uint64_t seed) {

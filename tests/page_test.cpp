@@ -1,9 +1,11 @@
-// Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; two starts.
+// Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; three
+// starts.
 #include "imulab/formats/calibration/file.hpp"
 
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include <cmath>
 #include <map>
 #include <regex>
 #include <vector>
@@ -25,8 +27,37 @@ window.problems = [];
 window.addEventListener('error', function (e) { window.problems.push(String(e.message)); }, true);
 </script>)";
 
-/// Behind them: charts whose lines have left no color, pictures without size, the verdict.
+/// Behind them: charts whose lines have left no color, pictures without size, axes without two ticks that are not zero or without a name, several
+/// series without a legend, text that its background hides, the verdict.
 const std::string judge = R"(<script>
+function light(color) {
+  var c = (color.match(/[0-9.]+/g) || [0, 0, 0, 0]).map(Number), alpha = c.length > 3 ? c[3] : 1;
+  var part = c.slice(0, 3).map(function (v) { v /= 255; return v <= 0.04045 ? v / 12.92 : Math.pow((v + 0.055) / 1.055, 2.4); });
+  return alpha < 0.5 ? null : 0.2126 * part[0] + 0.7152 * part[1] + 0.0722 * part[2];
+}
+function behind(e) {
+  for (; e; e = e.parentElement) { var l = light(getComputedStyle(e).backgroundColor); if (l !== null) return l; }
+  return 1;
+}
+function faint() {
+  var out = [], walk = document.createTreeWalker(document.querySelector('main'), NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    var e = walk.currentNode.parentElement, style = getComputedStyle(e);
+    if (!walk.currentNode.textContent.trim() || !e.getClientRects().length || e.closest('.legend,.on,script')) continue;
+    var a = light(e.closest('svg') ? style.fill : style.color), b = behind(e);
+    if (a !== null && (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) < 4.5) out.push(walk.currentNode.textContent.trim().slice(0, 30));
+  }
+  return out;
+}
+function unread() {
+  return Array.from(document.querySelectorAll('svg.plot')).filter(function (s) {
+    var ticks = function (axis) {
+      return Array.from(s.querySelectorAll('.' + axis + 'ticks text')).filter(function (t) { return t.textContent && t.textContent !== '0'; }).length;
+    };
+    var several = Number(s.getAttribute('data-series')) > 1, named = s.querySelector('.on') || (s.closest('section') || document).querySelector('.key');
+    return ticks('x') < 2 || ticks('y') < 2 || !s.querySelector('.x') || !s.querySelector('.y') || (several && !named);
+  }).map(function (s) { return s.getAttribute('aria-label'); });
+}
 window.addEventListener('load', function () {
   var text = function (id) { var e = document.getElementById(id); return e ? e.textContent : ''; };
   var charts = Array.from(document.querySelectorAll('.chart')), empty = 0;
@@ -44,7 +75,8 @@ window.addEventListener('load', function () {
   var flat = pictures.filter(function (s) { var b = s.getBBox(); return !(b.width > 50 && b.height > 20) || s.querySelectorAll('polyline,polygon,rect,circle,path').length == 0; });
   parent.postMessage([document.currentName, 'charts=' + charts.length + ' empty=' + empty + ' pictures=' + pictures.length + ' flat=' + flat.length,
     'requests=' + performance.getEntriesByType('resource').length, 'problems=' + window.problems.join('/'), 'ran=' + (window.ran || 0),
-    'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'verdict=' + text('verdict'), 'because=' + text('because')].join('|'), '*');
+    'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'unread=' + unread().join('/'), 'faint=' + faint().join('/'),
+    'verdict=' + text('verdict'), 'because=' + text('because')].join('|'), '*');
 });
 </script>)";
 
@@ -54,9 +86,13 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
+const std::string dark_scheme = "@media screen and (prefers-color-scheme:dark)";
+
+/// A copy of a name that ends with "dark" has the dark scheme.
 std::string watched(const std::string& page, const std::string& name) {
   std::string text =
       std::regex_replace(page, std::regex("<meta http-equiv=\"Content-Security-Policy\"[^>]*>"), "", std::regex_constants::format_first_only);
+  if (name.ends_with("dark")) text = replaced(text, dark_scheme, "@media screen");
   text = replaced(text, "<head>", "<head>" + watch + "<script>document.currentName = '" + name + "'</script>");
   return replaced(text, "</body>", judge + "</body>");
 }
@@ -74,10 +110,9 @@ Browsed browse(const TemporaryFolder& folder, const std::vector<std::string>& pa
   for (const std::string& page : pages) {
     const std::string text = read_text(folder / (page + ".html"));
     frames += "<iframe src='" + page + ".html' width=1280 height=600></iframe>";
-    for (const std::string width : {"1280", "390"}) {
-      const std::string name = page + "-" + width;
+    for (const auto& [name, width] : {std::pair{page + "-1280", "1280"}, {page + "-390", "390"}, {page + "-dark", "1280"}}) {
       folder.write(name + ".html", watched(text, name));
-      frames += "<iframe src='" + name + ".html' width=" + width + " height=600></iframe>";
+      frames += "<iframe src='" + name + ".html' width=" + std::string(width) + " height=600></iframe>";
     }
   }
   folder.write(
@@ -114,15 +149,27 @@ void make_results(const TemporaryFolder& folder) {
       "[rig]\nkind = \"none\"\n[[step]]\nkind = \"hold\"\nduration_s = 120\n");
   folder.write("truth.csv",
                "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
-  for (const std::string command :
-       {"procedure handheld --poses 24 -o hand.toml", "simulate hand.toml -o hand",
-        "calibrate hand --method handheld -o hand.json --report calibration.html", "inspect hand/recording.csv --report inspection.html",
-        "procedure six-position -o six.toml", "simulate six.toml -o six", "calibrate six --method turntable -o six.json --report turntable.html",
-        "compare hand.json hand/truth.json --report comparison.html", "fleet add hand.json six.json", "fleet stats --report fleet.html",
-        "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
-        "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
-        "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html", "simulate still.toml -o still",
-        "noise still --report noise.html"}) {
+  for (const std::string command : {"procedure handheld --poses 24 -o hand.toml",
+                                    "simulate hand.toml -o hand",
+                                    "calibrate hand --method handheld -o hand.json --report calibration.html",
+                                    "inspect hand/recording.csv --report inspection.html",
+                                    "procedure six-position -o six.toml",
+                                    "simulate six.toml -o six",
+                                    "calibrate six --method turntable -o six.json --report turntable.html",
+                                    "compare hand.json hand/truth.json --report comparison.html",
+                                    "fleet add hand.json six.json",
+                                    "fleet stats --report fleet.html",
+                                    "predict six.toml --runs 200 --report prediction.html",
+                                    "compensate hand.json hand -o out.csv --report compensation.html",
+                                    "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html",
+                                    "budget mission.toml --runs 20 --report budget.html",
+                                    "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html",
+                                    "simulate still.toml -o still",
+                                    "noise still --report noise.html -o noise.json",
+                                    "report noise.json -o saved_noise.html",
+                                    "noise still still --report two_logs.html",
+                                    "report six.json --certificate -o certificate.html",
+                                    "budget mission.toml --runs 20 --grade navigation,tactical --report grades.html"}) {
     const CommandResult result = run_imulab(folder, command);
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.errors;
   }
@@ -146,20 +193,46 @@ void make_hostile_page(const TemporaryFolder& folder) {
   EXPECT_TRUE(says("[U+202E][U+0007][U+0000][U+200F]"));
 }
 
+/// A requirement that is missed, values without uncertainties, and stamps of 2026 in nanoseconds.
+void make_awkward_pages(const TemporaryFolder& folder) {
+  EXPECT_EQ(run_imulab(folder, "calibrate hand --method handheld --require 'gyro.offset <= 0.0001 deg/h' --report missed.html").exit_code, 1);
+  EXPECT_EQ(run_imulab(folder, "report hand/truth.json -o none.html").exit_code, 0);
+  std::istringstream rows(read_text(folder / "hand/recording.csv"));
+  std::string row, stamped;
+  for (std::getline(rows, row), stamped = row + "\n"; std::getline(rows, row);) {
+    const std::size_t comma = row.find(',');
+    stamped += std::to_string(1'794'000'000'123'456'789 + std::llround(1e9 * std::stod(row.substr(0, comma)))) + row.substr(comma) + "\n";
+  }
+  std::filesystem::create_directory(folder / "stamped");
+  folder.write("stamped/recording.csv", stamped);
+  folder.write("stamped/session.toml", replaced(read_text(folder / "hand/session.toml"), "unit = \"s\"", "unit = \"ns\""));
+  const CommandResult result = run_imulab(folder, "calibrate stamped --method handheld --report stamped.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = read_text(folder / "stamped.html");
+  EXPECT_TRUE(page.find("from 2026-11-06T21:20:00.") != std::string::npos);
+  for (const std::string& text : {page, result.output, result.errors}) {
+    EXPECT_TRUE(text.find("1794000") == std::string::npos) << "a stamp where seconds from the first sample are expected";
+    EXPECT_TRUE(text.find("1.794e+09") == std::string::npos);
+  }
+}
+
 TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   const TemporaryFolder folder;
   make_results(folder);
   make_hostile_page(folder);
-  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation", "navigation",
-                                       "budget",      "plan",      "inspection", "noise",      "fleet",        "hostile"};
+  make_awkward_pages(folder);
+  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction",  "compensation", "navigation",
+                                       "budget",      "plan",      "inspection", "noise",       "fleet",        "hostile",
+                                       "missed",      "none",      "stamped",    "saved_noise", "two_logs",     "grades"};
   const Browsed browsed = browse(folder, pages);
   ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
   EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));
   EXPECT_THAT(browsed.requests, testing::ElementsAre("http://imulab-probe.invalid/x.png"));
   for (const std::string& page : pages)
-    for (const std::string width : {"-1280", "-390"}) {
+    for (const std::string width : {"-1280", "-390", "-dark"}) {
       const std::string said = browsed.pages.contains(page + width) ? browsed.pages.at(page + width) : "nothing";
-      EXPECT_THAT(said, testing::MatchesRegex("charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|.*"))
+      EXPECT_THAT(said, testing::MatchesRegex(
+                            "charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|unread=\\|faint=\\|.*"))
           << page << width;
     }
   EXPECT_THAT(browsed.pages.at("calibration-1280"), HasSubstr("charts=2 empty=0"));
@@ -170,12 +243,36 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   for (const std::string& page : pages) EXPECT_LT(std::filesystem::file_size(folder / (page + ".html")), 2'000'000u) << page;
 }
 
+/// Two A4 pages, and the appendix from the third on; number and page on each.
+void expect_certificate(const TemporaryFolder& folder) {
+  const CommandResult printed =
+      run_shell(folder, std::string(chromium) + "--no-pdf-header-footer --print-to-pdf=certificate.pdf \"file://$PWD/certificate.html\"");
+  ASSERT_EQ(printed.exit_code, 0) << printed.errors;
+  const std::string info = run_shell(folder, "pdfinfo certificate.pdf").output;
+  std::smatch pages;
+  ASSERT_TRUE(std::regex_search(info, pages, std::regex("Pages: +([0-9]+)"))) << info;
+  EXPECT_THAT(info, HasSubstr("A4"));
+  for (int k = 1; k <= std::stoi(pages[1]); ++k) {
+    const std::string text =
+        run_shell(folder, "pdftotext -layout -f " + std::to_string(k) + " -l " + std::to_string(k) + " certificate.pdf -").output;
+    EXPECT_THAT(text, HasSubstr("page " + std::to_string(k) + " of " + pages[1].str()));
+    EXPECT_THAT(text, HasSubstr("Calibration certificate 2026-017"));
+    EXPECT_THAT(text, HasSubstr("serial number"));
+    if (k == 2) EXPECT_THAT(text, HasSubstr("signature, date"));
+    if (k == 3) EXPECT_THAT(text, HasSubstr("Appendix"));
+  }
+}
+
 TEST(Page, APrintedCalibrationIsACertificate) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_shell(folder, "'" + command_path() + "' procedure handheld --poses 24 -o hand.toml && '" + command_path() +
-                                  "' simulate hand.toml -o hand && '" + command_path() + "' calibrate hand --method handheld --report page.html")
+                                  "' simulate hand.toml -o hand && '" + command_path() +
+                                  "' calibrate hand --method handheld -o hand.json --report page.html && '" + command_path() +
+                                  "' report hand.json --certificate --number 2026-017 -o certificate.html")
                 .exit_code,
             0);
+  // Chromium prints one page a start.
+  expect_certificate(folder);
   const CommandResult printed = run_shell(folder, std::string(chromium) + "--no-pdf-header-footer --print-to-pdf=page.pdf \"file://$PWD/page.html\"");
   ASSERT_EQ(printed.exit_code, 0) << printed.errors;
   const std::string info = run_shell(folder, "pdfinfo page.pdf").output;

@@ -160,10 +160,11 @@ void declare_to(CLI::App& app, Verb& verb) {
         if (before == other) options.back().option->excludes(option);
   }
   for (Verb& own : verb.verbs) declare_to(*app.add_subcommand(own.own_name(), own.summary), own);
-  if (verb.verbs.empty())
-    app.callback([&verb, options] { do_work(verb, options); });
-  else
-    app.require_subcommand(1);
+  if (!verb.does) app.require_subcommand(1);
+  if (verb.does)
+    app.callback([&verb, &app, options] {
+      if (app.get_subcommands().empty()) do_work(verb, options);
+    });
 }
 
 /// The verb that the words lead to. Throws Error for a word that is none of its verbs (CLI11 says only that one is required); it ends at an option.
@@ -313,8 +314,8 @@ void warn_each(const std::vector<std::string>& texts) {
 void show(const Answer& answer, const ShowOptions& o, const std::string& closing) {
   warn_each(answer.warnings);
   if (!o.report.empty()) write_whole(o.report, answer.page());
-  if (o.output != "-" && o.json) print_json(answer.json());
-  if (o.output != "-" && !o.json) print(answer.table(o.verbose) + closing);
+  if (o.output != "-" && o.json) print_json(answer.document());
+  if (o.output != "-" && !o.json) print(answer.text(o.verbose) + closing);
   if (!answer.shortcomings.empty()) throw Unsupported(answer.shortcomings);
 }
 

@@ -1,6 +1,7 @@
 // The command line: it parses by the tables of the verbs, and turns exceptions into exit codes. One source knows CLI11.
 #pragma once
 
+#include "imulab/formats/text/json.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdio>
@@ -19,6 +20,8 @@ void print(const std::string& text, std::FILE* out = stdout);
 
 /// A result for programs, as it is.
 void print_json(const std::string& text);
+/// An object that is no answer of a task: with its conclusion at its begin, like those.
+void print_json(const JsonFields& object, const Conclusion& conclusion, const std::vector<std::string>& warnings = {});
 
 /// Warnings go to standard error, one a line, as "imulab: warning: ...", after what was printed before.
 void warn(const std::string& text);

@@ -8,6 +8,7 @@
 #include "tests/run_command.hpp"
 #include <cmath>
 #include <filesystem>
+#include <tuple>
 
 namespace imulab {
 namespace {
@@ -43,9 +44,10 @@ struct CompareCommand : ::testing::Test {
 };
 
 TEST_F(CompareCommand, PrintsATableInUserUnitsAndMarksWhatDiffers) {
-  const CommandResult result = run_imulab(folder, "compare calibration.json truth.json");
+  EXPECT_THAT(run_imulab(folder, "compare calibration.json truth.json").output, Not(HasSubstr("accel.offset.x")));  // not significant
+  const CommandResult result = run_imulab(folder, "compare calibration.json truth.json -v");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, ContainsRegex("accel.offset.x +5 +10 ug +\\+0.5\n"));
+  EXPECT_THAT(result.output, ContainsRegex("gyro.matrix.xy.*\naccel.offset.x +5 +10 ug +\\+0.5\n"));  // the significant first
   EXPECT_THAT(result.output, ContainsRegex("gyro.matrix.xy +20.0 +2.0 arcsec +\\+10.0\\*\n"));
   EXPECT_THAT(result.output, HasSubstr("1 of 2 coefficients differ significantly"));
   EXPECT_THAT(result.output, HasSubstr("2 coefficients together: chi2 = 100.2"));  // 0.5^2 + 10^2
@@ -75,10 +77,68 @@ std::string shifted(double offset_ug) {
   return calibration_text(c);
 }
 
+TEST_F(CompareCommand, InsignificantRowsAreCountedInOneLine) {
+  const CommandResult result = run_imulab(folder, "compare calibration.json truth.json");
+  EXPECT_THAT(result.output, HasSubstr("1 coefficients do not differ significantly; --verbose lists them"));
+}
+
+TEST_F(CompareCommand, ATolerancePutsItsVerdictFirstAndIsTheExitCode) {
+  for (const auto& [tolerance, code, begin] :
+       {std::tuple{"gyro.matrix.xy <= 25 arcsec", 0, "met: gyro.matrix.xy differs by 20 arcsec; tolerance: gyro.matrix.xy <= 25 arcsec\n"},
+        {"accel.offset.x <= 10 ug, gyro.matrix.xy <= 10 arcsec", 1, "not met: gyro.matrix.xy differs by 20 arcsec; tolerance: gyro.matrix.xy <= 10"},
+        {"gyro.offset.x <= 1 deg/h", 1, "not met: gyro.offset.x is not determined in both"}}) {
+    const CommandResult result = run_imulab(folder, std::string("compare calibration.json truth.json --tolerance '") + tolerance + "'");
+    EXPECT_EQ(result.exit_code, code) << tolerance << result.errors;
+    EXPECT_THAT(on_one_line(result.output), testing::StartsWith(on_one_line(begin)));
+  }
+  const auto json =
+      nlohmann::json::parse(run_imulab(folder, "compare calibration.json truth.json --json --tolerance 'gyro.matrix.xy <= 10 arcsec'").output);
+  EXPECT_EQ(json["requirements"][0]["met"], false);
+  EXPECT_NEAR(json["requirements"][0]["reached"].get<double>(), 20 * unit::arcsec, 1e-9);
+  EXPECT_EQ(run_imulab(folder, "compare calibration.json truth.json --tolerance 'gyro.matrix.xy <= 10 mm'").exit_code, 2);
+}
+
+TEST_F(CompareCommand, DatesSerialsAndTheChangePerYearAreStated) {
+  for (const auto& [file, measured, scale] : {std::tuple{"spring.json", "2024-03-31", 0.0}, {"autumn.json", "2026-03-31", 100.0}}) {
+    Calibration c = two_coefficients();
+    c.serial = "012", c.measured = measured, c.model.accel.offset.x() = scale * unit::ug;
+    folder.write(file, calibration_text(c));
+  }
+  const CommandResult result = run_imulab(folder, "compare spring.json autumn.json --report page.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(on_one_line(result.output), HasSubstr("serial number 012, measured 2024-03-31"));
+  EXPECT_THAT(result.output, HasSubstr("2.00 years from A to B."));
+  EXPECT_THAT(result.output, ContainsRegex("accel.offset.x +100 +14 ug +\\+7.1\\* +50.0\n"));
+  const std::string page = read_text(folder / "page.html");
+  EXPECT_NE(page.find("measured 2026-03-31"), std::string::npos);
+  EXPECT_NE(page.find("<th>per year</th>"), std::string::npos);
+}
+
+TEST_F(CompareCommand, ResultsOfOneKindAreComparedAndAMixIsRefused) {
+  folder.write("mission.toml",
+               "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
+               "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 120\n");
+  for (const std::string grade : {"navigation", "tactical"})
+    folder.write(grade + ".json", run_imulab(folder, "budget mission.toml --runs 0 --json --grade " + grade).output);
+  EXPECT_EQ(nlohmann::json::parse(read_text(folder / "tactical.json"))["grade"], "tactical");
+  const CommandResult result = run_imulab(folder, "compare navigation.json tactical.json --report page.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, testing::StartsWith("horizontal RMS: navigation.json "));
+  const CommandResult mix = run_imulab(folder, "compare navigation.json calibration.json");
+  EXPECT_EQ(mix.exit_code, 2);
+  EXPECT_THAT(mix.errors, HasSubstr("navigation.json: is a budget; expected calibrations alone, or other results alone"));
+  const CommandResult grades = run_imulab(folder, "budget mission.toml --runs 0 --json --grade navigation,tactical");
+  EXPECT_EQ(grades.exit_code, 0) << grades.errors;
+  const auto json = nlohmann::json::parse(grades.output);
+  ASSERT_EQ(json["budgets"].size(), 2u);
+  EXPECT_EQ(json["budgets"][1]["grade"], "tactical");
+  EXPECT_EQ(json["budgets"][1]["noise"], "of the grade");
+}
+
 TEST_F(CompareCommand, SeveralStandSideBySide) {
   folder.write("b.json", shifted(10));
   folder.write("c.json", shifted(100));
-  const CommandResult result = run_imulab(folder, "compare calibration.json b.json c.json truth.json");
+  const CommandResult result = run_imulab(folder, "compare calibration.json b.json c.json truth.json -v");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("C  c.json (unit, static; the accelerometers' frame)\nD  truth.json (no uncertainties"));
   EXPECT_THAT(result.output, ContainsRegex("coefficient +B - A +C - A +D - A +sigmas\n"));
@@ -171,10 +231,11 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"newer.json calibration.json",
              "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
         Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
-        Case{"calibration.json result.json", "imulab: result.json: format: is missing; expected \"imulab.calibration/1\""},
-        Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected a calibration"},
-        Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected a calibration"},
-        Case{"calibration.json nan.json", "not JSON; expected a calibration: "}, Case{"calibration.json null.json", "expected a number, found null"},
+        Case{"calibration.json result.json", "imulab: result.json: is a comparison; expected calibrations alone, or other results alone"},
+        Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected calibration.json, noise.json, or what compare"},
+        Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected calibration.json"},
+        Case{"calibration.json nan.json", "nan.json:28: not JSON; expected calibration.json"},
+        Case{"calibration.json null.json", "expected a number, found null"},
         Case{"calibration.json truth.json singular.json", "imulab: singular.json: gyro.matrix is singular"},
         Case{"calibration.json counts.json rates.json",
              "imulab: rates.json: gyro was calibrated from rad/s, expected count as in counts.json"},  // and the first does not say

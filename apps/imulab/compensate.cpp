@@ -13,6 +13,7 @@
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/compensation.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
 
@@ -40,7 +41,7 @@ struct CompensateOptions : ShowOptions {
 
 /// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures", with the outliers if they are rejected; or as JSON.
 void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
-  if (options.json) return print_json(compensation_json(summary));
+  if (options.json) return print_json(with_conclusion(compensation_json(summary), conclusion_of(summary), {}));
   for (const CompensatedFile& c : summary.files)
     print(text::wrapped(
         "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,

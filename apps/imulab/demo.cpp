@@ -15,6 +15,7 @@
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/drives_page.hpp"
+#include "imulab/report/plot.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 
@@ -159,12 +160,12 @@ void demo(const Arguments& a) {
   write_whole(folder / "report.html", drives_page(report));  // by it a next run tells that the others are the demo's, too, wherever this one ends
   write_whole(folder / "classical.json", calibration_text(classical));
   write_whole(folder / "hybrid.json", calibration_text(hybrid));
-  write_whole(folder / "drives.svg", drives_picture(report));
+  write_whole(folder / "drives.svg", report::standalone(drives_picture(report)));
   say(fmt::format("\nReport: {}\nYour own sensor: imulab calibrate FOLDER --method handheld -o calibration.json\n",
                   fs::absolute(folder / "report.html").lexically_normal().string()));
   JsonFields figures{{{"drives", std::uint64_t{drives}}}};
   for (const DrivenCalibration& c : report.calibrations) figures.fields.emplace_back(c.name + " [m]", median(c.largest));
-  if (a.json) print_json(fields_json(figures));
+  if (a.json) print_json(figures, {"", title});
 }
 
 }  // namespace

@@ -146,7 +146,7 @@ JsonFields write_target(const ExportTarget& target, const ExportInput& input, co
     warn(fmt::format("{}: does not hold all of the calibration: the head of {} lists what, and how much", place, output));
   else
     for (const std::string& sentence : lost) warn(fmt::format("{}: not held by {}: {}", place, target.name, sentence));
-  if (target.warnings != nullptr)
+  if (target.warnings != nullptr && (o.target != all_targets || !target.needs_noise))  // of all targets the noise is spoken of once
     for (const std::string& warning : target.warnings(input)) warn(place + ": " + warning);
   write_whole(output, text);
   return {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}};
@@ -165,7 +165,7 @@ struct PlannedExport {
 std::vector<PlannedExport> planned_exports(const ExportInput& input, const Options& o) {
   std::vector<PlannedExport> out;
   for (const ExportTarget& target : export_targets()) {
-    if (target.needs_noise && input.noise == nullptr) {
+    if (target.needs_noise && input.noise == nullptr && !input.calibration.rest_noise) {
       warn(fmt::format("{} is not written: needs the noise of the IMU; expected --noise noise.json", target.name));
       continue;
     }
@@ -182,6 +182,7 @@ void write_all(const ExportInput& input, const Options& o) {
   if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
   const std::vector<PlannedExport> all = planned_exports(input, o);
   fs::create_directories(o.output);
+  for (const std::string& warning : export_target("kalibr").warnings(input)) warn(input_name(o.calibration) + ": " + warning);
   std::vector<JsonFields> written;
   std::vector<std::string_view> failed;
   for (const PlannedExport& planned : all) {
@@ -195,7 +196,7 @@ void write_all(const ExportInput& input, const Options& o) {
     }
   }
   if (written.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
-  if (o.json) print_json(fields_json({{{"files", written}}}));
+  if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output});
   for (const JsonFields& file : written)
     if (!o.json) print(std::get<std::string>(file.fields[1].second.is) + "\n");
   if (!failed.empty())
@@ -214,7 +215,7 @@ void run(const Options& o) {
   if (o.target == all_targets) return write_all(input, o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   const JsonFields written = write_target(export_target(o.target), input, o, o.output);
-  if (o.json) print_json(fields_json(written));
+  if (o.json) print_json(written, {"", "written: " + o.output});
 }
 
 }  // namespace
@@ -235,7 +236,11 @@ void add_export(Verb& app) {
   const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "json-matrix", "csv"},
       autopilots{"px4", "ardupilot"};
   const auto belongs = [&](const VerbOption& option, const std::vector<std::string_view>& targets) { o->of_targets.push_back({&option, targets}); };
-  belongs(verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise").reads(), noisy);
+  belongs(verb.option("--noise FILE", o->noise,
+                      "noise.json, from imulab noise: for targets that hold noise; without it those that need it have the white noise of the "
+                      "calibration's rests")
+              .reads(),
+          noisy);
   belongs(verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
               .one_of({"worst", "mean"})
               .show_default(),

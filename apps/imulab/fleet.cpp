@@ -56,7 +56,7 @@ void add(const Options& o) {
     } catch (const Error& e) {
       wrong.emplace_back(e.what());
     }
-  if (o.json) print_json(fields_json({{{"files", added}, {"errors", wrong}}}));
+  if (o.json) print_json({{{"files", added}, {"errors", wrong}}}, {"", fmt::format("{} files added, {} refused", added.size(), wrong.size())});
   warn_each(store.clock_problems());
   if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "\n")));
 }
@@ -101,12 +101,13 @@ void calibrate_all(const Options& o) {
   warn_each(store.clock_problems());
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
   if (o.json)
-    print_json(fields_json({{{"sessions", counted(n.sessions)},
-                             {"calibrated", counted(n.calibrated)},
-                             {"skipped", counted(n.skipped)},
-                             {"failed", counted(n.failed)},
-                             {"failed_before", counted(n.failed_before)},
-                             {"failures", failures_json(n.failures)}}}));
+    print_json({{{"sessions", counted(n.sessions)},
+                 {"calibrated", counted(n.calibrated)},
+                 {"skipped", counted(n.skipped)},
+                 {"failed", counted(n.failed)},
+                 {"failed_before", counted(n.failed_before)},
+                 {"failures", failures_json(n.failures)}}},
+               {"", fmt::format("{} sessions: {} calibrated, {} in the store before, {} failed", n.sessions, n.calibrated, n.skipped, n.failed)});
   else
     print(fmt::format("{} sessions: {} calibrated, {} in the store before, {} failed{}\n", n.sessions, n.calibrated, n.skipped, n.failed,
                       n.failed_before > 0 ? fmt::format(", {} failed before (--retry tries them again)", n.failed_before) : ""));
@@ -132,7 +133,7 @@ void add_calibrate_all(Verb& fleet) {
 
 void list_failures(const Options& o, FleetStore& store) {
   const std::vector<FleetFailure> failures = store.failures();
-  if (o.json) return print_json(fields_json({{{"failures", failures_json(failures)}}}));
+  if (o.json) return print_json({{{"failures", failures_json(failures)}}}, {"", fmt::format("{} sessions failed", failures.size())});
   std::string text;
   for (const FleetFailure& f : failures) text += fmt::format("{} ({} {}): {}\n", f.file, f.method, f.options, f.message);
   print(text.empty() ? "no session has failed\n" : text);
@@ -155,7 +156,7 @@ void list(const Options& o) {
                        {"method", u.method},
                        {"verdict", u.verdict},
                        {"station", u.station}}});
-    return print_json(fields_json({{{"units", rows}}}));
+    return print_json({{{"units", rows}}}, {"", fmt::format("{} units", rows.size())});
   }
   std::size_t serial = 6, name = 4;
   for (const FleetUnit& u : units) serial = std::max(serial, u.serial.size()), name = std::max(name, std::min<std::size_t>(u.name.size(), 30));
@@ -204,7 +205,7 @@ void show(const Options& o) {
                         r.removed ? fmt::format("  removed {}{}", time_text(*r.removed), r.reason.empty() ? "" : ": " + r.reason) : "");
   }
   if (!o.json) return print(text);
-  print_json(fields_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}));
+  print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {"", fmt::format("{} calibrations", rows.size())});
 }
 
 void add_show(Verb& fleet) {
@@ -269,7 +270,8 @@ void stats(const StatsOptions& o) {
   }
   if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store, pages.links));
   if (o.json)
-    print_json(fleet_statistics_json(statistics));
+    print_json(Answer{.json = [&] { return fleet_statistics_json(statistics); }, .table = [&](bool) { return fleet_statistics_text(statistics); }}
+                   .document());
   else
     print(fleet_statistics_text(statistics));
 }

@@ -185,6 +185,7 @@ TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
     EXPECT_THAT(unit["time"].get<std::string>(), ::testing::AllOf(::testing::Gt("2026-11"), ::testing::Lt("2029-12")));
   }
   const std::string page = read_text(folder / "fleet.html");
+  EXPECT_NE(page.find("<section id=\"overview\">"), std::string::npos);
   EXPECT_THAT(page, HasSubstr("<a href=\"unit%20pages/calibration-25.html\">unit 0 1000</a>"));
   EXPECT_THAT(read_text(folder / "unit pages/calibration-25.html"), HasSubstr("unit 0"));
   // An error that the calibration itself has: due at once. Without a second calibration nothing is known.

@@ -35,11 +35,13 @@ void check(const Options& o) {
   const std::vector<std::string> clocks = store.clock_problems();
   warn_each(clocks);
   if (o.json)
-    print_json(fields_json({{{"damaged", c.damaged},
-                             {"changed", c.changed},
-                             {"files", static_cast<std::uint64_t>(c.files)},
-                             {"missing", static_cast<std::uint64_t>(c.missing)},
-                             {"clocks", clocks}}}));
+    print_json({{{"damaged", c.damaged},
+                 {"changed", c.changed},
+                 {"files", static_cast<std::uint64_t>(c.files)},
+                 {"missing", static_cast<std::uint64_t>(c.missing)},
+                 {"clocks", clocks}}},
+               {c.damaged.empty() && c.changed.empty() ? "good" : "doubtful",
+                fmt::format("{} damages; {} files changed, {} not there", c.damaged.size(), c.changed.size(), c.missing)});
   else
     print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there", o.store,
                                         c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
@@ -51,7 +53,7 @@ void check(const Options& o) {
 void merge(const Options& o) {
   FleetStore store(o.store, Access::write);
   const std::int64_t added = store.merge(o.other);
-  if (o.json) return print_json(fields_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}));
+  if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
   print(fmt::format("{}: {} calibrations added from {}\n", o.store, added, o.other));
 }
 
@@ -83,7 +85,7 @@ void remove(const Options& o) {
     for (const FleetRecord& r : store.records(store.unit(o.unit).id)) ids.push_back(r.id);
   const std::int64_t removed = store.remove(ids, o.reason);
   if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", o.store));
-  if (o.json) return print_json(fields_json({{{"removed", static_cast<std::uint64_t>(removed)}}}));
+  if (o.json) return print_json({{{"removed", static_cast<std::uint64_t>(removed)}}}, {"", fmt::format("{} calibrations removed", removed)});
   print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", o.store, removed));
 }
 

@@ -82,7 +82,8 @@ TEST_F(HandWritten, IsExported) {
     EXPECT_THAT(result.output, AllOf(HasSubstr("# Calibration of an unnamed IMU, for "), Not(HasSubstr("\"\"")))) << target;
   }
   EXPECT_EQ(run("export h.json --to json-matrix").exit_code, 0);
-  expect_refused("export h.json --to kalibr", 2, "needs the noise of the IMU; expected --noise noise.json");
+  expect_refused("export h.json --to kalibr", 2,
+                 "needs the noise of the IMU, and this calibration has none of its rests; expected --noise noise.json");
 }
 
 TEST_F(HandWritten, NavigatesWithoutBands) {

@@ -43,7 +43,7 @@ std::string usage(const Verb& verb) {
     if (o.is_positional()) text += o.is_required ? " " + head(o) : fmt::format(" [{}]", head(o));
   for (const VerbOption& o : verb.options)
     if (!o.is_positional() && o.is_required) text += fmt::format(" {} {}", o.flags.back(), o.value_name);
-  return verb.name + text + (verb.verbs.empty() ? " [options]" : " COMMAND");
+  return verb.name + text + (verb.verbs.empty() ? " [options]" : verb.does ? " [COMMAND]" : " COMMAND");
 }
 
 std::string list(const std::list<Verb>& verbs) {

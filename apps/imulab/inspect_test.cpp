@@ -64,7 +64,7 @@ TEST(InspectCommand, CalibratesARecordingAndSaysWhatItAssumed) {
   const CommandResult result = run_imulab(folder, "calibrate log.csv --method handheld -o c.json");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.errors,
-              testing::StartsWith("imulab: assumed: 100 Hz; gyro gx, gy, gz in rad/s; accel ax, ay, az in m/s^2; gravity 9.806 +/- 0.015"));
+              testing::StartsWith("imulab: assumed: 100 Hz; gyro gx, gy, gz in rad/s; accel ax, ay, az in m/s^2; gravity 9.806 m/s^2 (u = 0.015"));
   EXPECT_THAT(run_imulab(folder, "calibrate log.csv --method handheld -o why.json --verbose").errors,
               HasSubstr("imulab: assumed: accelerometers: ax, ay, az: |a| at rest"));
   const Calibration c = read_calibration(folder / "c.json");

@@ -8,6 +8,7 @@
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/tasks/navigation_figures.hpp"
 
 #include <fmt/core.h>
 
@@ -30,8 +31,7 @@ Calibration calibration_of(const std::string& name, bool allow_undetermined) {
 }
 
 void check(const NavigateVerbOptions& o) {
-  const bool needs_heights = o.vertical == "aided" || o.vertical == "held";
-  if (!o.barometer.empty() && !needs_heights) throw Error("--barometer: belongs to --vertical aided or held; expected one of them");
+  if (o.require) errors_of_option("require", [&] { expect_navigation_limits(*o.require); });
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})
     if (!value.empty()) throw Error(fmt::format("{}: belongs to one session; expected a single SESSION", name));
@@ -45,6 +45,8 @@ Session session_of_one(const std::string& name, const RecordingWords& words) {
 
 NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& options, const Calibration& calibration, const std::string& name,
                            const Session& session) {
+  if (o.require && o.truth.empty() && !session.truth_file)
+    throw OptionError("require", name + ": has no truth; expected [truth] in the session, or --truth FILE: without one errors are not known");
   Recording recording = read_for(calibration, session, session.recordings[0]);
   const std::optional<TrueMotion> truth = o.truth.empty() ? session_truth(session) : read_truth(o.truth);
   const Progress progress("navigating");
@@ -55,19 +57,22 @@ void run(const NavigateVerbOptions& o) {
   check(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
   const Calibration calibration = calibration_of(o.calibration, o.allow_undetermined);
-  NavigateOptions options = navigate_options(o);
   std::vector<Session> opened;  // all of them before the first is navigated
-  for (const std::string& name : o.sessions) opened.push_back(session_of_one(name, {o.declarations, o.topics}));
+  std::vector<NavigateOptions> options;
+  for (const std::string& name : o.sessions) {
+    opened.push_back(session_of_one(name, {o.declarations, o.topics}));
+    options.push_back(navigate_options(o, opened.back()));
+    options.back().keep = false;
+  }
   std::optional<SolutionFile> file;  // takes the states as they are reached
-  options.keep = false;
   if (!o.output.empty()) {
     file.emplace(o.output);
-    options.each = [&file](double time, const NavigationState& state) { file->add(time, state); };
+    options.front().each = [&file](double time, const NavigationState& state) { file->add(time, state); };
   }
   std::vector<NavigatedSession> sessions;
-  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(o, options, calibration, o.sessions[i], opened[i]));
+  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(o, options[i], calibration, o.sessions[i], opened[i]));
   if (file) file->commit();
-  show(navigation_answer(std::move(sessions)), o, file ? fmt::format("{}: {} states\n", o.output, file->states()) : "");
+  show(navigation_answer(std::move(sessions), o), o, file ? fmt::format("{}: {} states\n", o.output, file->states()) : "");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/noise_requirement.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <algorithm>
@@ -30,25 +31,27 @@ AnswerOf<NoiseAnalysis> analyzed(const Session& session, const NoiseVerbOptions&
 }
 
 void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
-  if (!o.output.empty()) write_whole(o.output, answer.json());
+  if (!o.output.empty()) write_whole(o.output, answer.document());
   show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
 void run(const NoiseVerbOptions& o) {
   expect_free("-o", o.output, o.force);
-  if (recordings_named(o.recordings).size() > 1 && !o.report.empty()) throw Error("--report: shows one log; expected one recording");
+  if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
   std::vector<Session> sessions;  // all of them before the first is analyzed
   const std::uint64_t inspected = std::min<std::uint64_t>(o.most_bytes() / sizeof(double), most_inspected);
   const std::vector<std::string> recordings = recordings_named(o.recordings);
   for (const std::string& path : recordings) sessions.push_back(open_session(path, {o.declarations, o.topics}, inspected, Purpose::noise));
   if (sessions.size() == 1) return write_and_show(analyzed(sessions[0], o), o);
   std::vector<NoiseAnalysis> logs;
+  NoiseVerbOptions one = o;
+  one.report.clear();  // the page is that of all
   for (std::size_t i = 0; i < sessions.size(); ++i) {
-    logs.push_back(*analyzed(sessions[i], o).data);
+    logs.push_back(*analyzed(sessions[i], one).data);
     logs.back().recording = recordings[i];
     for (const std::string& text : logs.back().warnings) warn(recordings[i] + ": " + text);
   }
-  write_and_show(noise_answer(std::move(logs)), o);
+  write_and_show(noise_answer(std::move(logs), o), o);
 }
 
 }  // namespace

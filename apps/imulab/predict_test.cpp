@@ -116,9 +116,9 @@ TEST_F(PredictCommand, PrintsATableInUserUnitsWithTheShares) {
   const CommandResult result = run_imulab(folder, "predict p.toml --runs 1000");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");  // no terminal, no progress
-  EXPECT_THAT(result.output, HasSubstr("Standard uncertainty of every coefficient, and shares of its variance in percent\n"));
-  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +orth. +zero +noise +cubic +eff. +others\n"));
-  EXPECT_THAT(result.output, ContainsRegex("accel.matrix.xx +ppm +31 .* (9[5-8])"));  // g alone: 3e-4 of 9.806 m/s^2
+  EXPECT_THAT(result.output, HasSubstr("Standard uncertainty of every coefficient, shares of its variance in percent,\n"));
+  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +rig +site +noise +term +eff. +largest\n"));
+  EXPECT_THAT(result.output, ContainsRegex("accel.matrix.xx +ppm +31 .* (9[5-8]) .* gravity\n"));  // g alone: 3e-4 of 9.806 m/s^2
   EXPECT_THAT(result.output, ContainsRegex("gyro.offset.x +deg/h +0.00[0-9]+ "));
   EXPECT_THAT(result.output, ContainsRegex("Monte Carlo: 1000 procedures. At most [0-9.]+ % from the closed form"));
   EXPECT_THAT(result.output, Not(HasSubstr("nan")));
@@ -135,7 +135,7 @@ TEST_F(PredictCommand, EvenWithEverySourceLinesStayShort) {
   folder.write("full.toml", with("grade = \"navigation\"\n[site]", "grade = \"mems\"\nnoise = \"full\"\n[site]\nlatitude_sigma_deg = 1"));
   const CommandResult result = run_imulab(folder, "predict full.toml --runs 100");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, ContainsRegex("sigma [^\n]* +others\n"));
+  EXPECT_THAT(result.output, ContainsRegex("sigma [^\n]* largest\n"));
   EXPECT_THAT(result.output, ContainsRegex("accel.offset.x +ug +5000 "));  // 5 mg of turn-on bias
   EXPECT_THAT(result.output, HasSubstr("gyro.g_sensitivity.zz deg/h/g "));
   std::istringstream lines(result.output);
@@ -195,7 +195,9 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
   EXPECT_THAT(answers, ContainsRegex("noisiest unit all else perfect .* noise [0-9.]+ deg/sqrt\\(h\\) and [0-9.]+ ug/sqrt\\(Hz\\) "));
 
   const CommandResult missed = run_imulab(folder, "predict p.toml --runs 0 --require 'gyro.matrix.off_diagonal <= 1 arcsec'");
-  EXPECT_EQ(missed.exit_code, 0) << missed.errors;  // not as declared, but by a better table
+  EXPECT_EQ(missed.exit_code, 1);
+  EXPECT_THAT(missed.output, testing::StartsWith("not met: gyro.matrix."));
+  EXPECT_THAT(missed.errors, HasSubstr("they are with the table, timing and noise that were found"));  // not as declared, but by a better table
   EXPECT_THAT(on_one_line(missed.output),
               ContainsRegex("As declared, these requirements are not met: gyro.matrix.off_diagonal <= 1 arcsec: gyro.matrix.[xyz]+ has "
                             "[0-9.]+ arcsec, most of it from (orthogonality|zero|angle) "));

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/conclusion.hpp"
 
 #include <fmt/core.h>
 
@@ -12,13 +13,17 @@ namespace imulab::command {
 
 void print(const std::string& text, std::FILE* out) {
   const std::string shown = printable(text);
-  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
-    if (out == stdout && output_has_color() && shown.starts_with(word))
-      return fmt::print("{}{}", in_color(color, word), shown.substr(std::string_view(word).size()));
+  for (const std::string_view word : {"good", "met", "doubtful", "not met"})
+    if (out == stdout && output_has_color() && shown.starts_with(std::string(word) + ":"))
+      return fmt::print("{}{}", in_color(is_favorable(word) ? Color::green : Color::yellow, std::string(word)), shown.substr(word.size()));
   fmt::print(out, "{}", shown);
 }
 
 void print_json(const std::string& text) { fmt::print("{}", text); }
+
+void print_json(const JsonFields& object, const Conclusion& conclusion, const std::vector<std::string>& warnings) {
+  print_json(with_conclusion(fields_json(object), conclusion, warnings));
+}
 
 namespace {
 

@@ -1,14 +1,24 @@
 #include "imulab/rig/procedure.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
+#include "imulab/model/grade.hpp"
+#include "imulab/model/requirement.hpp"
+#include "imulab/tasks/procedures.hpp"
 
 #include <fmt/core.h>
 
+#include <iterator>
 #include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace imulab::command {
 
@@ -29,6 +39,12 @@ void add_output(Verb& verb, Output& output) {
   verb.option("--json", output.json, "write the procedure as JSON, for other programs");
 }
 
+void grade_option(Verb& verb, std::string& chosen) {
+  std::vector<std::string> names;
+  for (const Grade& of : grades()) names.emplace_back(of.name);
+  verb.option("--grade GRADE", chosen, "the unit's, which declares its noise and errors").one_of(names).show_default();
+}
+
 void add_hand_held(Verb& verb) {
   struct Arguments {
     HandHeldOptions options;
@@ -38,6 +54,8 @@ void add_hand_held(Verb& verb) {
   const auto a = std::make_shared<Arguments>();
   Verb& hand_held = verb.verb("handheld", "By hand: rests at random attitudes, no rig");
   hand_held.option("--poses", a->options.poses, "number of rests").show_default();
+  hand_held.option("--rest", a->options.rest, "seconds of each rest but the first").in_range(0.1, 86400).show_default();
+  grade_option(hand_held, a->options.grade);
   hand_held.option("--seed", a->seed, "random seed of the attitudes").show_default();
   add_output(hand_held, a->output);
   hand_held.example("imulab procedure handheld --poses 25 -o handheld.toml");
@@ -56,6 +74,7 @@ void add_on_table(Verb& verb, const TableProcedure& procedure) {
   own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec")
       .in_range(0, 1296000)
       .show_default();
+  grade_option(own, a->options.grade);
   add_output(own, a->output);
   own.example(fmt::format("imulab procedure {0} -o {0}.toml", procedure.name));
   own.does = [a, make = procedure.make] {
@@ -64,10 +83,22 @@ void add_on_table(Verb& verb, const TableProcedure& procedure) {
   };
 }
 
+std::vector<RigKind> machines_in(const std::string& list) {
+  std::vector<RigKind> out;
+  std::istringstream names(list);
+  for (std::string name; std::getline(names, name, ',');) {
+    out.push_back(RigKind::none);
+    for (const RigKind kind : {RigKind::chamber, RigKind::rate_table, RigKind::centrifuge})
+      if (name == to_string(kind)) out.back() = kind;
+    if (out.back() == RigKind::none) throw OptionError("machines", name + "; expected chamber, rate_table or centrifuge");
+  }
+  return out;
+}
+
 void add_dai_unit(Verb& verb) {
   struct Arguments {
     DaiUnitOptions options;
-    std::string thermal = "three";
+    std::string thermal = "three", machines = "chamber,rate_table,centrifuge";
     Output output;
   };
   const auto a = std::make_shared<Arguments>();
@@ -78,24 +109,73 @@ void add_dai_unit(Verb& verb) {
              "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
       .one_of({"three", "one", "resonance"})
       .show_default();
+  own.option("--machines LIST", a->machines, "those that you have: chamber, rate_table, centrifuge, with commas").show_default();
+  grade_option(own, a->options.grade);
   own.option("--both-ways", a->options.both_ways, "the chamber warms and cools");
   add_output(own, a->output);
   own.example("imulab procedure dai-unit -o dai-unit.toml");
   own.does = [a] {
     for (const ThermalSensors sensors : {ThermalSensors::three, ThermalSensors::one, ThermalSensors::resonance})
       if (to_string(sensors) == a->thermal) a->options.thermal = sensors;
+    a->options.machines = machines_in(a->machines);
     write(a->output, dai_unit_procedure(a->options));
   };
+}
+
+// ---- which one?
+
+void list_procedures() {
+  print(standard_procedures_text() + "\n" +
+        text::wrapped(
+            "",
+            "Both triads: offsets, scale factors and misalignments of accelerometers and gyros. imulab procedure which says how well, for what "
+            "you have; imulab procedure NAME -o FILE writes one, ready to edit."));
+}
+
+struct WhichArguments {
+  std::string rig, sensors;
+  std::optional<std::string> require;
+};
+
+void show_which(const WhichArguments& a) {
+  std::vector<Requirement> requirements;
+  if (a.require) requirements = errors_of_option("require", [&] { return parse_requirements(*a.require); });
+  std::string text;
+  bool met = false;
+  for (const ProcedureChoice& choice : procedure_choices(a.rig, a.sensors)) {
+    const Prediction prediction = predict(choice, requirements);
+    met = met || prediction.missed.empty();
+    text += (text.empty() ? "" : "\n") + procedure_text(choice, prediction, a.require.has_value());
+  }
+  print(text);
+  if (!met) throw Unsupported("none of these procedures meets what is required; imulab plan and longer rests may (docs/procedures.md)");
+}
+
+void add_which(Verb& verb) {
+  const auto a = std::make_shared<WhichArguments>();
+  Verb& own = verb.verb("which", "Which procedure: time needed and uncertainties reached, by what you have");
+  own.option(
+         "--have RIG", a->rig,
+         "what moves the unit: hands; one-axis, two-axis, three-axis: a table with so many axes; chamber: with a rate table; centrifuge: with both")
+      .one_of({std::begin(rigs_that_one_has), std::end(rigs_that_one_has)});
+  own.option("--sensors KIND", a->sensors, "mems; fog: fiber-optic gyros, tactical grade; rlg: ring laser gyros, navigation grade")
+      .one_of({std::begin(sensors_that_one_has), std::end(sensors_that_one_has)});
+  own.option("--require REQUIREMENTS", a->require, "say which meet it; exit code 1 where none does");
+  own.example("imulab procedure which --have hands --sensors mems");
+  own.example("imulab procedure which --sensors fog --require \"gyro.offset <= 0.1 deg/h\"");
+  own.does = [a] { show_which(*a); };
 }
 
 }  // namespace
 
 void add_procedure(Verb& app) {
-  Verb& verb = app.verb("procedure", "Write a standard procedure as TOML, ready to edit");
+  Verb& verb = app.verb("procedure", "List the standard procedures, or write one as TOML, ready to edit");
   verb.example("imulab procedure zhang-24 | imulab predict -");
+  verb.does = list_procedures;
   for (const TableProcedure& procedure : table_procedures()) add_on_table(verb, procedure);
   add_hand_held(verb);
   add_dai_unit(verb);
+  add_which(verb);
 }
 
 }  // namespace imulab::command

@@ -5,13 +5,16 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/laboratory/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/report/calibration_page.hpp"
+#include "imulab/report/certificate.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/report/navigation_page.hpp"
+#include "imulab/report/noise_page.hpp"
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/summary.hpp"
@@ -33,8 +36,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string result, session, output;
-  bool json = false;
+  std::string result, session, output, number, laboratory;
+  bool json = false, certificate = false;
 };
 
 constexpr const char* pictures = "The recording, gravity and rotations before and after, the directions of gravity";
@@ -98,18 +101,18 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
 
 // Pages say what the JSON of an earlier version, or of a stream, lacks.
 
-std::string saved_budget(const std::string& name, BudgetSummary summary) {
+std::string saved_budget(const std::string& name, BudgetSummary summary, const Conclusion& conclusion) {
   std::vector<std::string> missing;
   if (summary.budget.time.size() < 2)
     missing.emplace_back("Errors and shares over time: the JSON has the end alone; imulab budget --report draws them.");
-  return budget_page({.mission = name, .summary = std::move(summary), .missing = std::move(missing)});
+  return budget_page({.mission = name, .summary = std::move(summary), .missing = std::move(missing), .conclusion = conclusion});
 }
 
-std::string saved_navigation(NavigationSummary sessions) {
+std::string saved_navigation(NavigationSummary sessions, const Conclusion& conclusion) {
   const bool all = std::all_of(sessions.begin(), sessions.end(), [](const NavigatedSession& s) { return s.navigated.track.size() > 1; });
   std::vector<std::string> missing;
   if (!all) missing.emplace_back("Track and errors over time: the JSON has the end alone; imulab navigate --report draws them.");
-  return navigation_page({.sessions = std::move(sessions), .missing = std::move(missing)});
+  return navigation_page({.sessions = std::move(sessions), .missing = std::move(missing), .conclusion = conclusion});
 }
 
 std::string saved_compensation(const CompensationSummary& summary) {
@@ -118,7 +121,8 @@ std::string saved_compensation(const CompensationSummary& summary) {
       summary, all ? std::vector<std::string>{} : std::vector<std::string>{"Rates and forces over time: of a stream only counts are kept."});
 }
 
-std::string page_of(SavedResult saved, const Options& o) {
+std::string page_of(SavedAnswer saved, const Options& o) {
+  const Conclusion& conclusion = saved.conclusion;
   const std::string name = o.result == "-" ? "standard input" : fs::path(o.result).filename().string();
   return std::visit(
       [&](auto& result) -> std::string {
@@ -128,19 +132,35 @@ std::string page_of(SavedResult saved, const Options& o) {
           return errors_at(name, [&] { return calibration_page(report); });
         }
         if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
-        if constexpr (std::is_same_v<Result, PredictionSummary>) return prediction_page({.procedure = name, .summary = std::move(result)});
-        if constexpr (std::is_same_v<Result, PlanSummary>) return plan_page(result);
-        if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result));
-        if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result));
+        if constexpr (std::is_same_v<Result, PredictionSummary>)
+          return prediction_page({.procedure = name, .summary = std::move(result), .conclusion = conclusion});
+        if constexpr (std::is_same_v<Result, PlanSummary>) return plan_page(result, conclusion);
+        if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result), conclusion);
+        if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result), conclusion);
         if constexpr (std::is_same_v<Result, CompensationSummary>) return saved_compensation(result);
+        if constexpr (std::is_same_v<Result, NoiseAnalysis> || std::is_same_v<Result, NoiseBatch>) return noise_page(result, conclusion);
       },
-      saved);
+      saved.result);
+}
+
+std::string certificate_of(const Options& o) {
+  Certificate certificate{.number = o.number, .file = input_name(o.result)};
+  if (!o.laboratory.empty()) certificate.laboratory = read_laboratory(o.laboratory);
+  const MappedFile mapped(o.result, Content::settings);  // once: it may be standard input
+  SavedResult saved = parse_result(mapped.text(), certificate.file);
+  if (!std::holds_alternative<Calibration>(saved))
+    throw Error("--certificate: " + certificate.file + " is no calibration; expected calibration.json");
+  certificate.sha256 = sha256(mapped.text());
+  certificate.report = saved_calibration(std::get<Calibration>(std::move(saved)), o);
+  return errors_at(certificate.file, [&] { return certificate_page(certificate); });
 }
 
 void run(const Options& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the page; expected -o FILE");
-  write_whole(o.output, page_of(read_result(o.result), o));
-  if (o.json) print_json(fields_json({{{"file", o.output}}}));
+  if (!o.certificate && !o.number.empty()) throw Error("--number: belongs to a certificate; expected --certificate");
+  if (!o.certificate && !o.laboratory.empty()) throw Error("--laboratory: belongs to a certificate; expected --certificate");
+  write_whole(o.output, o.certificate ? certificate_of(o) : page_of(read_answer(o.result), o));
+  if (o.json) print_json({{{"file", o.output}}}, {"", "written: " + o.output});
   if (!o.json && o.output != "-") print(fmt::format("written: {}\n", o.output));
 }
 
@@ -150,11 +170,14 @@ void add_report(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
-              "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
+              "calibration.json, noise.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
+  verb.option("--certificate", o->certificate, "of a calibration: a calibration certificate for paper, two A4 pages and an appendix");
+  verb.option("--number N", o->number, "the certificate's number");
+  verb.option("--laboratory FILE", o->laboratory, "what the laboratory declares: name, address, customer, conditions (docs/formats.md)").reads();
   verb.option("--json", o->json, "print what was written as JSON");
   verb.example("imulab report calibration.json -o calibration.html");
   verb.does = [o] { run(*o); };

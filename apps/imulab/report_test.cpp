@@ -144,6 +144,27 @@ grade = "tactical"
   }
 }
 
+/// What needs the readings is named; all else of the page is there.
+TEST_F(Report, SavedNoiseHasAPage) {
+  folder_->write("still.toml",
+                 "format = \"imulab.session/1\"\n[imu]\nname = \"still\"\ngrade = \"mems\"\n[site]\nlatitude_deg = 47.0\nheight_m = 0.0\n"
+                 "[rig]\nkind = \"none\"\n[[step]]\nkind = \"hold\"\nduration_s = 60\n");
+  ASSERT_EQ(run("simulate still.toml -o still").exit_code, 0);
+  ASSERT_EQ(run("noise still -o noise.json --report fresh_noise.html").exit_code, 0);
+  const CommandResult saved = run("report noise.json -o saved_noise.html");
+  ASSERT_EQ(saved.exit_code, 0) << saved.errors;
+  for (const char* id : {"deviation", "spectrum", "coefficients", "axes"})
+    for (const char* file : {"fresh_noise.html", "saved_noise.html"})
+      EXPECT_TRUE(says(file, "<section id=\"" + std::string(id) + "\">")) << file << id;
+  EXPECT_TRUE(says("saved_noise.html", "noise.json keeps no readings"));
+  EXPECT_FALSE(says("fresh_noise.html", "Not on this page"));
+  EXPECT_TRUE(says("fresh_noise.html", "<strong id=\"verdict\">gyro N known to "));
+  EXPECT_TRUE(says("fresh_noise.html", "rad/s/√Hz")) << "SI beside the user's unit";
+  ASSERT_EQ(run("noise still still -o two.json").exit_code, 0);
+  EXPECT_EQ(run("report two.json -o two.html").exit_code, 0);
+  EXPECT_TRUE(says("two.html", "<h1>2 logs</h1>"));
+}
+
 /// A declared certificate counts where the method uses what it is of.
 TEST_F(Report, TraceabilityIsAsDeclared) {
   const auto page_of = [](const std::string& name, const std::string& edit) {
@@ -182,6 +203,49 @@ sed -i -e '1a warm_up = "45 min"' -e 's/^\[imu\]/[imu]\nfirmware = "2.1"/' )" +
   EXPECT_TRUE(says("declared.html", "gravimeter &lt;7&gt;"));
   EXPECT_TRUE(says("declared.html", "45 min"));
   EXPECT_TRUE(says("declared.html", "2.1"));
+}
+
+TEST_F(Report, ACertificateSaysWhatNobodyDeclared) {
+  ASSERT_EQ(run("report hand.json --certificate -o bare.html").exit_code, 0);
+  for (const char* part : {"This is not an accredited certificate.", "<strong>not traceable</strong>: no reference is declared", "95.45 %",
+                           "No requirement was given: no statement of conformity is made.", "class=\"fill", "may be reproduced only in full",
+                           "serial number not declared", "counter(pages)", "It is no statement that the laboratory or this certificate conforms"})
+    EXPECT_TRUE(says("bare.html", part)) << part;
+  EXPECT_FALSE(says("bare.html", "<script"));
+  EXPECT_FALSE(says("bare.html", "±"));
+}
+
+TEST_F(Report, ACertificateHasTheLaboratorysStatements) {
+  folder_->write("lab.toml",
+                 "format = \"imulab.laboratory/1\"\nname = \"Lab </style><script>1\"\nissued = \"2026-03-31\"\n[customer]\nname = \"Nordic\"\n"
+                 "[signatory]\nname = \"M. Keller\"\n");
+  ASSERT_EQ(run("report hand.json --certificate --number '7\"}</style><script>2' --laboratory lab.toml -o lab.html").exit_code, 0);
+  for (const char* part : {"Lab &lt;/style&gt;&lt;script&gt;1", "Nordic", "M. Keller", "2026-03-31", "7\\22 }\\3c /style\\3e "})
+    EXPECT_TRUE(says("lab.html", part)) << part;
+  EXPECT_FALSE(says("lab.html", "<script"));
+  folder_->write("typo.toml", "format = \"imulab.laboratory/1\"\nadress = \"x\"\n");
+  const CommandResult typo = run("report hand.json --certificate --laboratory typo.toml -o typo.html");
+  EXPECT_EQ(typo.exit_code, 2);
+  EXPECT_THAT(typo.errors, HasSubstr("typo.toml:2: adress: is not a known key; expected address"));
+  EXPECT_EQ(run("report hand.json --number 7 -o x.html").exit_code, 2);
+  EXPECT_EQ(run("report hand/truth.json --certificate -o x.html").exit_code, 1);
+}
+
+TEST_F(Report, ACertificateOfADoubtfulCalibrationMakesNoStatementOfConformity) {
+  ASSERT_EQ(run_shell(*folder_,
+                      "'" + command_path() +
+                          "' calibrate hand --method handheld --require 'accel.offset <= 5 mg' -o met.json >/dev/null && "
+                          "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' "
+                          "met.json > unsure.json")
+                .exit_code,
+            0);
+  ASSERT_EQ(run("report met.json --certificate -o met.html").exit_code, 0);
+  EXPECT_TRUE(says("met.html", "<strong>met</strong>"));
+  ASSERT_EQ(run("report unsure.json --certificate -o unsure.html").exit_code, 0);
+  EXPECT_TRUE(says("unsure.html", "This calibration is doubtful"));
+  EXPECT_TRUE(says("unsure.html", "a reason of its own"));
+  EXPECT_TRUE(says("unsure.html", "<td>no statement</td>"));
+  EXPECT_FALSE(says("unsure.html", "<strong>met</strong>"));
 }
 
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {

@@ -93,8 +93,8 @@ heading_deg = 90
     expect_times(folder, file, 1, "time [min] from 2023-11-14T22:13:51.500Z");
     const std::string page = read_text(folder / file);
     const auto says = [&](const std::string& part) { return page.find(part) != std::string::npos; };  // a failure would print the page
-    EXPECT_TRUE(says("Navigated from 1700000031.5 s (2023-11-14T22:13:51.500Z) to 1700000144 s (2023-11-14T22:15:44Z), vertical")) << file;
-    EXPECT_TRUE(says("at 1700000144 s (2023-11-14T22:15:44Z)")) << file;
+    EXPECT_TRUE(says("Navigated 112.5 s from 2023-11-14T22:13:51.500Z, vertical")) << file;
+    EXPECT_TRUE(says("error after 112.5 s")) << file;
     EXPECT_TRUE(says("Horizontal axes: time [min] from 2023-11-14T22:13:51.500Z.")) << file;
     EXPECT_TRUE(says(">1.5</text>")) << file << ": a tick of the bands";
   }

@@ -20,6 +20,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -78,11 +79,27 @@ void check_files_differ(const std::vector<std::string>& files) {
                                 files[j]));
 }
 
+/// A fleet's statistics use the calibrations of one unit over time, and say what drifts.
+constexpr std::size_t many_calibrations = 10;
+
 void run(const CompareOptions& o) {
   check_files_differ(o.files);
+  std::vector<NamedResult> results;
+  for (const std::string& file : o.files) results.push_back({input_name(file), read_answer(file).result});
+  const auto is_calibration = [](const NamedResult& r) { return std::holds_alternative<Calibration>(r.result); };
+  if (std::none_of(results.begin(), results.end(), is_calibration)) {
+    if (o.tolerance || o.different_imus) throw Error("--tolerance, --different-imus: belong to calibrations");
+    return show(result_comparison_answer(results), o);
+  }
   std::vector<NamedCalibration> inputs;
-  for (const std::string& file : o.files) inputs.push_back({file == "-" ? "standard input" : file, read_calibration(file)});
-  show(comparison_answer(std::move(inputs), o.different_imus), o);
+  for (NamedResult& r : results) {
+    if (!is_calibration(r)) throw Error(fmt::format("{}: is a {}; expected calibrations alone, or other results alone", r.name, kind_name(r.result)));
+    inputs.push_back({std::move(r.name), std::get<Calibration>(std::move(r.result))});
+  }
+  if (inputs.size() > many_calibrations)
+    note(fmt::format("{} calibrations: imulab fleet keeps them in a store, with drift, spread and outliers (imulab fleet add FILE...)",
+                     inputs.size()));
+  show(comparison_answer(std::move(inputs), o.different_imus, o.tolerance), o);
 }
 
 // imulab verify CALIBRATION
@@ -121,11 +138,11 @@ void run(const PlanOptions& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
   const auto answer = with_progress("planning", [&](const auto& report) {
     task.progress = report;
-    return plan_answer(task);
+    return plan_answer(task, o.output == "-" ? "" : o.output);
   });
   if (o.shared.silent()) return;
   if (!o.output.empty()) write_whole(o.output, procedure_text(answer.data->procedure));
-  show(answer, o);
+  show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
 // imulab trajectory MISSION -o FOLDER
@@ -149,6 +166,8 @@ void run(const BudgetVerbOptions& o) {
   if (o.mission.empty()) throw Error("mission: expected the file of a mission, or --catalogue");
   const MissionFile file = read_mission(o.mission);
   for (const std::filesystem::path& named : file.files) will_read(named);
+  if (!several_grades(o).empty())
+    return show_besides_files(with_progress("Monte Carlo", [&](const auto& report) { return grades_answer(file, o, warn, report); }), o);
   const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
   if (o.shared.silent()) return;
   if (!o.output.empty()) write_budget(o.output, *answer.data);

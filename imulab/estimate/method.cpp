@@ -9,6 +9,7 @@
 #include "imulab/estimate/kernel/clocks.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/rest_noise.hpp"
 #include "imulab/estimate/kernel/second_opinion.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -268,6 +269,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   if (options.second_opinion && !method.second.empty()) add_second_opinion(result.calibration, method, {session, recordings, input.rests}, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
   kernel::state_clock(result.calibration, session, gains);
+  if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, {session, recordings, input.rests});
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
   for (std::size_t k = 0; k < recordings.size(); ++k)
     kernel::judge_interval(recordings[k], k < session.recordings.size() && session.recordings[k].rate_hz, quality);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace imulab {
 
@@ -24,16 +25,37 @@ Prediction prediction_of(const Calibration& calibration) {
   return out;
 }
 
+namespace {
+
+/// Infinite where the procedure does not determine it; zero where the frame fixes it.
+double predicted_sigma(const Prediction& p, CoefficientIndex index) {
+  const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
+  if (found != p.coefficients.end()) return p.sigma[found - p.coefficients.begin()];
+  return p.frame == "accelerometers" && zero_by_frame(index) ? 0 : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::vector<RequirementResult> assess(const Prediction& p, const std::vector<Requirement>& requirements) {
+  std::vector<RequirementResult> out;
+  for (const Requirement& r : requirements) {
+    RequirementResult result{to_string(r), std::string(coefficient(r.coefficients.front()).name), r.limit, 0, false};
+    for (const CoefficientIndex index : r.coefficients)
+      if (const double sigma = predicted_sigma(p, index); sigma > result.reached)
+        result.reached = sigma, result.coefficient = coefficient(index).name;
+    result.met = result.reached <= r.limit;
+    out.push_back(std::move(result));
+  }
+  return out;
+}
+
 std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
   std::vector<Shortfall> out;
   std::vector<CoefficientIndex> named;
   for (const Requirement& r : requirements)
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
-      const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const bool fixed = p.frame == "accelerometers" && zero_by_frame(index);
-      const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : fixed ? 0 : infinite;
+      const double sigma = predicted_sigma(p, index);
       if (sigma <= r.limit) continue;
       out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
       named.push_back(index);

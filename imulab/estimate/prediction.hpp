@@ -118,5 +118,7 @@ Prediction prediction_of(const Calibration& calibration);
 /// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite where one is not determined. Those that the
 /// accelerometers' frame fixes at zero are left out.
 std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
+/// Each requirement with the worst of its coefficients.
+std::vector<RequirementResult> assess(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/export/noise_values.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
 
 #include <fmt/format.h>
@@ -64,7 +65,62 @@ std::string markov_values(const NoiseAxes& axes, const char* unit) {
   return text;
 }
 
+const char* choice_fact(AxisChoice choice) {
+  return choice == AxisChoice::worst ? "One number stands for three axes: the worst." : "One number stands for three axes: their mean.";
+}
+
+double stream_rate(const ExportInput& input, double interval_s) {
+  const double rate_hz = input.options.rate_hz ? *input.options.rate_hz : interval_s > 0 ? 1 / interval_s : 0;
+  if (!(std::isfinite(rate_hz) && rate_hz > 0)) throw Error("noise: has no sample interval; expected --rate HZ");
+  return input.options.rate_hz ? rate_hz : std::round(rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
+}
+
+/// An axis whose readings do not change at rest has no noise.
+NoiseAxes axes_at_rest(const Vector3d& densities, double factor) {
+  NoiseAxes axes;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const double density = factor * densities[static_cast<Eigen::Index>(i)]; density > 0)
+      axes[i].emplace().N = {density, NAN, density, density, true};
+  return axes;
+}
+
+/// The random walk as it is written: nothing measured it.
+NoiseValue assumed_value(const Vector3d& densities, const char* name, AxisChoice choice) {
+  NoiseValue out = noise_value(axes_at_rest(densities, assumed_walk), &NoiseCoefficients::N, name, choice);
+  out.comment = fmt::format("NOT MEASURED: assumed, {:g} /s times the white noise; {}", assumed_walk, out.comment);
+  return out;
+}
+
+NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
+  NoiseValues out;
+  const AxisChoice choice = input.options.axes;
+  out.accel_N = noise_value(axes_at_rest(rests.accel, 1), &NoiseCoefficients::N, "accelerometers' N", choice);
+  out.gyro_N = noise_value(axes_at_rest(rests.gyro, 1), &NoiseCoefficients::N, "gyros' N", choice);
+  out.accel_K = assumed_value(rests.accel, "accelerometers' K", choice);
+  out.gyro_K = assumed_value(rests.gyro, "gyros' K", choice);
+  out.rate_hz = stream_rate(input, rests.interval_s);
+  out.facts.push_back(
+      fmt::format("Noise: NO LOG OF IT WAS GIVEN. White noise is that of the calibration's {} rests, {:.0f} s in all.", rests.rests, rests.seconds));
+  out.facts.emplace_back("Random walk and bias instability do not show in them, and are NOT MEASURED.");
+  out.facts.emplace_back(choice_fact(choice));
+  return out;
+}
+
+/// The consequences of noise that is that of the calibration's rests. Empty where a log is given.
+Sentences assumed_noise(const ExportInput& input, bool holds_random_walk) {
+  if (input.noise != nullptr || !input.calibration.rest_noise) return {};
+  const std::string white = "no --noise: the white noise is that of the calibration's rests, with the vibration of the place, if there was any; ";
+  if (!holds_random_walk) return {white + "bias instability is not measured, and not in the file. `imulab noise` measures both from an hour at rest"};
+  return {white +
+          fmt::format("the random walk is not measured: {:g} /s times the white noise stands for it, so that a filter trusts a bias for {:.0f} s, "
+                      "less than most units deserve. `imulab noise` measures both from hours at rest",
+                      assumed_walk, std::sqrt(3.0) / assumed_walk)};
+}
+
 }  // namespace
+
+Sentences warnings_of_walk(const ExportInput& input) { return assumed_noise(input, true); }
+Sentences warnings_of_white(const ExportInput& input) { return assumed_noise(input, false); }
 
 const std::array<NoiseTerm, 5>& noise_terms() {
   static constexpr std::array<NoiseTerm, 5> terms{
@@ -96,7 +152,11 @@ std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_ran
 }
 
 NoiseValues noise_values(const ExportInput& input, const std::string& program) {
-  if (input.noise == nullptr) throw Error(program + " needs the noise of the IMU; expected --noise noise.json, from `imulab noise -o noise.json`");
+  if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
+  if (input.noise == nullptr)
+    throw Error(program +
+                " needs the noise of the IMU, and this calibration has none of its rests; expected --noise noise.json, from `imulab noise "
+                "-o noise.json`");
   const ImuNoise& n = *input.noise;
   if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
   NoiseValues out;
@@ -105,12 +165,9 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   out.accel_K = noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice);
   out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice);
   out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice);
-  out.rate_hz = input.options.rate_hz ? *input.options.rate_hz : n.interval_s > 0 ? 1 / n.interval_s : 0;
-  if (!(std::isfinite(out.rate_hz) && out.rate_hz > 0)) throw Error("noise: has no sample interval; expected --rate HZ");
-  if (!input.options.rate_hz) out.rate_hz = std::round(out.rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
+  out.rate_hz = stream_rate(input, n.interval_s);
   out.facts.push_back(fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
-  out.facts.emplace_back(choice == AxisChoice::worst ? "One number stands for three axes: the worst."
-                                                     : "One number stands for three axes: their mean.");
+  out.facts.emplace_back(choice_fact(choice));
   return out;
 }
 

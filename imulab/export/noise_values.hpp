@@ -9,6 +9,9 @@
 
 namespace imulab::export_io {
 
+/// 1/s, of K over N where nothing measured K: ten times that of a MEMS unit, so that a filter does not trust biases that it should follow.
+inline constexpr double assumed_walk = 0.1;
+
 /// A coefficient of a triad. Where the log does not determine it, the upper bound (95 %): programs that take it refuse zero, or trust the sensor
 /// blindly.
 struct NoiseValue {
@@ -23,7 +26,8 @@ struct NoiseValues {
   std::vector<std::string> facts;  ///< for the head of a file: which log; then which axis
 };
 
-/// Throws Error where there is no noise (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has
+/// Without a noise log, the white noise of the calibration's rests, and `assumed_walk` times it for the random walk, which short rests do not show.
+/// Throws Error where there is neither (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has
 /// neither value nor bound.
 NoiseValues noise_values(const ExportInput& input, const std::string& program);
 

@@ -45,6 +45,27 @@ TEST(ExportRefusal, NoiseThatATargetNeedsIsAskedFor) {
     EXPECT_THAT(export_target(target).left_out({c}), testing::ElementsAre("noise: not known; give --noise noise.json")) << target;
 }
 
+TEST(ExportNoise, WithoutALogIsThatOfTheRestsAndSaysSo) {
+  Calibration c = si_unit();
+  c.rest_noise = RestNoise{{1e-3, 2e-3, 0}, {1e-4, 3e-4, 2e-4}, 0.01, 24, 150};
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter"}) {
+    const std::string text = exported(target, {c});
+    EXPECT_THAT(text, HasSubstr("White noise is that of the calibration's 24 rests, 150 s in all")) << target;
+    if (std::string_view(target) != "ros") EXPECT_THAT(text, HasSubstr("NOT MEASURED")) << target;  // which has white noise alone
+    EXPECT_THAT(export_target(target).warnings({c}), Contains(HasSubstr("not measured"))) << target;
+  }
+  const std::string kalibr = exported("kalibr-imu", {c});
+  EXPECT_THAT(kalibr, HasSubstr("update_rate: 100.0  # Hz"));
+  EXPECT_THAT(kalibr, HasSubstr("\naccelerometer_noise_density: 0.002  # m/s^2/sqrt(Hz); x 0.001, y 0.002, z no noise\n"));
+  EXPECT_THAT(kalibr, HasSubstr("  # rad/s^2/sqrt(Hz); NOT MEASURED: assumed, 0.1 /s times the white noise; x 1e-05, y 3e-05, z 2e-05\n"));
+  EXPECT_THAT(exported("ros-filter", {c}), HasSubstr("B NOT MEASURED and left out"));
+  const ImuNoise noise = some_noise();  // a log goes before
+  EXPECT_THAT(exported("kalibr-imu", {c, &noise}), Not(HasSubstr("NOT MEASURED")));
+  EXPECT_THAT(export_target("kalibr").warnings({c, &noise}), IsEmpty());
+  c.rest_noise->gyro.setZero();  // of accelerometers alone
+  EXPECT_THAT([&] { exported("kalibr-imu", {c}); }, ThrowsMessage<Error>(HasSubstr("gyros' N has no axis with noise")));
+}
+
 TEST(ExportRefusal, NoiseWithoutValueOrBoundIsNamed) {
   const Calibration c = si_unit();
   ImuNoise noise = some_noise();

@@ -70,7 +70,7 @@ RateError rate_error(const ExportInput& input, const NoiseValues& n) {
   RateError e;
   for (std::size_t i = 0; i < 3; ++i) {
     if (std::isfinite(n.gyro_N.axes[i])) e.white = std::max(e.white, n.gyro_N.axes[i] * std::sqrt(n.rate_hz));
-    if (!input.noise->gyro[i]) continue;
+    if (input.noise == nullptr || !input.noise->gyro[i]) continue;
     const NoiseCoefficient& B = input.noise->gyro[i]->B;
     const double size = B.determined ? B.value : B.upper;
     if (std::isfinite(size)) e.wander = std::max(e.wander, size);
@@ -97,8 +97,8 @@ std::string ros_filter_text(const ExportInput& input) {
       "For the nodes of imu_filter_madgwick and imu_complementary_filter: --ros-args --params-file FILE. ROS 1: the lines below ros__parameters "
       "alone.",
       fmt::format("gain = sqrt(3/4) times the gyros' rate error of the worst axis (Madgwick's report of 2010, filter gains): white noise of a sample "
-                  "{:.3g}, B {:.3g}, {}",
-                  error.white, error.wander,
+                  "{:.3g}, B {}, {}",
+                  error.white, input.noise != nullptr ? fmt::format("{:.3g}", error.wander) : "NOT MEASURED and left out",
                   std::isfinite(error.offset) ? fmt::format("3 times the offset's uncertainty {:.3g} rad/s.", error.offset)
                                               : std::string("rad/s; the offset's uncertainty is not known.")),
       "Offsets that change from one turn-on to the next, with temperature or with motion are not in it: where there are any, it must hold these too.",

@@ -32,6 +32,9 @@ Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);
 Sentences left_out_of_matrices(const ExportInput& input);  ///< json-matrix, csv: correlations, and the noise where it is not known
 
+Sentences warnings_of_walk(const ExportInput& input);   ///< of targets with white noise and random walk
+Sentences warnings_of_white(const ExportInput& input);  ///< of those with white noise alone
+
 Sentences px4_warnings(const ExportInput& input);
 Sentences ardupilot_warnings(const ExportInput& input);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/conclusion.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <array>
@@ -70,16 +71,6 @@ struct PartResidual {
   bool used = true;               ///< false: dropped as an outlier
   std::string recording = {};     ///< its file, where the session has several
   bool operator==(const PartResidual&) const = default;
-};
-
-/// A required uncertainty, and the one reached.
-struct RequirementResult {
-  std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
-  std::string coefficient;  ///< the worst of them
-  double limit = 0;         ///< SI
-  double reached = 0;       ///< its standard uncertainty, SI; infinite: not determined
-  bool met = false;
-  bool operator==(const RequirementResult&) const = default;
 };
 
 /// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI.
@@ -153,6 +144,15 @@ struct SourceFile {
   bool operator==(const SourceFile&) const = default;
 };
 
+/// White noise of the compensated output in the rests of the calibration's recordings: densities, SI. Zero: of an axis that shows none.
+struct RestNoise {
+  Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
+  double interval_s = 0;  ///< of the samples
+  int rests = 0;
+  double seconds = 0;  ///< of all rests
+  bool operator==(const RestNoise&) const = default;
+};
+
 struct Calibration {
   std::string imu, serial, method, created, software;
   std::string operated_by, station, measured;  ///< who took the data, where, and when (UTC)
@@ -168,6 +168,7 @@ struct Calibration {
   std::vector<CoefficientIndex> estimated;                  ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Quality quality;
+  std::optional<RestNoise> rest_noise;  ///< absent: not known, or the recordings have no rests
 };
 
 /// The raw readings at which a triad's compensated output is zero, of the linear model: -A1^-1 A0, and their standard uncertainties (NaN where a

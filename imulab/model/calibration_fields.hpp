@@ -37,6 +37,7 @@ void describe(Fields& f, ThermalReading& t) {
 template <class Fields>
 void describe(Fields& f, RequirementResult& r) {
   f("requirement", r.text), f("coefficient", r.coefficient), f("limit", r.limit), f("reached", r.reached, fields::or_infinity), f("met", r.met);
+  f("note", r.note, fields::if_any);
 }
 
 template <class Fields>
@@ -125,6 +126,14 @@ void describe(Fields& f, ClockScale& c) {
   fields::expect(f, c.seconds == "own" || c.seconds == "true", "seconds", "\"own\" or \"true\"");
 }
 
+template <class Fields>
+void describe(Fields& f, RestNoise& n) {
+  f("accel", n.accel), f("gyro", n.gyro), f("interval_s", n.interval_s), f("rests", n.rests), f("seconds", n.seconds);
+  fields::expect(f, n.accel.minCoeff() >= 0, "accel", "densities from 0 on");
+  fields::expect(f, n.gyro.minCoeff() >= 0, "gyro", "densities from 0 on");
+  fields::expect(f, n.interval_s > 0, "interval_s", "a positive time");
+}
+
 /// describe_uncertainties(fields, calibration), beside each visitor, has the uncertainties in the shape of the model, and the covariance.
 template <class Fields>
 void describe(Fields& f, Calibration& c) {
@@ -144,6 +153,7 @@ void describe(Fields& f, Calibration& c) {
   f("model", c.model);
   describe_uncertainties(f, c);
   f("quality", c.quality, fields::optional);
+  f("rest_noise", c.rest_noise, fields::if_any);
   const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
   if (Fields::reads || c.recorded_accel || c.recorded_gyro) f.table("recorded", recorded, fields::optional);
   fields::derived(f, "rig", std::map<std::string, double>(), fields::if_any);  // of a simulation's truth

@@ -69,7 +69,7 @@ void check_heading(const FineAlignment& a) {
   if (sigma <= largest_heading_sigma) return;
   throw Unsupported(fmt::format(
       "alignment: gyros with {2:.2g} deg/sqrt(h) and biases known to {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
-      "the heading would be {0:.3g} deg (limit {1:.0f} deg); give a heading or an initial state",
+      "the heading would be {0:.3g} deg (limit {1:.0f} deg); give the heading (heading_deg) or an initial state",
       sigma / unit::deg, largest_heading_sigma / unit::deg, a.gyro_noise / unit::deg_per_sqrt_h,
       std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
 }
@@ -281,6 +281,7 @@ void warn_of_samples(const Recording& r, Navigated& out) {
     if (!first) first = r.time_s(i);
     ++out.saturated;
   }
+  out.doubtful = out.doubtful || first;
   if (first)
     out.warnings.push_back(
         fmt::format("{}: {} saturated sample{} integrated as read, the first at {:.6f} s: the true motion was larger, from "
@@ -299,6 +300,7 @@ void warn_of_samples(const Recording& r, Navigated& out) {
 void warn_of_height(const std::string& name, double duration, Navigated& out) {
   constexpr double k = 1 / 570.0, tolerable = 100;  // k in 1/s
   if (out.vertical != VerticalChannel::free || std::cosh(k * duration) < tolerable) return;
+  out.doubtful = true;
   out.warnings.push_back(
       fmt::format("{}: the vertical channel is free for {:.0f} min, and a height error grows by a factor of e every 9.5 min: in the end height and "
                   "vertical velocity mean nothing, and spoil the rest; expected a fixed vertical channel, or a barometer",

@@ -17,11 +17,6 @@ namespace imulab {
 
 enum class GapTreatment { integrate, refuse };
 
-/// A barometer's heights over time [s, m].
-struct HeightRecord {
-  std::vector<double> time, height;
-};
-
 struct AlignedOn {
   FineAlignment alignment;
   double begin = 0, end = 0;  // of the rest [s]
@@ -57,6 +52,7 @@ struct Navigated {
   std::size_t saturated = 0;           // samples at a limit among those integrated
   std::vector<NavigationState> track;  // some thousand states along the way, for drawings
   std::vector<std::string> warnings;
+  bool doubtful = false;  // for a reason among the warnings: errors that no uncertainty holds
 };
 
 /// `recording` is raw. Starts at the session's initial state, or at the end of the first rest, aligned on it, at the position of the initial state or

@@ -60,6 +60,7 @@ void describe(Fields& f, NoiseFit& fit) {
     fields::column(t, "hz", fit.spectrum, true, {}, [](P& p) -> double& { return p.hz; });
     fields::column(t, "density", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.density; });
     fields::column(t, "model", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.model; });
+    fields::column(t, "count", fit.spectrum, false, fields::optional, [](P& p) -> double& { return p.count; });
   };
   f.table("spectrum", spectrum, fields::optional);
   const auto quality = [&](auto& t) {

@@ -218,6 +218,8 @@ struct Session {
   std::vector<Step> steps;
   std::optional<InitialState> initial;
   std::optional<std::string> truth_file;  ///< reference solution for navigation
+  std::optional<std::string> vertical;    ///< channel of a navigation: "free", "fixed", "aided" or "held"
+  std::optional<std::string> barometer_file;
 
   /// The declaration of the recording with this file name; if the session has none, one with the name alone.
   RecordingSource source_of(std::string_view name) const;

@@ -5,6 +5,6 @@
 
 namespace imulab::report::assets {
 
-extern const std::string_view page_css, page_js, dygraph_css, dygraph_js;
+extern const std::string_view page_css, certificate_css, page_js, dygraph_css, dygraph_js;
 
 }  // namespace imulab::report::assets

@@ -1,7 +1,6 @@
 // The certificate states what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
@@ -31,108 +30,6 @@ class Facts {
  private:
   Table table_{.head = {}, .rows = {}, .text_columns = true};
 };
-
-std::string gravity_text(const Site& site) {
-  if (!site.given_gravity && !site.latitude) return {};
-  return fmt::format("{:.6f} m/s² ± {} m/s² (standard uncertainty), {}", site.gravity(), number_text(site.gravity_sigma(), 2),
-                     site.given_gravity ? "declared"
-                     : site.height      ? "WGS-84 normal gravity at latitude and height"
-                                        : "WGS-84 normal gravity at latitude, height unknown");
-}
-
-std::string rigs_text(const Session& session) {
-  std::string text;
-  for (const RigDeclaration& rig : session.rigs)
-    if (rig.kind != RigKind::none)
-      text += fmt::format("{}{}{}", text.empty() ? "" : ", ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind));
-  return text.empty() ? "none: turned by hand or on a support" : text;
-}
-
-std::string temperature_text(const TriadModel& m) {
-  if (!m.temperature) return {};
-  const ThermalReading& t = *m.temperature;
-  return fmt::format("{} to {} {}, reference {}", number_text(t.range[0], 4), number_text(t.range[1], 4), t.unit, number_text(t.reference, 4));
-}
-
-std::string frame_text(const Calibration& c) {
-  return c.frame == "rig" ? "the rig's axes"
-                          : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
-}
-
-bool has_estimated(const Calibration& c, Term term, Triad triad) {
-  return std::any_of(c.estimated.begin(), c.estimated.end(),
-                     [&](CoefficientIndex i) { return coefficient(i).term == term && coefficient(i).triad == triad; });
-}
-
-std::string model_equation(const Calibration& c) {
-  std::string fixed;
-  for (const Triad triad : {Triad::accel, Triad::gyro})
-    for (const Term term : {Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity, Term::lever_arm}) {
-      const bool belongs = term == Term::g_sensitivity ? triad == Triad::gyro : term == Term::lever_arm ? triad == Triad::accel : true;
-      if (belongs && !has_estimated(c, term, triad)) fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
-    }
-  return "<p><code>V = U − (c1 τ + c2 τ²), τ = T − T0<br>a = A0 + A1 Va + A2 Va² + A3 Va³<br>w = W0 + W1 Vg + W2 Vg² + W3 Vg³ + C a</code></p>\n" +
-         paragraph(
-             "U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; "
-             "quadratic and "
-             "cubic terms diagonal; C: g-sensitivity, minus the false rate.") +
-         (fixed.empty() ? "" : paragraph("Not estimated as a term of its own: " + fixed + "."));
-}
-
-std::string ranges_text(const CalibrationReport& report) {
-  double rate = 0, force = 0;
-  for (const RecordingEvidence& e : report.recordings) rate = std::max(rate, e.largest_rate), force = std::max(force, e.largest_force);
-  return rate > 0 || force > 0 ? fmt::format("up to {} deg/s and {} g", number_text(rate / unit::deg), number_text(force / unit::g)) : "";
-}
-
-/// The tests by their usual names.
-std::string test_text(const Calibration& c, const CalibrationReport& report) {
-  const Method* method = find_method(c.method);
-  if (method == nullptr) return "";
-  if (!method->test.empty() || !report.session) return std::string(method->test);
-  std::string text;
-  for (const auto& [kind, name] : {std::pair{RigKind::chamber, "thermal soaks"},
-                                   {RigKind::rate_table, "rate table: scale factor, nonlinearity, misalignment"},
-                                   {RigKind::centrifuge, "centrifuge"},
-                                   {RigKind::turntable, "multi-position (tumble)"}})
-    if (std::any_of(report.session->rigs.begin(), report.session->rigs.end(), [k = kind](const RigDeclaration& rig) { return rig.kind == k; }))
-      text += fmt::format("{}{}", text.empty() ? "" : "; ", name);
-  return text;
-}
-
-/// Counts the positions, and says how long each was held.
-std::string positions_text(const Quality& q) {
-  double least = HUGE_VAL, most = 0, all = 0;
-  std::size_t used = 0;
-  for (const PartResidual& rest : q.rests) {
-    if (!rest.used) continue;
-    const double held = rest.end_s - rest.begin_s;
-    least = std::min(least, held), most = std::max(most, held), all += held, ++used;
-  }
-  if (used == 0) return "";
-  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number_text(least), number_text(most),
-                     number_text(all), q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
-}
-
-std::string latitude_text(const Site& site) {
-  if (!site.latitude) return "";
-  const std::string sigma = site.latitude_sigma ? fmt::format(" ± {} deg", number_text(*site.latitude_sigma / unit::deg, 2)) : "";
-  const Eigen::Vector3d rate = earth_rate_enu(*site.latitude) / unit::deg_per_h;
-  return fmt::format("{} deg{}: the Earth turns by {} deg/h about north and {} deg/h about up", number_text(*site.latitude / unit::deg, 7), sigma,
-                     number_text(rate.y(), 5), number_text(rate.z(), 5));
-}
-
-/// The row of the calibration's method; of one that is not known, a row without instruments.
-const Method& method_of(const Calibration& c) {
-  static constexpr Method unknown{};
-  const Method* found = find_method(c.method);
-  return found == nullptr ? unknown : *found;
-}
-
-/// One that imulab made: of others it is not known what they come from.
-bool calibrated_here(const Calibration& c) {
-  return std::any_of(methods().begin(), methods().end(), [&c](const Method& method) { return method.name == c.method; });
-}
 
 }  // namespace
 
@@ -194,54 +91,6 @@ std::string not_covered_section(const CalibrationReport& report) {
   return section("not-covered", "What this does not cover", "", list(out));
 }
 
-namespace {
-
-/// A quantity of the calibration: what its scale comes from.
-struct Origin {
-  std::string_view quantity, name;
-  std::string from;
-  std::string_view unused;  ///< why a declared reference does not make it traceable; empty: it does
-};
-
-std::vector<Origin> origins_of(const CalibrationReport& report) {
-  const Calibration& c = report.result.calibration;
-  if (!calibrated_here(c)) {
-    constexpr const char* unknown = "not on record";
-    return {{"acceleration", "acceleration", unknown, ""}, {"rotation", "angle and rate", unknown, ""}, {"time", "time", unknown, ""}};
-  }
-  const std::string g = report.session ? gravity_text(report.session->site) : "";
-  const auto stop = [](const RigDeclaration& rig) {
-    return rig.kind == RigKind::none && rig.angle.value != 0;
-  };  // for turns by hand of a known angle
-  using Instrument = Method::Instrument;
-  const Instrument instrument = method_of(c).instrument;
-  const bool machine = instrument == Instrument::always ||
-                       (instrument == Instrument::where_declared && report.session && std::ranges::any_of(report.session->rigs, stop));
-  const bool computed = report.session && !report.session->site.given_gravity;
-  std::vector<Origin> out{
-      {"acceleration", "acceleration", g.empty() ? "gravity at the site" : "gravity at the site: " + g,
-       computed ? "not used: gravity was not declared but computed" : ""},
-      {"rotation", "angle and rate", std::string(method_of(c).angle_source), machine ? "" : "not used: the method takes no angle from an instrument"},
-      {"time", "time", "the recorder's clock, as its stamps say", ""}};
-  if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
-  return out;
-}
-
-std::string certificate_text(const Reference& r, std::string_view unused) {
-  std::string text = r.certificate + (r.date.empty() ? "" : " of " + r.date) + (r.statement.empty() ? "" : ": " + r.statement);
-  return escaped(shortened(text, 1000)) + (unused.empty() ? "" : fmt::format(" ({})", unused));
-}
-
-/// The text claims no more than the session declares: nobody has checked it.
-std::string traceability_text(const std::string& with, const std::string& without, bool any) {
-  if (with.empty() && any) return "Not traceable: no declared certificate is of what this calibration uses.";
-  if (with.empty()) return "Not traceable: none of the references below has a certificate in the calibration or its session.";
-  const std::string declared = fmt::format("Traceable as the session declares it, by certificates that imulab does not check: {}.", with);
-  return without.empty() ? declared : fmt::format("{} Not traceable: {}.", declared, without);
-}
-
-}  // namespace
-
 std::string traceability_section(const CalibrationReport& report) {
   const std::vector<Reference>& references = report.result.calibration.references;
   Table t{.head = {"quantity", "comes from", "instrument", "certificate"}, .rows = {}, .text_columns = true};
@@ -267,7 +116,8 @@ std::string origin_section(const CalibrationReport& report) {
   facts.add("session", c.session_file);
   facts.add_hash("SHA-256", c.session_sha256);
   for (const SourceFile& s : c.sources) {
-    facts.add("recording", fmt::format("{}: {} bytes, {} to {}", s.file, s.bytes, stamp_and_date(s.first_s), stamp_and_date(s.last_s)));
+    facts.add("recording",
+              fmt::format("{}: {} bytes, {} from {} on", s.file, s.bytes, seconds_text(s.last_s - s.first_s), stamp_and_date(s.first_s)));
     facts.add_hash("SHA-256", s.sha256);
   }
   return section("origin", "Files and versions", "", facts.html());

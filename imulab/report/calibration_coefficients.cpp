@@ -67,8 +67,7 @@ std::string intervals_of(const Calibration& calibration, const Group& group) {
     const double expanded = expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty;
     rows.push_back({element_of(index), v.value, expanded, rounded_to(v.value, expanded) + " ± " + uncertainty_text(expanded)});
   }
-  const std::string unit = readable_unit(group.unit);
-  return figure(interval_rows(rows, unit, group.name), group.name + (unit.empty() ? "" : ", " + unit));
+  return figure(interval_rows(rows, readable_unit(group.unit), group.name), group.name);
 }
 
 std::vector<std::string> coefficient_cells(const Calibration& calibration, CoefficientIndex index) {
@@ -99,6 +98,12 @@ std::string other_values(const Calibration& calibration) {
                       number_text(value, 8), escaped(readable_unit(coefficient(index).unit))});
   }
   return t.rows.empty() ? "" : "<h3>Values without uncertainties</h3>\n" + table(t);
+}
+
+std::vector<std::string> names_of_estimated(const Calibration& calibration) {
+  std::vector<std::string> names;
+  for (const CoefficientIndex index : calibration.estimated) names.emplace_back(coefficient(index).name);
+  return names;
 }
 
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
@@ -173,10 +178,13 @@ std::string uncertainty_section(const Calibration& calibration) {
                      (rigs.rows.empty() ? "" : "<h3>Errors of the rig, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
+std::string strongest_correlations(const Calibration& calibration) {
+  return strongest_pairs(names_of_estimated(calibration), correlation_of(calibration.covariance));
+}
+
 std::string correlation_section(const Calibration& calibration) {
   if (calibration.estimated.size() < 2) return {};
-  std::vector<std::string> names;
-  for (const CoefficientIndex index : calibration.estimated) names.emplace_back(coefficient(index).name);
+  const std::vector<std::string> names = names_of_estimated(calibration);
   const Eigen::MatrixXd correlation = correlation_of(calibration.covariance);
   return section("correlation", "Correlations", "",
                  figure(correlation_map(names, correlation, "correlations of the coefficients"),
@@ -188,7 +196,7 @@ std::string correlation_section(const Calibration& calibration) {
 std::string effects_section(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
   if (quality.effects.empty()) return {};
-  Table t{.head = {"effect", "result", "clearest axis", "+/-", "unit"}, .rows = {}, .text_columns = true};
+  Table t{.head = {"effect", "result", "clearest axis", "u", "unit"}, .rows = {}, .text_columns = true};
   for (const EffectEstimate& effect : quality.effects) {
     const std::size_t k = clearest_axis(effect);
     t.rows.push_back({"<code>" + escaped(effect.name) + "</code>", effect.significant ? "seen" : "not seen, its prior counts",

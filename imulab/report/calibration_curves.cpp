@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <utility>
 
 namespace imulab::report {
 
@@ -18,11 +20,29 @@ namespace {
 
 constexpr double band_sigmas = 2;
 
-std::string small_figure(const std::string& picture, const std::string& caption) {
-  return "<figure>" + picture + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
-}
+/// One of the small pictures beside each other. Those of one family have one axis, so that they compare.
+struct SmallCurve {
+  std::string family, name, x_label, y_label;
+  std::vector<double> x, y, low, high, shown;  ///< `shown`: what the axis holds
+  std::string_view color;
+  double first = std::numeric_limits<double>::infinity();  ///< where the axis begins before the curve does
+};
 
-std::string grid(const std::string& figures) { return figures.empty() ? "" : "<div class=\"small\">" + figures + "</div>\n"; }
+std::string grid(const std::vector<SmallCurve>& curves) {
+  std::string out;
+  for (const SmallCurve& c : curves) {
+    std::vector<double> shown{0};
+    for (const SmallCurve& other : curves)
+      if (other.family == c.family && other.y_label == c.y_label) shown.insert(shown.end(), other.shown.begin(), other.shown.end());
+    const double first = std::min(c.first, c.x.empty() ? 0 : c.x.front()), last = c.x.empty() ? 1 : c.x.back();
+    Plot plot({c.x_label, first, last}, axis_over(c.y_label, shown), c.name, small_plot);
+    plot.band(c.x, c.low, c.high, c.color);
+    plot.line(c.x, c.y, c.color);
+    plot.rule(0, color::gray);
+    out += "<figure>" + plot.svg() + "<figcaption>" + escaped(c.name) + "</figcaption></figure>\n";
+  }
+  return out.empty() ? out : "<div class=\"small\">" + out + "</div>\n";
+}
 
 /// Every k-th value, so that about `count` remain, and the last.
 std::vector<double> every(const std::vector<double>& values, std::size_t count) {
@@ -39,7 +59,7 @@ double curve_start(const CalibrationResult& result) {
   return sources.size() == 1 && sources[0].first_s <= first_point ? sources[0].first_s : first_point;
 }
 
-std::string convergence_figure(const CalibrationResult& result, const ConvergenceCurve& curve) {
+SmallCurve convergence_curve(const CalibrationResult& result, const ConvergenceCurve& curve) {
   constexpr std::size_t points = 120;
   const CoefficientIndex index = coefficient_index(curve.name);
   const Calibration& c = result.calibration;
@@ -53,14 +73,20 @@ std::string convergence_figure(const CalibrationResult& result, const Convergenc
     y[i] /= unit.size * scale, s[i] /= unit.size * scale;
     low.push_back(y[i] - s[i]), high.push_back(y[i] + s[i]);
   }
+  SmallCurve out{.family = curve.name.substr(0, curve.name.rfind('.')),
+                 .name = curve.name,
+                 .x_label = "min",
+                 .y_label = readable_unit(unit.name),
+                 .x = t,
+                 .y = y,
+                 .low = low,
+                 .high = high,
+                 .shown = {},
+                 .color = color::blue,
+                 .first = 0};
   // The first half, before anything is known, would flatten all that follows.
-  std::vector<double> shown;
-  for (std::size_t i = t.size() / 2; i < t.size(); ++i) shown.insert(shown.end(), {low[i], high[i]});
-  Plot plot({"", 0, t.empty() ? 1 : t.back()}, axis_over("", shown), curve.name, small_plot);
-  plot.band(t, low, high, color::blue);
-  plot.line(t, y, color::blue);
-  plot.rule(0, color::gray);
-  return small_figure(plot.svg(), fmt::format("{} [{}]", curve.name, readable_unit(unit.name)));
+  for (std::size_t i = t.size() / 2; i < t.size(); ++i) out.shown.insert(out.shown.end(), {low[i], high[i]});
+  return out;
 }
 
 /// The covariance of two coefficients of one axis; zero where they were not estimated.
@@ -95,20 +121,25 @@ Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value
   return out;
 }
 
-std::string curve_figure(const Curve& c, const std::string& caption, std::string_view color) {
-  std::vector<double> all = c.low;
-  all.insert(all.end(), c.high.begin(), c.high.end());
-  all.push_back(0);
-  Plot plot({"", c.x.front(), c.x.back()}, axis_over("", all), caption, small_plot);
-  plot.band(c.x, c.low, c.high, color);
-  plot.line(c.x, c.y, color);
-  plot.rule(0, color::gray);
-  return small_figure(plot.svg(), caption);
+/// The curve of an axis of a triad.
+SmallCurve small_curve(const Curve& c, Triad triad, int axis, const std::string& x_label) {
+  SmallCurve out{.family = std::string(to_string(triad)),
+                 .name = fmt::format("{} {}", triad == Triad::accel ? "accelerometer" : "gyro", "xyz"[axis]),
+                 .x_label = x_label,
+                 .y_label = triad == Triad::accel ? "µg" : "deg/h",
+                 .x = c.x,
+                 .y = c.y,
+                 .low = c.low,
+                 .high = c.high,
+                 .shown = c.low,
+                 .color = color::series(static_cast<std::size_t>(axis))};
+  out.shown.insert(out.shown.end(), c.high.begin(), c.high.end());
+  return out;
 }
 
 bool estimated(const Calibration& c, CoefficientIndex index) { return contains(c.estimated, index); }
 
-std::string thermal_figure(const Calibration& c, Triad triad, int axis) {
+std::optional<SmallCurve> thermal_curve(const Calibration& c, Triad triad, int axis) {
   const TriadModel& m = triad_model(c.model, triad);
   const CoefficientIndex first = coefficient_index(triad, Term::thermal, axis, 1), second = coefficient_index(triad, Term::thermal, axis, 2);
   if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || (!estimated(c, first) && !estimated(c, second))) return {};
@@ -116,9 +147,7 @@ std::string thermal_figure(const Calibration& c, Triad triad, int axis) {
   const Curve curve = curve_of(m.temperature->range[0], m.temperature->range[1], unit, {scale * m.thermal(axis, 1), scale * m.thermal(axis, 2)},
                                scale * scale * covariance_of(c, first, second),
                                [&](double t) { return Eigen::Vector2d(t - reference, (t - reference) * (t - reference)); });
-  return curve_figure(
-      curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], triad == Triad::accel ? "µg" : "deg/h", m.temperature->unit),
-      color::series(static_cast<std::size_t>(axis)));
+  return small_curve(curve, triad, axis, m.temperature->unit);
 }
 
 /// The largest force or rate of an axis: as the fit states it, else of the recordings.
@@ -130,7 +159,7 @@ double full_scale(const CalibrationReport& report, Triad triad, int axis) {
   return most;
 }
 
-std::string nonlinearity_figure(const CalibrationReport& report, Triad triad, int axis) {
+std::optional<SmallCurve> nonlinearity_curve(const CalibrationReport& report, Triad triad, int axis) {
   const Calibration& c = report.result.calibration;
   const TriadModel& m = triad_model(c.model, triad);
   const CoefficientIndex second = coefficient_index(triad, Term::quadratic, axis, axis), third = coefficient_index(triad, Term::cubic, axis, axis);
@@ -142,37 +171,45 @@ std::string nonlinearity_figure(const CalibrationReport& report, Triad triad, in
     const double raw = x * in / scale;
     return Eigen::Vector2d(raw * raw, raw * raw * raw);
   });
-  return curve_figure(curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], accel ? "µg" : "deg/h", accel ? "g" : "deg/s"),
-                      color::series(static_cast<std::size_t>(axis)));
+  return small_curve(curve, triad, axis, accel ? "g" : "deg/s");
 }
 
 }  // namespace
 
 std::string convergence_section(const CalibrationResult& result) {
-  std::string figures;
-  for (const ConvergenceCurve& curve : result.curves) figures += convergence_figure(result, curve);
-  if (figures.empty()) return {};
+  std::vector<SmallCurve> curves;
+  for (const ConvergenceCurve& curve : result.curves) curves.push_back(convergence_curve(result, curve));
+  if (curves.empty()) return {};
   return section("convergence", "Convergence",
                  "What each coefficient is still off by after the data up to that minute, relative to the coarse solution, with one sigma.",
-                 grid(figures));
+                 grid(curves));
 }
 
-std::string thermal_section(const Calibration& c) {
-  std::string figures;
+namespace {
+
+/// Of all axes that have one.
+std::vector<SmallCurve> curves_of_axes(const auto& curve_of_axis) {
+  std::vector<SmallCurve> out;
   for (const Triad triad : {Triad::accel, Triad::gyro})
-    for (int axis = 0; axis < 3; ++axis) figures += thermal_figure(c, triad, axis);
-  if (figures.empty()) return {};
+    for (int axis = 0; axis < 3; ++axis)
+      if (auto curve = curve_of_axis(triad, axis)) out.push_back(std::move(*curve));
+  return out;
+}
+
+}  // namespace
+
+std::string thermal_section(const Calibration& c) {
+  const auto curves = curves_of_axes([&](Triad triad, int axis) { return thermal_curve(c, triad, axis); });
+  if (curves.empty()) return {};
   return section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.",
-                 grid(figures));
+                 grid(curves));
 }
 
 std::string nonlinearity_section(const CalibrationReport& report) {
-  std::string figures;
-  for (const Triad triad : {Triad::accel, Triad::gyro})
-    for (int axis = 0; axis < 3; ++axis) figures += nonlinearity_figure(report, triad, axis);
-  if (figures.empty()) return {};
+  const auto curves = curves_of_axes([&](Triad triad, int axis) { return nonlinearity_curve(report, triad, axis); });
+  if (curves.empty()) return {};
   return section("nonlinearity", "Nonlinearity", "What the quadratic and the cubic term add to each axis over the range of the data, with two sigma.",
-                 grid(figures));
+                 grid(curves));
 }
 
 }  // namespace imulab::report

@@ -46,7 +46,7 @@ std::vector<std::string> actions(const CalibrationReport& report) {
     out.emplace_back("Resolve each reason above, and calibrate again. Until then rely on the values no further than the reasons allow.");
     if (const std::string more = missing_directions(report); !more.empty()) out.push_back(more);
   }
-  if (out.empty() && q.verdict == "good")
+  if (out.empty() && q.verdict == "good")  // and no requirement was missed
     out = {"Use it within the conditions below: imulab compensate applies it to recordings, imulab export to firmware.",
            "Repeat it after a power cycle and another day, and compare: one calibration does not show how stable the IMU is."};
   return out;
@@ -55,13 +55,16 @@ std::vector<std::string> actions(const CalibrationReport& report) {
 Verdict verdict_of(const CalibrationReport& report) {
   const Quality& q = report.result.calibration.quality;
   Verdict v;
-  v.word = q.verdict.empty() ? "no verdict" : q.verdict;
   const bool bare = report.result.calibration.estimated.empty();
-  v.tone = q.verdict == "good" && !bare ? Tone::good : q.verdict == "doubtful" ? Tone::doubtful : Tone::neutral;
-  if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
-  if (v.tone == Tone::doubtful) v.meaning = "Something contradicts the stated uncertainties, or is missing:";
-  if (v.tone == Tone::neutral)
+  const Conclusion conclusion = conclusion_of(report.result.calibration);
+  v.word = conclusion.verdict.empty() ? "no verdict" : conclusion.verdict;
+  if (conclusion.verdict.empty() || bare)
     v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
+  else
+    take_conclusion(v, conclusion);
+  if (conclusion.verdict == "good" && !bare)
+    v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
+  if (conclusion.verdict == "doubtful") v.meaning = "Something contradicts the stated uncertainties, or is missing:";
   v.because = q.because;
   if (!bare) v.actions = actions(report);
   return v;
@@ -105,8 +108,8 @@ std::string calibration_page(const CalibrationReport& r) {
   page.subtitle = subtitle_of(c);
   page.verdict = verdict_of(r);
   page.figures = key_figures([&](CoefficientIndex index) { return judged_uncertainty(c, index); });
-  page.body = worst_axis_note(page.figures) + warnings_section(c.quality) + missing_section(r.missing) + requirements_section(c.quality) +
-              before_and_after(r) + coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) +
+  page.body = worst_axis_note(page.figures) + before_and_after(r) + requirements_section(c.quality) + warnings_section(c.quality) +
+              missing_section(r.missing) + coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) +
               uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) +
               tests_section(c) + effects_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) +
               origin_section(r);

@@ -19,6 +19,8 @@ std::vector<Vector3d> rest_directions(const CalibrationReport& report);
 // calibration_coefficients.cpp: values and uncertainties
 std::string coefficients_section(const Calibration& calibration);
 std::string uncertainty_section(const Calibration& calibration);
+/// "accel.offset.x and accel.matrix.xx (0.9), ..."; empty with fewer than two coefficients.
+std::string strongest_correlations(const Calibration& calibration);
 std::string correlation_section(const Calibration& calibration);
 std::string tests_section(const Calibration& calibration);
 std::string effects_section(const Calibration& calibration);

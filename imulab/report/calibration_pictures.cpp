@@ -180,10 +180,11 @@ std::string residual_bars(const std::vector<PartResidual>& all, const std::strin
   y.low = 0, y.high = std::max(y.high, 1.5);
   Plot plot({what, 0.3, static_cast<double>(parts.size()) + 0.7}, y, "residuals by " + what);
   plot.bars(counted(parts.size()), used, 0.7, color::blue);
-  plot.bars(counted(parts.size()), outliers, 0.7, color::vermilion);
+  if (dropped > 0) plot.bars(counted(parts.size()), outliers, 0.7, color::vermilion);
   plot.rule(1, color::gray);
-  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.{}",
-                                        what, dropped, all.size(), dropped > 0 ? " (red)" : "", thinned_text(all.size())));
+  const std::string colors = dropped > 0 ? key({{"used", color::blue}, {"dropped as an outlier", color::vermilion}}) : "";
+  return figure(plot.svg() + colors,
+                fmt::format("About 1 is expected (dashed). {} of {} were dropped as outliers.{}", dropped, all.size(), thinned_text(all.size())));
 }
 
 }  // namespace
@@ -207,8 +208,7 @@ std::string recordings_section(const CalibrationReport& report) {
   for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
   for (const RecordingEvidence& e : report.recordings)
     if (!e.without_rests.empty()) out += paragraph(e.file + ": no pictures of gravity at rest: " + e.without_rests + ".");
-  std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
-  return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
+  return section("recording", "The recording", "", out + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
 }
 
 std::string residuals_section(const Calibration& calibration) {
@@ -261,7 +261,7 @@ std::string coverage_section(const CalibrationReport& report) {
           {figure(sphere(marks, "directions of gravity at rest"),
                   fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
                               gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
-           figure(plot.svg(),
+           figure(plot.svg() + key({{"checked by other rests", color::green}, {"checked by none", color::vermilion}}),
                   fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
                               "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
                               number_text(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));

@@ -1,6 +1,7 @@
 #include "imulab/report/comparison_page.hpp"
 
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -22,10 +23,10 @@ struct Tested {
   std::vector<std::string> different;
 };
 
-Tested tested(const Comparison& comparison) {
+Tested tested(const Comparison& comparison, double limit) {
   Tested t;
   for (const CoefficientDifference& d : comparison.coefficients) t.compared += d.user_sigmas().has_value();
-  t.limit = significant_sigmas(std::max<std::size_t>(1, t.compared));
+  t.limit = limit;
   for (const CoefficientDifference& d : comparison.coefficients)
     if (const auto sigmas = d.user_sigmas(); sigmas && std::abs(*sigmas) > t.limit) t.different.emplace_back(coefficient(d.index).name);
   return t;
@@ -48,11 +49,11 @@ Verdict comparison_verdict(const ComparisonSummary& summary) {
   bool any = false;
   for (std::size_t k = 0; k < summary.comparisons.size(); ++k) {
     const Comparison& c = summary.comparisons[k];
-    const Tested t = tested(c);
+    const Tested t = tested(c, significant_from(summary));
     any = any || c.consistency.degrees_of_freedom > 0;
     const std::string who = summary.comparisons.size() > 1 ? summary.names[k + 1] + ": " : "";
     v.because.push_back(fmt::format("{}{} of {} coefficients differ significantly (beyond {} sigma: 1 % for all together)", who, t.different.size(),
-                                    t.compared, number_text(t.limit, 2)));
+                                    t.compared, fmt::format("{:.1f}", t.limit)));
     v.because.push_back(who + consistency_text(c.consistency));
     if (!t.different.empty() || (c.consistency.degrees_of_freedom > 0 && c.consistency.p_value < improbable)) v.tone = Tone::doubtful;
   }
@@ -72,11 +73,16 @@ Verdict comparison_verdict(const ComparisonSummary& summary) {
   return v;
 }
 
-std::string sigmas_figure(const Comparison& comparison, double limit, Triad triad) {
+constexpr std::size_t most_drawn = 9;  // besides what is significant
+
+/// Differences of a triad in sigmas, in the order of the table.
+std::string sigmas_figure(const Comparison& comparison, const RankedRows& ranked, double limit, Triad triad) {
   std::vector<Interval> rows;
-  for (const CoefficientDifference& d : comparison.coefficients) {
+  for (const std::size_t row : ranked.rows) {
+    const CoefficientDifference& d = comparison.coefficients[row];
     const auto sigmas = d.user_sigmas();
     if (coefficient(d.index).triad != triad || !sigmas) continue;
+    if (rows.size() >= most_drawn && std::abs(*sigmas) <= limit) break;
     const std::string_view name = coefficient(d.index).name;
     rows.push_back({std::string(name.substr(name.find('.') + 1)), *sigmas, 1,
                     d.user_unit == coefficient(d.index).unit ? "" : fmt::format("{} {}", number_text(d.user_difference), readable_unit(d.user_unit)),
@@ -87,20 +93,79 @@ std::string sigmas_figure(const Comparison& comparison, double limit, Triad tria
                                triad == Triad::accel ? "Accelerometers" : "Gyros");
 }
 
-std::string comparison_section(const std::string& a, const std::string& b, const Comparison& comparison) {
-  Table t{.head = {"coefficient", "first", "second", "difference", "u", "", "sigmas"}, .rows = {}, .left = {5}};
-  const Tested judged = tested(comparison);
-  for (const CoefficientDifference& d : comparison.coefficients) {
+/// Differences in user units, of these rows.
+std::string difference_table(const Comparison& comparison, const std::vector<std::size_t>& rows, double limit, const std::optional<double>& years) {
+  Table t{.head = {"coefficient", "difference", "u", "", "sigmas"}, .rows = {}, .left = {3}};
+  if (years) t.head.insert(t.head.end(), {"per year", "u"});
+  for (const std::size_t row : rows) {
+    const CoefficientDifference& d = comparison.coefficients[row];
     const auto sigmas = d.user_sigmas();
-    const bool marked = sigmas && std::abs(*sigmas) > judged.limit;
-    t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", number_text(d.a, 7), number_text(d.b, 7),
-                      d.user_uncertainty ? rounded_to(d.user_difference, *d.user_uncertainty) : number_text(d.user_difference, 4),
-                      d.user_uncertainty ? uncertainty_text(*d.user_uncertainty) : "", escaped(readable_unit(d.user_unit)),
-                      sigmas ? fmt::format("{0}{1}{2}", marked ? "<strong>" : "", fmt::format("{:+.1f}", *sigmas), marked ? "</strong>" : "") : ""});
+    const bool marked = sigmas && std::abs(*sigmas) > limit;
+    const double u = d.user_uncertainty.value_or(NAN);
+    const auto stated = [&](double size) {
+      return d.user_uncertainty ? rounded_to(d.user_difference / size, u / std::abs(size)) : number_text(d.user_difference / size, 4);
+    };
+    const auto uncertain = [&](double size) { return d.user_uncertainty ? uncertainty_text(u / std::abs(size)) : ""; };
+    t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", stated(1), uncertain(1), escaped(readable_unit(d.user_unit)),
+                      sigmas ? fmt::format("{0}{1:+.1f}{2}", marked ? "<strong>" : "", *sigmas, marked ? "</strong>" : "") : ""});
+    if (years) t.rows.back().insert(t.rows.back().end(), {stated(*years), uncertain(*years)});
   }
-  return section("comparison", shortened(a, 60) + " and " + shortened(b, 60),
-                 "Second less first, in the accelerometers' frame. A bar is one standard uncertainty to each side; red: significant among all.",
-                 beside({sigmas_figure(comparison, judged.limit, Triad::accel), sigmas_figure(comparison, judged.limit, Triad::gyro)}) + table(t));
+  return t.rows.empty() ? "" : table(t);
+}
+
+std::string si_table(const Comparison& comparison) {
+  Table t{.head = {"coefficient", "first", "second", "difference", "u", ""}, .rows = {}, .left = {5}};
+  for (const CoefficientDifference& d : comparison.coefficients)
+    t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", number_text(d.a, 8), number_text(d.b, 8),
+                      d.uncertainty ? rounded_to(d.difference, *d.uncertainty) : number_text(d.difference, 4),
+                      d.uncertainty ? uncertainty_text(*d.uncertainty) : "", escaped(readable_unit(coefficient(d.index).unit))});
+  return table(t);
+}
+
+std::string comparison_section(const ComparisonSummary& summary, std::size_t k) {
+  const Comparison& comparison = summary.comparisons[k];
+  const double limit = significant_from(summary);
+  const RankedRows ranked = ranked_rows({comparison}, limit);
+  const std::optional<double> years = years_between(summary, k);
+  const std::size_t open = ranked.tested == 0 ? ranked.rows.size() : ranked.significant;
+  const auto middle = ranked.rows.begin() + static_cast<std::ptrdiff_t>(open);
+  const std::string rest = difference_table(comparison, {middle, ranked.rows.end()}, limit, years);
+  std::string lead =
+      "Second less first, in the accelerometers' frame, the most significant first; the pictures have the first of each triad. A bar is one standard "
+      "uncertainty to each side; red: "
+      "significant among all.";
+  if (years) lead += fmt::format(" Time between them: {} years.", number_text(*years, 2));
+  return section("comparison", shortened(summary.names[0], 60) + " and " + shortened(summary.names[k + 1], 60), lead,
+                 beside({sigmas_figure(comparison, ranked, limit, Triad::accel), sigmas_figure(comparison, ranked, limit, Triad::gyro)}) +
+                     difference_table(comparison, {ranked.rows.begin(), middle}, limit, years) +
+                     (rest.empty() ? "" : folded(fmt::format("{} that do not differ significantly", ranked.rows.size() - open), rest)) +
+                     folded("All values in SI", si_table(comparison)));
+}
+
+std::string calibrations_section(const std::vector<ComparedCalibration>& calibrations) {
+  Table t{.head = {"file", "IMU", "serial number", "method", "date"}, .rows = {}, .text_columns = true};
+  for (const ComparedCalibration& c : calibrations) {
+    const std::string method = c.bare ? "no uncertainties: taken as the truth" : c.method + (c.doubtful ? ", doubtful" : "");
+    t.rows.push_back({escaped(shortened(c.name, 60)), escaped(shortened(c.imu, 60)), escaped(shortened(c.serial, 60)), escaped(shortened(method, 60)),
+                      escaped(c.date.empty() ? "not known" : c.dated + " " + c.date)});
+  }
+  return t.rows.empty() ? "" : section("calibrations", "Calibrations", "", table(t));
+}
+
+std::string tolerance_section(const std::vector<RequirementResult>& requirements) {
+  Table t{.head = {"tolerance", "largest difference, of", "reached", ""}, .rows = {}, .text_columns = true};
+  for (const RequirementResult& r : requirements) {
+    const UserUnit unit = user_unit(coefficient(coefficient_index(r.coefficient)), r.limit);
+    t.rows.push_back(
+        {escaped(readable_unit(r.text)), "<code>" + escaped(r.coefficient) + "</code>",
+         escaped(std::isfinite(r.reached) ? number_text(r.reached / unit.size) + " " + readable_unit(unit.name) : "not determined in both"),
+         r.met ? "met" : "<strong>not met</strong>"});
+  }
+  return t.rows.empty() ? ""
+                        : section("tolerances", "Tolerances",
+                                  "The size of each difference against the limit (simple acceptance: its uncertainty is not taken off), of matrices "
+                                  "relative to the row's scale.",
+                                  table(t));
 }
 
 std::string agreement_section(const Agreement& agreement) {
@@ -124,8 +189,9 @@ std::string comparison_page(const ComparisonSummary& summary) {
                                          : fmt::format("{} calibrations", summary.names.size());
   page.subtitle = "Errors of different calibrations are taken as independent.";
   page.verdict = comparison_verdict(summary);
-  for (std::size_t k = 0; k < summary.comparisons.size(); ++k)
-    page.body += comparison_section(summary.names[0], summary.names[k + 1], summary.comparisons[k]);
+  take_conclusion(page.verdict, conclusion_about(summary));
+  page.body = calibrations_section(summary.calibrations) + tolerance_section(summary.requirements);
+  for (std::size_t k = 0; k < summary.comparisons.size(); ++k) page.body += comparison_section(summary, k);
   if (summary.agreement) page.body += agreement_section(*summary.agreement);
   return page_text(page);
 }

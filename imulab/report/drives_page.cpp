@@ -14,7 +14,7 @@ namespace imulab {
 namespace report {
 namespace {
 
-constexpr std::array drive_colors{color::vermilion, color::blue, color::gray};
+constexpr std::array drive_colors{color::vermilion, color::blue, color::green};
 
 std::vector<double> medians(const DrivenCalibration& c, std::size_t times) {
   std::vector<double> out;
@@ -24,12 +24,6 @@ std::vector<double> medians(const DrivenCalibration& c, std::size_t times) {
     out.push_back(median(at) / 1000);
   }
   return out;
-}
-
-std::string drives_key(const DrivesReport& r) {
-  std::vector<std::pair<std::string, std::string_view>> entries;
-  for (std::size_t k = 0; k < r.calibrations.size(); ++k) entries.emplace_back(r.calibrations[k].name, drive_colors.at(k));
-  return key(entries);
 }
 
 std::string drives_table(const DrivesReport& r) {
@@ -52,14 +46,18 @@ std::string drives_picture(const DrivesReport& r) {
   for (const double t : r.time) minutes.push_back(t / 60);
   if (!minutes.empty()) end = minutes.back();
   Plot plot({"minutes of driving", 0, end}, {"horizontal error [km]", 0, 1.05 * most}, "Horizontal position error of each drive over time",
-            {960, 380});
+            {960, 380, 180});
   for (std::size_t k = 0; k < r.calibrations.size(); ++k)
     for (const std::vector<double>& drive : r.calibrations[k].errors) {
       std::vector<double> km(drive);
       for (double& error : km) error /= 1000;
       plot.line(minutes, km, drive_colors.at(k), 0.5);
     }
-  for (std::size_t k = 0; k < r.calibrations.size(); ++k) plot.line(minutes, medians(r.calibrations[k], minutes.size()), drive_colors.at(k), 4);
+  for (std::size_t k = 0; k < r.calibrations.size(); ++k) {
+    const std::vector<double> middle = medians(r.calibrations[k], minutes.size());
+    plot.line(minutes, middle, drive_colors.at(k), 4);
+    if (!middle.empty()) plot.name_at_end(middle.back(), r.calibrations[k].name, drive_colors.at(k));
+  }
   return plot.svg();
 }
 
@@ -75,7 +73,7 @@ std::string drives_page(const DrivesReport& r) {
   const std::string caption =
       "Each thin line is a drive, each thick one the median of the drives with one calibration. The figures above are medians of each drive's "
       "largest error.";
-  page.body = section("drives", "The drives", "", figure(drives_picture(r) + drives_key(r), caption, true) + drives_table(r));
+  page.body = section("drives", "The drives", "", figure(drives_picture(r), caption, true) + drives_table(r));
   return page_text(page);
 }
 

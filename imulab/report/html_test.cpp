@@ -1,11 +1,19 @@
 #include "imulab/report/html.hpp"
 
+#include "imulab/report/navigation_page.hpp"
+#include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/report/start.hpp"
+#include "imulab/report/track.hpp"
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <regex>
+#include <string>
+#include <vector>
 
 namespace imulab::report {
 namespace {
@@ -56,6 +64,65 @@ TEST(Plot, TicksAreRound) {
   EXPECT_THAT(ticks({"", -0.4, 1.1}, 5), ElementsAre(0, 0.5, 1));
   EXPECT_THAT(ticks({"", -6, 6}, 5), ElementsAre(-5, -2.5, 0, 2.5, 5));
   EXPECT_THAT(ticks({"", 0.5, 200, true}, 5), ElementsAre(1, 10, 100));
+}
+
+TEST(Plot, TwoTicksAtLeastAreNotZero) {
+  for (const Axis& axis : {Axis{"", 0.1, 1.9}, {"", -0.4, 0.9}, {"", 0, 1}, {"", 99, 101}, {"", 2, 9, true}})
+    for (const int count : {1, 3, 5}) {
+      const std::vector<double> all = ticks(axis, count);
+      EXPECT_GE(std::count_if(all.begin(), all.end(), [](double v) { return v != 0; }), 2) << axis.low << " to " << axis.high << ", " << count;
+    }
+}
+
+TEST(Plot, NamesAtTheEndsOfCurvesDoNotCollide) {
+  Plot plot({"x", 0, 1}, {"y", 0, 1}, "test", {960, 250, 180});
+  for (const char* name : {"one", "two", "three"}) plot.name_at_end(0, name, color::blue);
+  const std::string svg = plot.svg();
+  std::vector<double> heights;
+  const std::regex on("<text x=\"[0-9.]+\" y=\"([0-9.]+)\" text-anchor=\"start\" class=\"on\"");
+  for (std::sregex_iterator at(svg.begin(), svg.end(), on), end; at != end; ++at) heights.push_back(std::stod((*at)[1]));
+  ASSERT_EQ(heights.size(), 3u);
+  EXPECT_GE(heights[1] - heights[0], 16);
+  EXPECT_GE(heights[2] - heights[1], 16);
+  EXPECT_LT(heights[2], 215) << "above the axis";
+}
+
+TEST(Page, ALongPageHasContentsAndNoIdentifierTwice) {
+  Page page{.kind = "k", .title = "t", .subtitle = "", .verdict = {}, .figures = {}, .body = {}};
+  for (const char* heading : {"A", "B", "C", "D"}) page.body += section("part", heading, "lead", "");
+  EXPECT_EQ(page_text(page).find("<nav"), std::string::npos) << "four parts are seen without";
+  page.body += section("part", "<b>", "lead", "");
+  const std::string text = page_text(page);
+  EXPECT_THAT(text, testing::HasSubstr("<a href=\"#part\">A</a> <a href=\"#part-2\">B</a>"));
+  EXPECT_THAT(text, testing::HasSubstr("<a href=\"#part-5\">&lt;b&gt;</a>"));
+  EXPECT_THAT(text, testing::HasSubstr("<section id=\"part-5\">"));
+}
+
+TEST(Page, ARoughBudgetIsHeadedByItsMonteCarlo) {
+  BudgetReport report{.mission = "m", .summary = {.budget = {}, .monte_carlo = ErrorDistribution{}, .runs = 50}};
+  ErrorBudget& b = report.summary.budget;
+  b.time = {0, 60};
+  b.mean.setZero(budget_quantities, 2);
+  BudgetMatrix square = BudgetMatrix::Zero();
+  square(0, 0) = 1e12, square(6, 6) = 0.04;  // 1000 km, 0.2 rad
+  b.covariance = {BudgetMatrix::Zero(), square};
+  ErrorDistribution& d = *report.summary.monte_carlo;
+  d.time = b.time;
+  for (auto* rows : {&d.mean, &d.sigma, &d.low, &d.median, &d.high}) rows->setConstant(budget_quantities + 1, 2, 3e4);
+  const std::string page = budget_page(report);
+  EXPECT_THAT(page, testing::HasSubstr("<strong id=\"verdict\">42.4 km after 1 min</strong>"));
+  EXPECT_THAT(page, testing::HasSubstr("the linear figures are rough"));
+  EXPECT_THAT(page, testing::HasSubstr("horizontal error [km]"));
+  EXPECT_EQ(page.find("1000 km"), std::string::npos);
+}
+
+TEST(Page, TimesAreShortAndStartsAreDates) {
+  EXPECT_EQ(seconds_text(12.5), "12.5 s");
+  EXPECT_EQ(seconds_text(7080), "7080 s (118 min)");
+  EXPECT_EQ(stamp_and_date(1794000000.123457), "2026-11-06T21:20:00.123Z");
+  EXPECT_EQ(stamp_and_date(12.5), "12.5 s");
+  EXPECT_EQ(length_text(9876), "9880 m");
+  EXPECT_EQ(length_text(1.05e6), "1050 km");
 }
 
 TEST(Plot, AnAxisHoldsWhatIsFinite) {

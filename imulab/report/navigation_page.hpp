@@ -11,6 +11,7 @@ namespace imulab {
 struct NavigationReport {
   NavigationSummary sessions;
   std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
+  Conclusion conclusion = {};
 };
 
 /// HTML, self-contained.
@@ -19,7 +20,9 @@ std::string navigation_page(const NavigationReport& report);
 struct BudgetReport {
   std::string mission;  ///< its name
   BudgetSummary summary;
-  std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
+  std::vector<std::string> missing = {};   ///< pictures that could not be drawn, and why
+  std::vector<std::string> warnings = {};  ///< those that the terminal shows
+  Conclusion conclusion = {};
 };
 
 /// HTML, self-contained.

@@ -1,166 +1,128 @@
 #include "imulab/report/noise_page.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/noise/spectrum.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/report/noise_figures.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/results/noise.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
-#include <span>
 
 namespace imulab {
 namespace report {
 namespace {
 
-struct Scale {
-  double rate, density, walk, quantum, ramp;
-  const char *rate_name, *density_name, *walk_name, *quantum_name, *ramp_name;
-};
-
-constexpr Scale gyro_scale{
-    unit::deg_per_h, unit::deg_per_sqrt_h, unit::deg_per_h / 60, unit::arcsec, unit::deg_per_h / unit::hour, "deg/h", "deg/√h", "deg/h/√h", "arcsec",
-    "deg/h/h"};
-constexpr Scale accel_scale{unit::ug, unit::ug_per_sqrt_hz, unit::ug / 60, 1e-6, unit::ug / unit::hour, "µg", "µg/√Hz", "µg/√h", "µm/s", "µg/h"};
-constexpr Scale count_scale{1, 1, 1, 1, 1, "count", "count/√Hz", "count/√s", "count s", "count/s"};
-
-const Scale& scale_of(const NoiseAxis& axis) { return axis.unit == "count" ? count_scale : axis.unit == "rad/s" ? gyro_scale : accel_scale; }
+void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
 
 Verdict noise_verdict(const NoiseAnalysis& analysis) {
-  Verdict v{Tone::good, "the model holds", "On every axis the spectrum is that of the fitted terms.", {}, {}};
+  Verdict v{Tone::good, noise_headline(analysis), "On every axis the spectrum is that of the fitted terms.", analysis.warnings, {}};
   std::string misfits, silent;
   for (const NoiseAxis& axis : analysis.axes) {
-    if (!axis.fit) silent += (silent.empty() ? "" : ", ") + axis.name;
-    if (axis.fit && !axis.fit->accepted()) misfits += (misfits.empty() ? "" : ", ") + axis.name;
+    if (!axis.fit) add_name(silent, axis.name);
+    if (axis.fit && !axis.fit->accepted()) add_name(misfits, axis.name);
   }
   if (!misfits.empty()) {
-    v = {Tone::doubtful, "the model does not hold everywhere", "All intervals of these axes are widened, and may not hold: " + misfits + ".", {}, {}};
+    v.tone = Tone::doubtful;
+    v.meaning = "The model does not hold everywhere. All intervals of these axes are widened, and may not hold: " + misfits + ".";
     v.actions = {"Look at the spectrum below: what stands out of the model has a cause (vibration, heating, a supply)."};
   }
-  if (!silent.empty()) v = {Tone::doubtful, "no noise on " + silent, "Readings that never change say nothing.", {}, {}};
-  v.because = analysis.warnings;
+  if (!silent.empty()) v.tone = Tone::doubtful, v.meaning = "Readings that never change say nothing: " + silent + ".";
   return v;
 }
 
+/// N, B and K of each triad's worst axis.
+std::vector<KeyFigure> noise_cards(const NoiseAnalysis& analysis) {
+  std::vector<KeyFigure> out;
+  for (const bool gyro : {true, false})
+    for (std::size_t j = 0; j < 3; ++j) {
+      const NoiseTermText& term = noise_terms()[j];
+      const WorstTerm worst = worst_term(analysis, gyro, term.member);
+      if (worst.axis == nullptr) continue;
+      const NoiseUnit& unit = term.unit(worst.axis->unit);
+      const std::string letter(1, worst.axis->name.back());
+      const std::string which = worst.determined == 0 ? ", not determined"
+                                : worst.determined == worst.axes
+                                    ? ", worst axis: " + letter
+                                    : fmt::format(", {} ({} of {} axes determine it)", letter, worst.determined, worst.axes);
+      out.push_back({noise_value_text(*worst.c, unit.size, unit.name), fmt::format("{} {}{}", gyro ? "gyro" : "accelerometer", term.name, which)});
+    }
+  return out;
+}
+
 /// The interval of a determined coefficient, or the bound of one that is not.
-std::string interval_text(const NoiseCoefficient& c, double size) {
+std::string noise_interval_text(const NoiseCoefficient& c, double size) {
   if (!c.determined) return "below " + number_text(c.upper / size, 2);
   return fmt::format("{} to {}", rounded_to(c.lower / size, c.standard_uncertainty / size),
                      rounded_to(c.upper / size, c.standard_uncertainty / size));
 }
 
-std::string coefficients_section(const NoiseAnalysis& analysis) {
-  Table t{.head = {"axis", "term", "value", "95 % interval", "unit"}, .rows = {}, .text_columns = false, .left = {1, 4}};
-  const auto add = [&](const NoiseAxis& axis, const std::string& term, const NoiseCoefficient& c, double size, const std::string& unit) {
-    t.rows.push_back({escaped(axis.name), escaped(term), c.determined ? rounded_to(c.value / size, c.standard_uncertainty / size) : "not determined",
-                      interval_text(c, size), escaped(unit)});
-  };
-  for (const NoiseAxis& axis : analysis.axes) {
-    if (!axis.fit) continue;
-    const Scale& s = scale_of(axis);
-    add(axis, "N white noise", axis.fit->N, s.density, s.density_name);
-    add(axis, "B bias instability", axis.fit->B, s.rate, s.rate_name);
-    add(axis, "K random walk", axis.fit->K, s.walk, s.walk_name);
-    add(axis, "Q quantization", axis.fit->Q, s.quantum, s.quantum_name);
-    add(axis, "R ramp", axis.fit->R, s.ramp, s.ramp_name);
-    for (const MarkovTerm& term : axis.fit->markov) {
-      add(axis, "Markov process", term.sigma, s.rate, s.rate_name);
-      add(axis, "its correlation time", term.time, 1, "s");
-    }
-    for (const NoiseLine& line : axis.fit->lines)
-      add(axis, fmt::format("line at {} Hz", number_text(line.hz, 5)), line.amplitude, s.rate, s.rate_name);
-    if (axis.fit->low_pass) add(axis, fmt::format("low-pass, order {}", axis.fit->low_pass->order), axis.fit->low_pass->cutoff_hz, 1, "Hz");
-  }
-  return section("coefficients", "Coefficients", "A term whose interval holds zero is not determined by this log; its bound holds with 95 %.",
-                 table(t));
+/// Value, interval and unit, then value or bound in SI, where that is another unit.
+std::vector<std::string> noise_cells(const NoiseCoefficient& c, const NoiseUnit& unit) {
+  return {c.determined ? rounded_to(c.value / unit.size, c.standard_uncertainty / unit.size) : "not determined", noise_interval_text(c, unit.size),
+          escaped(noise_unit_text(unit.name)),
+          unit.si.empty() ? ""
+          : c.determined  ? number_text(c.value, 4)
+                          : "below " + number_text(c.upper, 2),
+          escaped(noise_unit_text(unit.si))};
 }
 
-std::string deviation_figure(const NoiseAxis& axis) {
-  const Scale& s = scale_of(axis);
-  std::vector<double> tau, sigma, low68, high68, low95, high95, shown;
-  for (const DeviationPoint& p : axis.deviation) {
-    tau.push_back(p.tau), sigma.push_back(p.deviation / s.rate);
-    low68.push_back(p.lower_68 / s.rate), high68.push_back(p.upper_68 / s.rate);
-    low95.push_back(p.lower_95 / s.rate), high95.push_back(std::min(p.upper_95, 5 * p.deviation) / s.rate);
+void add_row(Table& t, const std::string& axis, const std::string& term, const NoiseCoefficient& c, const NoiseUnit& unit) {
+  std::vector<std::string> row{escaped(axis), escaped(term)};
+  for (std::string& cell : noise_cells(c, unit)) row.push_back(std::move(cell));
+  t.rows.push_back(std::move(row));
+}
+
+std::string term_name(const NoiseTermText& term) {
+  const std::string meaning(term.meaning);
+  return fmt::format("{} {}", term.name, meaning.substr(0, meaning.find(" (")));
+}
+
+/// Terms in the order of the terminal's table: one term of all axes, then the next; the terms that only some axes have last.
+std::string coefficients_section(const NoiseAnalysis& analysis) {
+  Table t{.head = {"axis", "term", "value", "95 % interval", "unit", "SI", ""}, .rows = {}, .left = {1, 4, 6}};
+  for (const NoiseTermText& term : noise_terms())
+    for (const NoiseAxis& axis : analysis.axes)
+      if (axis.fit) add_row(t, axis.name, term_name(term), (*axis.fit).*term.member, term.unit(axis.unit));
+  for (const NoiseAxis& axis : analysis.axes) {
+    if (!axis.fit) continue;
+    const NoiseUnit& of_rate = noise_terms()[1].unit(axis.unit);
+    const NoiseUnit seconds{1, "s", ""}, hertz{1, "Hz", ""};
+    for (const MarkovTerm& term : axis.fit->markov) {
+      add_row(t, axis.name, "Markov process", term.sigma, of_rate);
+      add_row(t, axis.name, "its correlation time", term.time, seconds);
+    }
+    for (const NoiseLine& line : axis.fit->lines)
+      add_row(t, axis.name, fmt::format("line at {} Hz", number_text(line.hz, 5)), line.amplitude, of_rate);
+    if (axis.fit->low_pass) add_row(t, axis.name, fmt::format("low-pass, order {}", axis.fit->low_pass->order), axis.fit->low_pass->cutoff_hz, hertz);
   }
-  shown = sigma;
-  shown.insert(shown.end(), high95.begin(), high95.end());
-  shown.insert(shown.end(), low95.begin(), low95.end());
-  Plot plot(axis_over("averaging time [s]", tau, true), axis_over(s.rate_name, shown, true), "deviation of " + axis.name);
-  plot.band(tau, low95, high95, color::sky);
-  plot.band(tau, low68, high68, color::blue);
-  std::vector<double> total;
-  std::array<std::vector<double>, 6> terms;
-  for (const double t : tau) {
-    const AllanTerms at = allan_variance(*axis.fit, t);
-    total.push_back(std::sqrt(at.sum()) / s.rate);
-    const std::array<double, 6> one{at.N, at.B, at.K, at.Q, at.R, at.markov};
-    for (std::size_t j = 0; j < one.size(); ++j) terms[j].push_back(one[j] > 0 ? std::sqrt(one[j]) / s.rate : NAN);
-  }
-  const double lowest = *std::min_element(low95.begin(), low95.end());  // a term far below the curve would run along the axis
-  for (std::vector<double>& term : terms) {
-    for (double& value : term)
-      if (value < lowest) value = NAN;
-    plot.line(tau, term, color::gray, 1);
-  }
-  plot.line(tau, total, color::vermilion);
-  plot.dots(tau, sigma, color::ink);
-  return figure(plot.svg(), axis.name);
+  return section("coefficients", "Coefficients",
+                 "A term whose interval holds zero is not determined by this log; its bound holds with 95 %. SI: the value, or its bound.", table(t));
 }
 
 std::string deviations_section(const NoiseAnalysis& analysis) {
-  std::vector<std::string> figures;
-  for (const NoiseAxis& axis : analysis.axes)
-    if (axis.fit) figures.push_back(deviation_figure(axis));
   return section("deviation", "Deviation over averaging time",
-                 "Dots: measured, with 68 and 95 % bounds. Red: sum of the fitted terms (gray), without filter and lines.",
-                 key({{"95 %", color::sky}, {"68 %", color::blue}, {"terms", color::gray}, {"sum", color::vermilion}}) + beside(figures));
+                 "Colored: measured, with 95 % bounds. Lines named N, B, K: these terms of the worst axis alone, of slope −1/2, 0 and +1/2; dashed "
+                 "where the log gives only a bound.",
+                 deviation_charts(analysis));
 }
 
-/// Short enough for some dozens of pieces, long enough to show lines.
-std::size_t welch_length(std::size_t samples) { return std::bit_floor(std::clamp<std::size_t>(samples / 32, 64, 16384)); }
-
-std::string spectrum_figure(const NoiseAxis& axis, std::span<const double> readings, double interval_s) {
-  const WelchSpectrum welch = welch_spectrum(readings, interval_s, welch_length(readings.size()));
-  const Scale& s = scale_of(axis);
-  std::vector<double> hz, density, model, fine_hz, fine, shown;
-  for (const SpectrumPoint& p : axis.fit->spectrum) {
-    hz.push_back(p.hz), model.push_back(std::sqrt(p.model) / s.density);
-    density.push_back(p.count >= 8 ? std::sqrt(p.density) / s.density : NAN);  // of fewer the scatter hides what there is to see
-  }
-  // The largest of every few: lines stay.
-  constexpr std::size_t points = 400;
-  const std::size_t step = welch.density.size() / points + 1;
-  for (std::size_t k = 0; k < welch.density.size(); k += step) {
-    const auto first = welch.density.begin() + static_cast<std::ptrdiff_t>(k),
-               last = welch.density.begin() + static_cast<std::ptrdiff_t>(std::min(k + step, welch.density.size()));
-    fine_hz.push_back(welch.spacing_hz * (static_cast<double>(k) + 0.5 * static_cast<double>(step) + 0.5));
-    fine.push_back(std::sqrt(*std::max_element(first, last)) / s.density);
-  }
-  shown = model;
-  shown.insert(shown.end(), fine.begin(), fine.end());
-  Plot plot(axis_over("frequency [Hz]", hz, true), axis_over(s.density_name, shown, true), "spectrum of " + axis.name);
-  plot.line(fine_hz, fine, color::sky, 1);
-  plot.dots(hz, density, color::ink, true);
-  plot.line(hz, model, color::vermilion);
-  return figure(plot.svg(), axis.name);
+std::string spectra_section(const NoiseAnalysis& analysis) {
+  const std::string charts = spectrum_charts(analysis);
+  return charts.empty() ? ""
+                        : section("spectrum", "Spectrum",
+                                  "Root of the two-sided density, down to the lowest frequency of the log. Dots: what the coefficients are fitted "
+                                  "to, without lines; at the left single densities, which scatter. Lines: the model.",
+                                  charts);
 }
 
-std::string spectra_section(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still) {
-  std::vector<std::string> figures;
-  std::vector<double> buffer;
-  for (std::size_t k = 0; k < analysis.axes.size(); ++k)
-    if (analysis.axes[k].fit) figures.push_back(spectrum_figure(analysis.axes[k], recording.samples(k, still, buffer), analysis.interval_s));
-  return section("spectrum", "Spectrum",
-                 "Root of the two-sided density. Circles: what the coefficients are fitted to, without lines. Blue: Welch's, with lines, the largest "
-                 "of neighboring ones.",
-                 key({{"Welch", color::sky}, {"measured", color::ink}, {"model", color::vermilion}}) + beside(figures));
+std::string each_axis_section(const NoiseAnalysis& analysis, const AxisReadings& readings) {
+  const std::string charts = axis_charts(analysis, readings);
+  return charts.empty() ? "" : section("axes", "Axis by axis", "", folded("Deviation with each fitted term, and spectrum, of every axis", charts));
 }
 
 std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r, const Range& still) {
@@ -168,6 +130,10 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
   const Overview shown = overview(SensorModel{}, r, intervals);
   std::string charts;
   for (const bool gyro : {true, false}) {
+    const auto& columns = gyro ? shown.rate : shown.force;
+    if (std::none_of(analysis.axes.begin(), analysis.axes.end(),
+                     [&](const NoiseAxis& axis) { return axis.name.starts_with(gyro ? "gyro" : "accel"); }))
+      continue;
     const bool counts = (gyro ? r.gyro_unit : r.accel_unit) == "count";
     TimeChart chart{.title = gyro ? "Angular rate" : "Specific force",
                     .y_label = counts ? "counts"
@@ -177,7 +143,7 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
                     .x = shown.time,
                     .names = {"x", "y", "z"},
                     .y = {}};
-    for (const auto& column : gyro ? shown.rate : shown.force) {
+    for (const auto& column : columns) {
       chart.y.push_back(column);
       for (double& value : chart.y.back()) value /= gyro && !counts ? unit::deg : 1;
     }
@@ -187,28 +153,82 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
   return section("signal", "Signal", "The shaded part was used, the rest was cut.", list(analysis.notes) + charts);
 }
 
-}  // namespace
-}  // namespace report
-
-std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still) {
-  using namespace report;
+Page noise_page_of(const NoiseAnalysis& analysis) {
   Page page;
   page.kind = "Noise";
   page.title = analysis.recording;
+  page.subtitle = fmt::format("{} s at rest at {} Hz", number_text(analysis.end_s - analysis.begin_s, 4), number_text(1 / analysis.interval_s, 5));
   page.verdict = noise_verdict(analysis);
-  page.figures.push_back({number_text(analysis.end_s - analysis.begin_s, 4) + " s", "at rest"});
-  page.figures.push_back({number_text(1 / analysis.interval_s, 5) + " Hz", "rate"});
-  for (const bool gyro : {true, false}) {
-    const NoiseAxis* worst = nullptr;
-    for (const NoiseAxis& axis : analysis.axes)
-      if (axis.name.starts_with(gyro ? "gyro" : "accel") && axis.fit && (worst == nullptr || axis.fit->N.upper > worst->fit->N.upper)) worst = &axis;
-    if (worst != nullptr)
-      page.figures.push_back({number_text((worst->fit->N.determined ? worst->fit->N.value : worst->fit->N.upper) / scale_of(*worst).density) + " " +
-                                  scale_of(*worst).density_name,
-                              "N, worst " + worst->name});
-  }
-  page.body = deviations_section(analysis) + spectra_section(analysis, recording, still) + coefficients_section(analysis) +
+  page.figures = noise_cards(analysis);
+  return page;
+}
+
+Table batch_table(const NoiseBatch& batch) {
+  Table t{.head = {"axis", "term", "mean", "95 % interval", "unit", "SI", "", "spread", "worst", "log"}, .rows = {}, .left = {1, 4, 6, 9}};
+  for (const NoiseTermText& term : noise_terms())
+    for (const BatchAxis& axis : batch.axes) {
+      const BatchCoefficient& c = axis.coefficients[term.batch_place];
+      const NoiseUnit& unit = term.unit(axis.unit);
+      add_row(t, axis.name, term_name(term), c.mean, unit);
+      t.rows.back().push_back(std::isnan(c.spread) ? "" : number_text(c.spread / unit.size, 2));
+      t.rows.back().push_back(number_text(c.worst / unit.size, 2));
+      t.rows.back().push_back(c.worst_log < batch.logs.size() ? escaped(shortened(batch.logs[c.worst_log].recording, 40)) : "");
+    }
+  return t;
+}
+
+}  // namespace
+}  // namespace report
+
+std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still, const Conclusion& conclusion) {
+  using namespace report;
+  Page page = noise_page_of(analysis);
+  if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
+  std::vector<double> buffer;
+  const AxisReadings readings = [&](std::size_t axis) { return recording.samples(axis, still, buffer); };
+  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + each_axis_section(analysis, readings) +
               signal_section(analysis, recording, still);
+  return page_text(page);
+}
+
+std::string noise_page(const NoiseAnalysis& analysis, const Conclusion& conclusion) {
+  using namespace report;
+  Page page = noise_page_of(analysis);
+  if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
+  std::vector<std::string> missing{"Signal, and Welch's spectrum with its lines: noise.json keeps no readings; imulab noise --report draws them."};
+  if (spectrum_charts(analysis).empty()) missing.emplace_back("Spectrum: the file has none.");
+  page.body = section("missing", "Not on this page", "", list(missing, "missing-list")) + deviations_section(analysis) + spectra_section(analysis) +
+              coefficients_section(analysis) + each_axis_section(analysis, {});
+  if (!analysis.notes.empty()) page.body += section("signal", "Signal", "What was used, and what was cut.", list(analysis.notes));
+  return page_text(page);
+}
+
+std::string noise_page(const NoiseBatch& batch, const Conclusion& conclusion) {
+  using namespace report;
+  Page page;
+  page.kind = "Noise";
+  page.title = fmt::format("{} logs", batch.logs.size());
+  page.verdict = {.tone = Tone::good,
+                  .word = noise_headline(batch),
+                  .meaning = "The mean of the logs that determine a term, with the larger of the uncertainty that they state and that they show.",
+                  .because = {},
+                  .actions = {}};
+  if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
+  for (const NoiseAnalysis& log : batch.logs) {
+    const Verdict one = noise_verdict(log);
+    if (one.tone == Tone::good) continue;
+    page.verdict.tone = Tone::doubtful;
+    page.verdict.because.push_back(shortened(log.recording, 60) + ": " + one.meaning);
+  }
+  Table logs{.head = {"log", "at rest [s]", "rate [Hz]"}, .rows = {}};
+  for (const NoiseAnalysis& log : batch.logs)
+    logs.rows.push_back({escaped(shortened(log.recording, 80)), number_text(log.end_s - log.begin_s, 5), number_text(1 / log.interval_s, 5)});
+  page.body = section("deviation", "Deviation over averaging time", "Each log; the charts of a triad have one scale.", batch_charts(batch)) +
+              section("coefficients", "Coefficients",
+                      "Mean: of the logs that determine the term; where none does, the largest bound. Spread: from log to log, beyond what the "
+                      "uncertainties explain. Worst: the largest value or bound, and its log.",
+                      report::table(batch_table(batch))) +
+              section("logs", "Logs", "", report::table(logs));
   return page_text(page);
 }
 

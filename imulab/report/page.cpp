@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cctype>
 #include <cstdint>
+#include <map>
 #include <utility>
 
 namespace imulab::report {
@@ -36,7 +38,8 @@ std::string head(const Page& page) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
       "script-src 'sha256-{}' 'sha256-{}'\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}: {}</title>\n<style>{}\n{}</style></head>\n",
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><meta name=\"color-scheme\" content=\"light dark\">\n<title>{}: "
+      "{}</title>\n<style>{}\n{}</style></head>\n",
       script_hash(assets::dygraph_js), script_hash(assets::page_js), escaped(page.kind), escaped(shortened(page.title, 60)), assets::dygraph_css,
       assets::page_css);
 }
@@ -61,13 +64,54 @@ std::string figures(const std::vector<KeyFigure>& all) {
   return out + "</dl>\n";
 }
 
+/// What a reader can go to. `body` is a page's own HTML: repeated identifiers get a number.
+std::vector<std::pair<std::string, std::string>> numbered_sections(std::string& body) {
+  constexpr std::string_view begin = "<section id=\"", heading = "<h2>";
+  std::vector<std::pair<std::string, std::string>> out;
+  std::map<std::string, int> times;
+  for (std::size_t at = 0; (at = body.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    const std::size_t end = body.find('"', at);
+    std::string id = body.substr(at, end - at);
+    if (const int n = ++times[id]; n > 1) body.insert(end, fmt::format("-{}", n)), id += fmt::format("-{}", n);
+    const std::size_t from = body.find(heading, end) + heading.size();
+    out.emplace_back(id, body.substr(from, body.find("</h2>", from) - from));
+  }
+  return out;
+}
+
+/// Of a page with many sections.
+std::string contents(const std::vector<std::pair<std::string, std::string>>& sections) {
+  constexpr std::size_t many = 5;
+  if (sections.size() < many) return {};
+  std::string out = "<nav class=\"contents\" aria-label=\"On this page\">";
+  for (const auto& [id, heading] : sections) out += fmt::format("<a href=\"#{}\">{}</a> ", id, heading);
+  return out + "</nav>\n";
+}
+
 }  // namespace
 
+void take_conclusion(Verdict& v, const Conclusion& c) {
+  if (c.verdict.empty()) return;
+  v.word = c.verdict;
+  v.tone = is_favorable(c.verdict) ? Tone::good : Tone::doubtful;
+  std::vector<std::string> because;
+  for (const RequirementResult& r : c.requirements) because.push_back((r.met ? "met: " : "not met: ") + requirement_text(r));
+  if (because.size() == 1) because.clear();  // the headline says it
+  v.because.insert(v.because.begin(), because.begin(), because.end());
+  if (c.headline.empty()) return;
+  v.meaning = c.headline;
+  if (v.meaning.back() != '.') v.meaning += '.';
+  const bool is_name = v.meaning.substr(0, v.meaning.find(' ')).find('.') != std::string::npos;  // of a coefficient
+  if (!is_name) v.meaning[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(v.meaning[0])));
+}
+
 std::string page_text(const Page& page) {
-  std::string out = head(page);
-  out += fmt::format("<body><header><p class=\"kind\">{}</p><h1>{}</h1><p class=\"subtitle\">{}</p></header>\n<main>\n", escaped(page.kind),
-                     escaped(shortened(page.title, 120)), escaped(page.subtitle));
-  out += banner(page.verdict) + figures(page.figures) + page.body;
+  std::string out = head(page), body = page.body;
+  const auto sections = numbered_sections(body);
+  out += fmt::format("<body><header><p class=\"kind\">{}</p><h1>{}</h1><p class=\"subtitle\">{}</p>{}</header>\n<main>\n", escaped(page.kind),
+                     escaped(shortened(page.title, 120)), escaped(page.subtitle), contents(sections));
+  out += banner(page.verdict) + figures(page.figures) + body;
   out += fmt::format("</main>\n<footer>{}. This page contains all it shows; it loads nothing.</footer>\n", escaped(software()));
   return out + fmt::format("<script>{}</script>\n<script>{}</script>\n</body></html>\n", assets::dygraph_js, assets::page_js);
 }
@@ -80,7 +124,7 @@ std::vector<KeyFigure> key_figures(const std::function<double(CoefficientIndex)>
                                        {"gyro.matrix.diagonal", "gyro scale"},
                                        {"gyro.matrix.off_diagonal", "gyro misalignment"},
                                        {"gyro.offset", "gyro offset"}})
-    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"± " + readable_unit(worst), name});
+    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"u = " + readable_unit(worst), name});
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/conclusion.hpp"
 
 #include <functional>
 #include <string>
@@ -22,6 +23,10 @@ struct Verdict {
   std::vector<std::string> because;  ///< why
   std::vector<std::string> actions;  ///< what to do
 };
+
+/// The verdict of the answer in place of the page's own: its word, its tone (green: met and good), its headline, and the requirements as reasons. A
+/// conclusion that judged nothing changes nothing.
+void take_conclusion(Verdict& verdict, const Conclusion& conclusion);
 
 struct KeyFigure {
   std::string value, name;

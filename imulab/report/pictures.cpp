@@ -18,13 +18,11 @@ std::string box(double x, double y, double width, double height, std::string_vie
   return title.empty() ? shape + "/>" : fmt::format("{}><title>{}</title></rect>", shape, escaped(title));
 }
 
-/// White at 0, blue at 1, orange at -1.
-std::string shade_of(double r) {
+/// A square of a correlation: blue at 1, orange at -1, and the less of it the weaker.
+std::string shaded(double x, double y, double size, double r, std::string_view title = "") {
+  std::string out = box(x, y, size, size, r > 0 ? color::blue : color::vermilion, title);
   const double strength = std::min(1.0, std::abs(r));
-  const std::array<double, 3> full = r > 0 ? std::array{0.0, 114.0, 178.0} : std::array{213.0, 94.0, 0.0};
-  std::array<int, 3> rgb{};
-  for (std::size_t k = 0; k < 3; ++k) rgb[k] = static_cast<int>(std::lround(255 + strength * (full[k] - 255)));
-  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+  return strength < 1 ? out.insert(5, fmt::format(" fill-opacity=\"{:.2f}\"", strength)) : out;
 }
 
 /// One half of the sphere about `center_x`: z above 0, or below.
@@ -99,37 +97,36 @@ std::string interval_rows(const std::vector<Interval>& rows, std::string_view un
   return svg_text(width, bottom + 40, description, out);
 }
 
-std::string share_bars(const std::vector<std::string>& sources, const std::vector<ShareRow>& rows, std::string_view description) {
+std::string share_bars(const std::vector<ShareRow>& rows, std::string_view description) {
   double least = 0, most = 1;
   for (const ShareRow& row : rows) {
     double negative = 0, positive = 0;
-    for (const double part : row.parts) (part < 0 ? negative : positive) += part;
+    for (const SharePart& part : row.parts) (part.share < 0 ? negative : positive) += part.share;
     least = std::min(least, negative), most = std::max(most, positive);
   }
-  constexpr double width = 760, left = 190, right = 594, step = 21, top = 4;
+  constexpr double width = 840, left = 162, right = 500, step = 21, top = 4;
   const double bottom = top + step * static_cast<double>(rows.size());
   const auto at = [&](double v) { return left + (v - least) / (most - least) * (right - left); };
   std::string out;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double y = top + step * static_cast<double>(k);
-    out += text_at(left - 8, y + 14.5, rows[k].name, Anchor::end) + text_at(right + 8, y + 14.5, rows[k].value);
-    double negative = 0, positive = 0;
-    for (std::size_t s = 0; s < rows[k].parts.size(); ++s) {
-      const double part = rows[k].parts[s];
-      if (!std::isfinite(part) || std::abs(part) < 5e-4) continue;
-      double& end = part < 0 ? negative : positive;
-      out += box(at(std::min(end, end + part)), y + 3, at(std::abs(part)) - at(0), step - 6, color::series(s),
-                 fmt::format("{}: {:.1f} %", sources[s], 100 * part));
-      end += part;
-    }
-  }
   for (const double v : ticks({"", least, most}, 4)) {
-    out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : "#ffffff", v == 0 ? 1 : 0.6);
+    out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : color::grid, 1);
     out += text_at(at(v), bottom + 16, tick_text(100 * v) + " %", Anchor::middle);
   }
-  std::vector<std::pair<std::string, std::string_view>> names;
-  for (std::size_t s = 0; s < sources.size(); ++s) names.emplace_back(sources[s], color::series(s));
-  return svg_text(width, bottom + 24, description, out) + key(names);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double y = top + step * static_cast<double>(k);
+    out += text_at(left - 8, y + 14.5, rows[k].name, Anchor::end) + text_at(right + 10, y + 14.5, rows[k].value) +
+           text_at(right + 150, y + 14.5, rows[k].largest);
+    double negative = 0, positive = 0;
+    for (const SharePart& part : rows[k].parts) {
+      if (!std::isfinite(part.share) || std::abs(part.share) < 5e-4) continue;
+      double& end = part.share < 0 ? negative : positive;
+      const double wide = at(std::abs(part.share)) - at(0);  // a gap divides sources of one color
+      out += box(at(std::min(end, end + part.share)), y + 3, wide > 3 ? wide - 1 : wide, step - 6, color::series(part.color),
+                 fmt::format("{}: {:.1f} %", part.name, 100 * part.share));
+      end += part.share;
+    }
+  }
+  return svg_text(width, bottom + 24, description, out);
 }
 
 std::string correlation_map(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation, std::string_view description) {
@@ -141,14 +138,14 @@ std::string correlation_map(const std::vector<std::string>& names, const Eigen::
     for (std::size_t j = 0; j < names.size(); ++j) {
       const double r = correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       if (j > i || !(std::abs(r) >= 0.03)) continue;
-      out += box(left + cell * static_cast<double>(j), y, cell - 0.6, cell - 0.6, i == j ? "#c9ced5" : shade_of(r),
-                 i == j ? "" : fmt::format("{} and {}: {:.2f}", names[i], names[j], r));
+      const double x = left + cell * static_cast<double>(j), size = cell - 0.6;
+      out += i == j ? box(x, y, size, size, color::gray) : shaded(x, y, size, r, fmt::format("{} and {}: {:.2f}", names[i], names[j], r));
     }
   }
   const double side = cell * n, scale = left + side * 0.58;
-  for (int k = -10; k <= 10; ++k) out += box(scale + 9.0 * (k + 10), top + 8, 9.2, 12, shade_of(0.1 * k));
-  for (const int k : {-1, 0, 1}) out += text_at(scale + 94 + 90.0 * k, top + 36, number_text(k), Anchor::middle);
-  return svg_text(left + side + 30, top + side + 6, description, out);
+  for (int k = -10; k <= 10; ++k) out += shaded(scale + 9.0 * (k + 10), top + 8, 9, 0.1 * k);
+  for (const int k : {-1, 0, 1}) out += text_at(scale + 94 + 90.0 * k, top + 33, number_text(k), Anchor::middle);
+  return svg_text(std::max(left + side + 30, scale + 210), std::max(top + side + 6, 48.0), description, out);
 }
 
 std::string sphere(const std::vector<SphereMark>& marks, std::string_view description) {

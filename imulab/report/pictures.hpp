@@ -3,6 +3,7 @@
 
 #include "imulab/core/rotation.hpp"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,13 +21,18 @@ struct Interval {
 /// Rows on one axis with a line at zero, and a dashed one at the limit if there is one.
 std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description, std::optional<double> limit = {});
 
+/// A part of a bar: its color (that of the series), its share of one, and its name.
+struct SharePart {
+  std::size_t color = 0;
+  double share = 0;
+  std::string name;
+};
 /// One bar of parts that add up to one; a negative part is drawn to the left of zero.
 struct ShareRow {
-  std::string name, value;
-  std::vector<double> parts;
+  std::string name, value, largest;  ///< the largest part in words
+  std::vector<SharePart> parts;
 };
-/// A part has the color of its place among `sources`.
-std::string share_bars(const std::vector<std::string>& sources, const std::vector<ShareRow>& rows, std::string_view description);
+std::string share_bars(const std::vector<ShareRow>& rows, std::string_view description);
 
 /// Correlations as a square of colors: orange negative, blue positive, white none.
 std::string correlation_map(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation, std::string_view description);

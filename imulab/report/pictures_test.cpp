@@ -30,16 +30,16 @@ TEST(Pictures, AWhiskerIsAsLongAsItsInterval) {
 }
 
 TEST(Pictures, NothingIsDrawnOfWhatIsNotFinite) {
-  for (const std::string& svg : {interval_rows({{"x", NAN, NAN}, {"y", 1, INFINITY}}, "", ""), share_bars({"a"}, {{"x", "", {NAN}}}, ""),
+  for (const std::string& svg : {interval_rows({{"x", NAN, NAN}, {"y", 1, INFINITY}}, "", ""), share_bars({{"x", "", "", {{0, NAN, "a"}}}}, ""),
                                  correlation_map({"a", "b"}, Eigen::MatrixXd::Constant(2, 2, NAN), "")})
     EXPECT_THAT(svg, Not(testing::AnyOf(HasSubstr("nan"), HasSubstr("inf"))));
 }
 
 TEST(Pictures, SharesFillTheirBarAndNegativeOnesLieBeforeIt) {
-  const std::string svg = share_bars({"a", "b", "c"}, {{"row", "1 ppm", {0.75, 0.5, -0.25}}}, "test");
+  const std::string svg = share_bars({{"row", "1 ppm", "a 75 %", {{0, 0.75, "a"}, {1, 0.5, "b"}, {2, -0.25, "c"}}}}, "test");
   EXPECT_THAT(svg, HasSubstr("<title>a: 75.0 %</title>"));
   EXPECT_THAT(svg, HasSubstr("<title>c: -25.0 %</title>"));
-  EXPECT_THAT(svg, HasSubstr("x=\"190.0\" y=\"7.0\" width=\"67.3\"")) << "a sixth of the width, left of zero";
+  EXPECT_THAT(svg, HasSubstr("x=\"162.0\" y=\"7.0\" width=\"55.3\"")) << "a sixth of the width, left of zero";
 }
 
 TEST(Pictures, StrongCorrelationsHaveStrongColors) {

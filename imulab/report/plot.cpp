@@ -1,14 +1,12 @@
 #include "imulab/report/plot.hpp"
 
 #include "imulab/report/html.hpp"
-#include "imulab/report/start.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 namespace imulab::report {
@@ -35,16 +33,26 @@ Axis axis_over(std::string label, const std::vector<double>& values, bool logari
   return {std::move(label), low - room, high + room, false};
 }
 
-std::vector<double> ticks(const Axis& axis, int count) {
+namespace {
+
+std::vector<double> decade_ticks(const Axis& axis, int count) {
+  const int step = std::max(1, static_cast<int>(std::ceil(std::log10(axis.high / axis.low) / (count + 1))));
   std::vector<double> out;
-  if (axis.logarithmic) {
-    const double decades = std::log10(axis.high / axis.low);
-    const int step = std::max(1, static_cast<int>(std::ceil(decades / (count + 1))));
-    for (int k = static_cast<int>(std::ceil(std::log10(axis.low) - 1e-9)); k <= std::log10(axis.high) + 1e-9; k += step)
-      out.push_back(std::pow(10, k));
-    return out;
-  }
-  const double wanted = (axis.high - axis.low) / std::max(1, count), unit = std::pow(10, std::floor(std::log10(wanted)));
+  const auto add = [&](double v) {
+    if (v >= axis.low * (1 - 1e-9) && v <= axis.high * (1 + 1e-9)) out.push_back(v);
+  };
+  const int first = static_cast<int>(std::floor(std::log10(axis.low) + 1e-9)), last = static_cast<int>(std::floor(std::log10(axis.high) + 1e-9));
+  for (int k = static_cast<int>(std::ceil(std::log10(axis.low) - 1e-9)); k <= last; k += step) add(std::pow(10, k));
+  if (out.size() > 2) return out;
+  out.clear();
+  for (int k = first; k <= last; ++k)
+    for (const double digit : {1, 2, 5}) add(digit * std::pow(10, k));
+  return out;
+}
+
+std::vector<double> even_ticks(const Axis& axis, int count) {
+  std::vector<double> out;
+  const double wanted = (axis.high - axis.low) / count, unit = std::pow(10, std::floor(std::log10(wanted)));
   double step = 10 * unit;
   for (const double candidate : {1.0, 2.0, 2.5, 5.0})
     if (candidate * unit >= wanted * 0.999) {
@@ -53,6 +61,19 @@ std::vector<double> ticks(const Axis& axis, int count) {
     }
   for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step && out.size() < 50; ++k)
     out.push_back(k == 0 ? 0 : k * step);
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> ticks(const Axis& axis, int count) {
+  if (axis.logarithmic) return decade_ticks(axis, std::max(1, count));
+  constexpr int most = 12;
+  std::vector<double> out;
+  for (int n = std::max(1, count); n <= std::max(count, most); ++n) {
+    out = even_ticks(axis, n);
+    if (std::count_if(out.begin(), out.end(), [](double v) { return v != 0; }) >= 2) break;
+  }
   return out;
 }
 
@@ -73,14 +94,34 @@ std::string svg_text(double width, double height, std::string_view description, 
 }
 
 std::string key(const std::vector<std::pair<std::string, std::string_view>>& entries) {
-  std::string out = "<div>";
+  std::string out = "<div class=\"keys\">";
   for (const auto& [name, fill] : entries) out += fmt::format("<span class=\"key\"><i style=\"background:{}\"></i>{}</span>", fill, escaped(name));
   return out + "</div>";
 }
 
+namespace {
+
+constexpr double character = 7;  // the width of one, about
+
+/// Characters, not bytes.
+double length_of(const std::string& text) {
+  return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0u) != 0x80; }));
+}
+
+}  // namespace
+
+std::string standalone(std::string svg) {
+  const std::size_t end = svg.find('>');
+  svg.insert(end, " font-family=\"system-ui,Segoe UI,Roboto,DejaVu Sans,Arial,sans-serif\" font-size=\"13\"");
+  return svg.insert(svg.find('>') + 1, "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>");
+}
+
 Plot::Plot(Axis x, Axis y, std::string description, PlotSize size)
     : x_(std::move(x)), y_(std::move(y)), description_(std::move(description)), size_(size), small_(size.width < 300) {
-  left_ = small_ ? 56 : 64, right_ = size.width - 10, top_ = 8, bottom_ = size.height - (small_ ? 22 : 42);
+  double longest = 0;
+  for (const double v : ticks(y_, small_ ? 3 : 5)) longest = std::max(longest, character * length_of(tick_text(v)));
+  left_ = small_ ? std::max(44.0, longest + 10) : std::max(64.0, longest + 32);
+  right_ = size.width - size.margin, top_ = small_ ? 24 : 8, bottom_ = size.height - (small_ ? 36 : 42);
 }
 
 double Plot::at_x(double v) const {
@@ -94,6 +135,7 @@ double Plot::at_y(double v) const {
 }
 
 void Plot::line(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, double width) {
+  if (!x.empty()) series_.emplace(color);
   std::string points;
   const auto end = [&] {
     if (!points.empty())
@@ -112,6 +154,7 @@ void Plot::line(const std::vector<double>& x, const std::vector<double>& y, std:
 }
 
 void Plot::band(const std::vector<double>& x, const std::vector<double>& low, const std::vector<double>& high, std::string_view color) {
+  if (!x.empty()) series_.emplace(color);
   std::string there, back;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double px = at_x(x[i]), a = at_y(low[i]), b = at_y(high[i]);
@@ -124,6 +167,7 @@ void Plot::band(const std::vector<double>& x, const std::vector<double>& low, co
 
 /// One path of points: a few bytes each, where a circle is a hundred.
 void Plot::dots(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, bool hollow) {
+  if (!x.empty()) series_.emplace(color);
   const double width = x.size() > 150 ? 3.4 : x.size() > 60 ? 5 : 7;
   std::string path;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -139,6 +183,7 @@ void Plot::dots(const std::vector<double>& x, const std::vector<double>& y, std:
 }
 
 void Plot::bars(const std::vector<double>& x, const std::vector<double>& y, double width, std::string_view color) {
+  if (!x.empty()) series_.emplace(color);
   const double base = at_y(y_.logarithmic ? y_.low : std::clamp(0.0, y_.low, y_.high));
   std::string path;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -163,122 +208,82 @@ void Plot::rule(double y, std::string_view color) {
   marks_ += line_between(left_, at_y(y), right_, at_y(y), color, 1, true);
 }
 
-std::string Plot::axes() const {
+void Plot::segment(double x1, double y1, double x2, double y2, std::string_view color, bool dashed) {
+  marks_ += line_between(at_x(x1), at_y(y1), at_x(x2), at_y(y2), color, 1.2, dashed);
+}
+
+void Plot::note(double x, double y, std::string_view text, Anchor anchor, double dx, double dy) {
+  marks_ += text_at(at_x(x) + dx, at_y(y) + dy, text, anchor);
+}
+
+namespace {
+
+/// Text on curves: bold, with a rim of the page's color.
+std::string name_at(double x, double y, std::string_view text, std::string_view color, Anchor anchor) {
+  return text_at(x, y + 4, text, anchor,
+                 fmt::format("class=\"on\" fill=\"{}\" font-weight=\"650\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"", color));
+}
+
+}  // namespace
+
+void Plot::name(double x, double y, std::string_view text, std::string_view color, Anchor anchor) {
+  names_ += name_at(at_x(x), at_y(y), text, color, anchor);
+}
+
+void Plot::name_at_end(double y, std::string_view text, std::string_view color) {
+  if (const double at = at_y(y); std::isfinite(at)) end_names_.push_back({at, std::string(text), std::string(color)});
+}
+
+std::string Plot::end_names() const {
+  constexpr double apart = 17;
+  std::vector<EndName> all = end_names_;
+  std::stable_sort(all.begin(), all.end(), [](const EndName& a, const EndName& b) { return a.y < b.y; });
+  for (std::size_t k = 1; k < all.size(); ++k) all[k].y = std::max(all[k].y, all[k - 1].y + apart);
+  double lowest = bottom_ - 2;
+  for (std::size_t k = all.size(); k-- > 0; lowest = all[k].y - apart) all[k].y = std::min(all[k].y, lowest);
   std::string out;
+  for (const EndName& name : all) out += name_at(right_ + 8, name.y, name.text, name.color, Anchor::start);
+  return out;
+}
+
+/// As many as fit beside each other.
+std::vector<double> Plot::x_ticks() const {
+  for (int count = small_ ? 4 : size_.width > 600 ? 10 : 6;; --count) {
+    std::vector<double> out = ticks(x_, count);
+    double end = -1e9;
+    bool fits = true;
+    for (const double v : out) {
+      const double half = 0.5 * character * length_of(tick_text(v));
+      fits = fits && at_x(v) - half > end;
+      end = at_x(v) + half + 4;
+    }
+    if (fits || count <= 1) return out;
+  }
+}
+
+std::string Plot::axes() const {
+  std::string out = "<g class=\"yticks\">";
   for (const double v : ticks(y_, small_ ? 3 : 5)) {
     const double y = at_y(v);
     out += line_between(left_, y, right_, y, color::grid);
     out += text_at(left_ - 6, y + 4, tick_text(v), Anchor::end);
   }
-  for (const double v : ticks(x_, small_ ? 4 : size_.width > 600 ? 10 : 6)) {
-    const double x = at_x(v);
+  out += "</g><g class=\"xticks\">";
+  for (const double v : x_ticks()) {
+    const double x = at_x(v), half = 0.5 * character * length_of(tick_text(v));
     out += line_between(x, bottom_, x, bottom_ + 4, color::gray);
-    out += text_at(x, bottom_ + 18, tick_text(v), x > right_ - 14 ? Anchor::end : Anchor::middle);
+    out += text_at(std::min(x, size_.width - half), bottom_ + 18, tick_text(v), Anchor::middle);
   }
-  out += line_between(left_, bottom_, right_, bottom_, color::gray);
-  if (small_) return out;
-  out += text_at(0.5 * (left_ + right_), size_.height - 5, x_.label, Anchor::middle);
+  out += "</g>" + line_between(left_, bottom_, right_, bottom_, color::gray);
+  if (!x_.label.empty()) out += text_at(0.5 * (left_ + right_), size_.height - 4, x_.label, Anchor::middle, "class=\"x\"");
+  if (small_) return out + text_at(2, 13, y_.label, Anchor::start, "class=\"y\"");
   const double middle = 0.5 * (top_ + bottom_);
-  return out + text_at(13, middle, y_.label, Anchor::middle, fmt::format("transform=\"rotate(-90 13 {:.1f})\"", middle));
+  return out + text_at(13, middle, y_.label, Anchor::middle, fmt::format("class=\"y\" transform=\"rotate(-90 13 {:.1f})\"", middle));
 }
 
-std::string Plot::svg() const { return svg_text(size_.width, size_.height, description_, axes() + marks_); }
-
-namespace {
-
-/// As JSON inside a script element: "<" would end it.
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\' || c == '<' || c == '>' || c == '&' || static_cast<unsigned char>(c) < 0x20)
-      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-template <class Values, class Text>
-std::string json_list(const Values& values, const Text& text) {
-  std::string out = "[";
-  for (const auto& v : values) out += (out.size() > 1 ? "," : "") + text(v);
-  return out + "]";
-}
-
-std::string json_number(double v) { return std::isfinite(v) ? fmt::format("{:.5g}", v) : "null"; }
-std::string json_time(double v) { return fmt::format("{:.9g}", v); }
-
-const char* name_of(Mark mark) { return mark == Mark::rest ? "rest" : mark == Mark::dropped ? "dropped" : "gap"; }
-
-std::vector<std::string> colors_of(const TimeChart& chart) {
-  std::vector<std::string> colors = chart.colors;
-  for (std::size_t k = colors.size(); k < chart.y.size(); ++k) colors.emplace_back(color::series(k));
-  return colors;
-}
-
-/// Least and greatest of each of `parts` parts.
-std::pair<std::vector<double>, std::vector<double>> thinned(const std::vector<double>& x, const std::vector<double>& y, std::size_t parts) {
-  if (x.size() <= 2 * parts) return {x, y};
-  std::pair<std::vector<double>, std::vector<double>> out;
-  const std::size_t step = (x.size() + parts - 1) / parts;
-  for (std::size_t begin = 0; begin < x.size(); begin += step) {
-    const std::size_t end = std::min(x.size(), begin + step);
-    const auto first = y.begin() + static_cast<std::ptrdiff_t>(begin), last = y.begin() + static_cast<std::ptrdiff_t>(end);
-    const auto [low, high] = std::minmax_element(first, last);
-    out.first.insert(out.first.end(), {x[begin], x[end - 1]});
-    out.second.insert(out.second.end(), {*std::min(low, high), *std::max(low, high)});
-  }
-  return out;
-}
-
-/// The chart with times from its start, in the unit of its axis.
-TimeChart from_its_start(TimeChart chart) {
-  const double unit = chart.minutes ? 60 : 1;
-  const auto move = [&](double& time) { time = (time - chart.start) / unit; };
-  std::for_each(chart.x.begin(), chart.x.end(), move);
-  for (MarkedTime& mark : chart.marks) move(mark.begin), move(mark.end);
-  return chart;
-}
-
-std::string still(const TimeChart& chart, const std::string& x_label, const std::vector<std::string>& colors) {
-  constexpr std::size_t parts = 450;
-  std::vector<double> all;
-  for (const auto& series : chart.y) all.insert(all.end(), series.begin(), series.end());
-  const double first = chart.x.empty() ? 0 : std::min(0.0, chart.x.front()),
-               last = chart.x.empty() || chart.x.back() <= first ? first + 1 : chart.x.back();
-  Plot plot({x_label, first, last}, axis_over(chart.y_label, all, chart.logarithmic), chart.title, wide_plot);
-  for (const auto& [mark, shade] : {std::pair{Mark::rest, color::sky}, {Mark::dropped, color::vermilion}, {Mark::gap, color::ink}}) {
-    std::vector<std::pair<double, double>> spans;
-    for (const MarkedTime& m : chart.marks)
-      if (m.mark == mark) spans.emplace_back(m.begin, m.end);
-    plot.shade(spans, shade, mark == Mark::rest ? 0.16 : 0.3);
-  }
-  std::vector<std::pair<std::string, std::string_view>> names;
-  for (std::size_t k = 0; k < chart.y.size(); ++k) {
-    const auto [x, y] = thinned(chart.x, chart.y[k], parts);
-    plot.line(x, y, colors[k], 1);
-    names.emplace_back(chart.names[k], colors[k]);
-  }
-  return plot.svg() + (names.size() > 1 ? key(names) : "");
-}
-
-}  // namespace
-
-std::string time_chart(const TimeChart& given) {
-  const TimeChart chart = from_its_start(given);
-  const std::string x_label = time_label(given.start, given.minutes ? "min" : "s");
-  const std::vector<std::string> colors = colors_of(chart);
-  std::string data =
-      fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
-                  json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
-                  json_list(chart.names, json_string), json_list(colors, json_string), json_string(x_label), json_string(chart.y_label),
-                  chart.logarithmic, json_string(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
-                    return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
-                  }));
-  return fmt::format(
-      "<div class=\"chart\"><div class=\"title\">{}</div><div class=\"legend\"></div><div class=\"live\"></div><div class=\"still\">{}</div>"
-      "<script type=\"application/json\">{}</script></div>\n",
-      escaped(chart.title), still(chart, x_label, colors), data);
+std::string Plot::svg() const {
+  std::string out = svg_text(size_.width, size_.height, description_, axes() + marks_ + names_ + end_names());
+  return out.insert(4, fmt::format(" class=\"plot\" data-series=\"{}\"", series_.size()));
 }
 
 }  // namespace imulab::report

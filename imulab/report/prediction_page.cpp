@@ -1,16 +1,21 @@
 #include "imulab/report/prediction_page.hpp"
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
+#include "imulab/report/plot.hpp"
 #include "imulab/results/prediction.hpp"
+#include "imulab/results/shares.hpp"
+#include "imulab/rig/pose_on_table.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -23,26 +28,49 @@ UserUnit unit_in(const PredictionSummary& s, const PredictedCoefficient& c) { re
 
 std::string in_unit(double sigma, const UserUnit& unit) { return uncertainty_text(sigma / unit.size) + " " + readable_unit(unit.name); }
 
-std::string shares_section(const PredictionSummary& s) {
-  if (s.coefficients.front().budget.empty()) return {};
-  std::vector<std::string> sources;
-  const auto column_of = [&](const std::string& source) {  // the effects of the table are one: a bar of all of them has no colours that differ
-    const std::string name = find_effect(source) ? "effects" : source;
-    const auto found = std::find(sources.begin(), sources.end(), name);
-    return found == sources.end() ? (sources.push_back(name), sources.size() - 1) : static_cast<std::size_t>(found - sources.begin());
-  };
-  for (const auto& [source, sigma] : s.coefficients.front().budget) column_of(source);
+/// The bars of these coefficients: the parts of a bar are the sources, in the colors of their groups.
+std::string share_figure(const PredictionSummary& s, bool optional_terms) {
   std::vector<ShareRow> rows;
   for (const PredictedCoefficient& c : s.coefficients) {
+    if (is_optional(coefficient(c.index).term) != optional_terms) continue;
     double all = 0;
     for (const auto& [source, sigma] : c.budget) all += sigma * sigma;
-    ShareRow r{std::string(coefficient(c.index).name), in_unit(c.sigma, unit_in(s, c)), std::vector<double>(sources.size())};
-    for (const auto& [source, sigma] : c.budget) r.parts[column_of(source)] += all > 0 ? sigma * sigma / all : 0;
+    ShareRow r{std::string(coefficient(c.index).name), in_unit(c.sigma, unit_in(s, c)), {}, {}};
+    const std::pair<std::string, double>* largest = nullptr;
+    for (const auto& part : c.budget) {
+      r.parts.push_back({source_group(part.first), all > 0 ? part.second * part.second / all : 0, part.first});
+      if (largest == nullptr || part.second > largest->second) largest = &part;
+    }
+    std::stable_sort(r.parts.begin(), r.parts.end(), [](const SharePart& x, const SharePart& y) { return x.color < y.color; });
+    if (largest != nullptr && all > 0) r.largest = fmt::format("{} {:.0f} %", largest->first, 100 * largest->second * largest->second / all);
     rows.push_back(std::move(r));
   }
-  return section("shares", "What limits each coefficient", "The share of each source in the variance (to first order), and the standard uncertainty.",
-                 figure(share_bars(sources, rows, "shares of the sources"),
-                        "Improve the source with the longest bar first: the others hardly count beside it.", true));
+  return rows.empty() ? "" : share_bars(rows, "shares of the sources");
+}
+
+/// The groups that occur, each with its sources.
+std::string share_key(const PredictionSummary& s) {
+  std::array<std::string, source_groups.size()> members;
+  for (const auto& [source, sigma] : s.coefficients.front().budget) {
+    std::string& group = members[source_group(source)];
+    if (!find_effect(source) && source != undetermined_source) group += (group.empty() ? ": " : ", ") + source;
+    if (group.empty()) group = " ";
+  }
+  std::vector<std::pair<std::string, std::string_view>> names;
+  for (std::size_t k = 0; k < members.size(); ++k)
+    if (!members[k].empty()) names.emplace_back(std::string(source_groups[k]) + (members[k] == " " ? "" : members[k]), color::series(k));
+  return key(names);
+}
+
+std::string shares_section(const PredictionSummary& s) {
+  if (s.coefficients.front().budget.empty()) return {};
+  const std::string optional_terms = share_figure(s, true);
+  return section(
+      "shares", "What limits each coefficient",
+      "The share of each source in the variance (to first order), the standard uncertainty, and the source with the largest share: improve "
+      "that one first, since the others hardly count beside it.",
+      share_key(s) + figure(share_figure(s, false), "", true) +
+          (optional_terms.empty() ? "" : folded("Terms that the IMU may have", figure(optional_terms, "", true))));
 }
 
 std::string uncertainties_section(const PredictionSummary& s) {
@@ -76,9 +104,8 @@ Verdict prediction_verdict(const PredictionReport& report) {
             .meaning = "What a calibration by this procedure will know, if rig and noise are as declared.",
             .because = {},
             .actions = {}};
-  if (report.required) v.tone = Tone::good, v.word = "requirements met";
-  if (!missed.empty()) v.tone = Tone::doubtful, v.word = "requirements not met";
-  if (!s.undetermined.empty()) v.tone = Tone::doubtful, v.word = "not all is determined";
+  if (!missed.empty()) v.tone = Tone::doubtful;
+  take_conclusion(v, report.conclusion);
   for (const Shortfall& shortfall : missed) v.because.push_back(shortfall_line(shortfall));
   for (const CoefficientIndex index : s.undetermined) v.because.push_back(std::string(coefficient(index).name) + " is not determined");
   if (s.advice) v.actions = s.advice->turns;
@@ -120,16 +147,39 @@ std::string prediction_page(const PredictionReport& r) {
 namespace report {
 namespace {
 
-std::string duration_text(double seconds) {
-  return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60)));
+/// The rows of the terminal's table: the first rest, then each turn by its number.
+std::string turns_section(const TurnPath& path) {
+  const std::vector<std::string> words = in_words(path.turns);
+  Table t{.head = {"turn", "axis", "angle [deg]", "rest [s]", "in the IMU's own terms"}, .rows = {}, .left = {1, 4}};
+  t.rows.push_back({"", "", "", number_text(path.first_rest, 5), "rest at zero angles"});
+  for (std::size_t k = 0; k < path.turns.size(); ++k)
+    t.rows.push_back({fmt::format("{}", k + 1), std::string(to_string(path.turns[k].axis)),
+                      (path.turns[k].angle_deg > 0 ? "+" : "") + number_text(path.turns[k].angle_deg, 5), number_text(path.turns[k].rest, 5),
+                      escaped(words[k])});
+  return section("turns", "The procedure", "Begin at zero angles; turn, then rest, in this order.", table(t));
 }
 
-std::string turns_section(const TurnPath& path) {
-  Table t{.head = {"step", "turn about", "by [deg]", "then rest [s]"}, .rows = {{"1", "", "", number_text(path.first_rest, 5)}}, .left = {1}};
-  for (std::size_t k = 0; k < path.turns.size(); ++k)
-    t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number_text(path.turns[k].angle_deg, 5),
-                      number_text(path.turns[k].rest, 5)});
-  return section("turns", "The procedure", "Begin at zero angles; turn and rest in this order.", table(t));
+/// "gyro scale to 3 ppm" for gyro.matrix.diagonal <= 3 ppm.
+std::string required_in_words(const Requirement& r) {
+  constexpr std::array<std::array<std::string_view, 2>, 8> words{{{"accel.matrix.diagonal", "accelerometer scale"},
+                                                                  {"accel.matrix.off_diagonal", "accelerometer misalignment"},
+                                                                  {"accel.offset", "accelerometer offset"},
+                                                                  {"accel.matrix", "accelerometer matrix"},
+                                                                  {"gyro.matrix.diagonal", "gyro scale"},
+                                                                  {"gyro.matrix.off_diagonal", "gyro misalignment"},
+                                                                  {"gyro.offset", "gyro offset"},
+                                                                  {"gyro.matrix", "gyro matrix"}}};
+  std::string name = r.selector;
+  for (const auto& [selector, word] : words)
+    if (r.selector == selector) name = word;
+  return fmt::format("{} to {} {}", name, number_text(r.limit / r.unit.size), readable_unit(r.unit.name));
+}
+
+std::string plan_title(const PlanSummary& plan) {
+  std::string goals;
+  for (std::size_t k = 0; k < plan.requirements.size(); ++k)
+    goals += (k == 0 ? "" : k + 1 == plan.requirements.size() ? " and " : ", ") + required_in_words(plan.requirements[k]);
+  return "Turns and rests for " + goals;
 }
 
 /// The uncertainty of each required coefficient, relative to its limit.
@@ -148,36 +198,39 @@ std::string requirements_figure(const PlanSummary& plan) {
                  figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
 }
 
-Verdict plan_verdict(const PlanSummary& plan) {
+Verdict plan_verdict(const PlanSummary& plan, const std::string& written) {
   const std::vector<Shortfall> missed = plan.prediction.missed.value_or(std::vector<Shortfall>());
   const bool met = missed.empty();
   Verdict v{.tone = met ? Tone::good : Tone::doubtful,
-            .word = met ? "requirements met" : "requirements not met",
-            .meaning = fmt::format("{} turns in {}.", plan.path.turns.size(), duration_text(plan.path.duration)),
+            .word = met ? "met" : "not met",
+            .meaning = fmt::format("{} turns in {}.", plan.path.turns.size(), text::minutes(plan.path.duration)),
             .because = {},
             .actions = {}};
   for (const Shortfall& s : missed) v.because.push_back(shortfall_line(s));
-  v.actions.emplace_back(
-      met ? fmt::format("Save the procedure with imulab plan -o, perform it, and calibrate with --method {}.", planning_method().name)
-          : "Allow more time or more axes, or require less.");
+  v.actions.emplace_back(met ? fmt::format("{}, and calibrate with --method {}.",
+                                           written.empty() ? "Save the procedure with imulab plan -o, perform it" : "Perform " + written,
+                                           planning_method().name)
+                             : "Allow more time or more axes, or require less.");
   return v;
 }
 
 }  // namespace
 }  // namespace report
 
-std::string plan_page(const PlanSummary& r) {
+std::string plan_page(const PlanSummary& r, const Conclusion& conclusion, const std::string& written) {
   using namespace report;
   Page page;
   page.kind = "Plan";
-  std::string required;
-  for (const Requirement& requirement : r.requirements) required += (required.empty() ? "" : ", ") + to_string(requirement);
-  page.title = "Procedure for " + readable_unit(required);
+  page.title = plan_title(r);
   std::string method(planning_method().name);
   method[0] = static_cast<char>(std::toupper(method[0]));
-  page.subtitle = method + " method" + (r.prior ? ", " + prior_text(*r.prior) : "");
-  page.verdict = plan_verdict(r);
-  page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.prediction);
+  page.subtitle = method + " method" + (r.prior ? ", " + prior_text(*r.prior) : "") + (written.empty() ? "" : "; written: " + written);
+  page.verdict = plan_verdict(r, written);
+  take_conclusion(page.verdict, conclusion);
+  page.figures = {{fmt::format("{}", r.path.turns.size()), "turns"}, {text::minutes(r.path.duration), "duration"}};
+  for (const KeyFigure& figure : key_figures([&](CoefficientIndex index) { return sigma_of(index, r.prediction.indices(), r.prediction.sigma()); }))
+    page.figures.push_back(figure);
+  page.body = worst_axis_note(page.figures) + requirements_figure(r) + turns_section(r.path) + prediction_sections(r.prediction);
   return page_text(page);
 }
 

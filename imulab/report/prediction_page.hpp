@@ -11,7 +11,7 @@ struct PredictionReport {
   std::string procedure;  ///< its name
   PredictionSummary summary;
   std::vector<std::string> tables = {};  ///< further text, as the command prints it
-  bool required = false;                 ///< whether there were requirements
+  Conclusion conclusion = {};
 };
 
 /// HTML, self-contained.
@@ -25,7 +25,7 @@ std::string shortfall_line(const Shortfall& shortfall);
 std::string preformatted(const std::string& text);
 }  // namespace report
 
-/// HTML, self-contained.
-std::string plan_page(const PlanSummary& plan);
+/// HTML, self-contained. `written`: the file that has the procedure; empty: none.
+std::string plan_page(const PlanSummary& plan, const Conclusion& conclusion = {}, const std::string& written = "");
 
 }  // namespace imulab

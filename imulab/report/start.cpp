@@ -2,6 +2,7 @@
 
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/figures.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,12 @@ std::string date_text(double stamp) {
 
 std::string stamp_and_date(double stamp) {
   const std::string date = date_text(stamp);
-  return stamp_text(stamp) + " s" + (date.empty() ? "" : " (" + date + ")");
+  return date.empty() ? stamp_text(stamp) + " s" : date;
+}
+
+std::string seconds_text(double duration) {
+  const std::string text = text::number(duration, 6) + " s";
+  return duration < 600 ? text : fmt::format("{} ({} min)", text, text::number(duration / 60, 3));
 }
 
 std::string time_label(double first, std::string_view unit) {

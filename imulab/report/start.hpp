@@ -10,8 +10,11 @@ namespace imulab::report {
 /// such a clock counts from something else.
 std::string date_text(double stamp);
 
-/// A stamp in a sentence: "12.5 s", "1700000000.01 s (2023-11-14T22:13:20.010Z)".
+/// A stamp in a sentence: its date where it has one, else "12.5 s".
 std::string stamp_and_date(double stamp);
+
+/// A duration in a sentence: "12.5 s", from ten minutes on with minutes: "3712 s (61.9 min)".
+std::string seconds_text(double duration);
 
 /// The label of an axis of time from this stamp: "time [s]" of zero, else "time [s] from 2023-11-14T22:13:20.010Z" or "time [s] from the start,
 /// at 12.5 s".

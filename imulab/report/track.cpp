@@ -40,36 +40,109 @@ std::vector<double> row_of(const auto& rows, Eigen::Index row, double unit) {
   return out;
 }
 
-std::string band_figure(const ErrorBands& b, int q) {
+/// What is drawn of one quantity, in its unit.
+struct DrawnQuantity {
+  std::string name, unit;
+  std::vector<double> low, mean, high;  // of the budget
+  std::vector<double> sampled_low, sampled_high, errors;
+};
+
+DrawnQuantity drawn_quantity(const ErrorBands& b, int q) {
   const ErrorQuantity& quantity = error_quantities()[static_cast<std::size_t>(q)];
-  std::vector<double> all{0}, time, low, high, mean;
-  if (b.budget != nullptr) {
-    time = minutes_of(b.budget->time, b.start);
-    for (std::size_t i = 0; i < time.size(); ++i) {
+  DrawnQuantity out{.name = std::string(quantity.name), .unit = std::string(quantity.unit)};
+  if (b.budget != nullptr)
+    for (std::size_t i = 0; i < b.budget->time.size(); ++i) {
       const double sigma = std::sqrt(std::max(0.0, b.budget->covariance[i](q, q))) / quantity.size;
-      mean.push_back(b.budget->mean(q, static_cast<Eigen::Index>(i)) / quantity.size);
-      low.push_back(mean.back() - sigma), high.push_back(mean.back() + sigma);
+      out.mean.push_back(b.budget->mean(q, static_cast<Eigen::Index>(i)) / quantity.size);
+      out.low.push_back(out.mean.back() - sigma), out.high.push_back(out.mean.back() + sigma);
     }
-  }
-  const std::vector<double> errors = b.errors.cols() > 0 ? row_of(b.errors, q, quantity.size) : std::vector<double>{};
-  std::vector<double> sampled_time, sampled_low, sampled_high;
-  if (b.monte_carlo != nullptr) {
-    sampled_time = minutes_of(b.monte_carlo->time, b.start);
-    sampled_low = row_of(b.monte_carlo->low, q, quantity.size), sampled_high = row_of(b.monte_carlo->high, q, quantity.size);
-  }
-  for (const std::vector<double>* part : std::initializer_list<const std::vector<double>*>{&low, &high, &errors, &sampled_low, &sampled_high})
-    all.insert(all.end(), part->begin(), part->end());
-  const std::vector<double> error_time = minutes_of(b.error_time, b.start);
-  const double first = !time.empty() ? time.front() : error_time.front(), last = !time.empty() ? time.back() : error_time.back();
-  Plot plot({"", first, last > first ? last : first + 1}, axis_over("", all), std::string(quantity.name), small_plot);
-  plot.band(time, low, high, color::sky);
-  plot.line(sampled_time, sampled_low, color::gray, 1);
-  plot.line(sampled_time, sampled_high, color::gray, 1);
-  plot.rule(0, color::gray);
-  if (errors.empty()) plot.line(time, mean, color::blue);
-  plot.line(error_time, errors, color::vermilion);
-  return fmt::format("<figure>{}<figcaption>{} [{}]</figcaption></figure>\n", plot.svg(), quantity.name, quantity.unit);
+  if (b.errors.cols() > 0) out.errors = row_of(b.errors, q, quantity.size);
+  if (b.monte_carlo != nullptr)
+    out.sampled_low = row_of(b.monte_carlo->low, q, quantity.size), out.sampled_high = row_of(b.monte_carlo->high, q, quantity.size);
+  return out;
 }
+
+/// All values that decide how large the picture is.
+std::vector<double> shown_values(const ErrorBands& b, const DrawnQuantity& d) {
+  std::vector<double> all{0};
+  for (const std::vector<double>* part : std::initializer_list<const std::vector<double>*>{&d.errors, &d.sampled_low, &d.sampled_high})
+    all.insert(all.end(), part->begin(), part->end());
+  if (!b.rough || b.monte_carlo == nullptr)
+    for (const std::vector<double>* part : {&d.low, &d.high}) all.insert(all.end(), part->begin(), part->end());
+  return all;
+}
+
+double largest_size(const std::vector<double>& values) {
+  double most = 0;
+  for (const double v : values)
+    if (std::isfinite(v)) most = std::max(most, std::abs(v));
+  return most;
+}
+
+/// Thousands in a larger unit, where there is one.
+void in_larger_unit(DrawnQuantity& d, std::vector<double>& shown) {
+  const double most = largest_size(shown);
+  const double size = d.unit == "m" ? length_unit(most).size : d.unit == "arcsec" && most >= unit::deg / unit::arcsec ? unit::deg / unit::arcsec : 1;
+  if (size == 1) return;
+  d.unit = d.unit == "m" ? "km" : "deg";
+  for (std::vector<double>* part : {&d.low, &d.mean, &d.high, &d.sampled_low, &d.sampled_high, &d.errors, &shown})
+    for (double& v : *part) v /= size;
+}
+
+/// A curve ends where it leaves the picture.
+std::vector<double> within(std::vector<double> y, const Axis& axis) {
+  for (double& v : y)
+    if (v < axis.low || v > axis.high) v = NAN;
+  return y;
+}
+
+/// Minutes from the start: of all that is drawn.
+Axis time_axis(const ErrorBands& b) {
+  const std::vector<double> time = minutes_of(b.budget != nullptr ? b.budget->time : b.error_time, b.start);
+  const double first = std::min(0.0, time.front());
+  return {"min", first, time.back() > first ? time.back() : first + 1};
+}
+
+std::string band_figure(const ErrorBands& b, const DrawnQuantity& d, const Axis& y) {
+  Plot plot(time_axis(b), y, d.name, small_plot);
+  if (b.budget != nullptr) plot.band(minutes_of(b.budget->time, b.start), d.low, d.high, color::sky);
+  if (b.monte_carlo != nullptr)
+    for (const auto* edge : {&d.sampled_low, &d.sampled_high}) plot.line(minutes_of(b.monte_carlo->time, b.start), *edge, color::green, 1);
+  plot.rule(0, color::gray);
+  if (d.errors.empty() && b.budget != nullptr) plot.line(minutes_of(b.budget->time, b.start), within(d.mean, y), color::blue);
+  plot.line(minutes_of(b.error_time, b.start), d.errors, color::vermilion);
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", plot.svg(), d.name);
+}
+
+/// Quantities that compare, east and north, on one axis.
+std::string band_figures(const ErrorBands& b, const std::vector<int>& quantities) {
+  std::vector<DrawnQuantity> all;
+  std::vector<double> shown;
+  for (const int q : quantities) {
+    all.push_back(drawn_quantity(b, q));
+    const std::vector<double> values = shown_values(b, all.back());
+    shown.insert(shown.end(), values.begin(), values.end());
+  }
+  const std::vector<double> in_si_sizes = shown;
+  std::string out;
+  for (DrawnQuantity& d : all) {
+    shown = in_si_sizes;
+    in_larger_unit(d, shown);
+    out += band_figure(b, d, axis_over(d.unit, shown));
+  }
+  return out;
+}
+
+/// Root of the mean square horizontal error.
+std::vector<double> horizontal_rms(const ErrorBudget& b) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < b.time.size(); ++i)
+    out.push_back(std::sqrt(b.mean.col(static_cast<Eigen::Index>(i)).head<2>().squaredNorm() + std::max(0.0, b.covariance[i](0, 0)) +
+                            std::max(0.0, b.covariance[i](1, 1))));
+  return out;
+}
+
+bool anything(const ErrorBands& b) { return (b.budget != nullptr && b.budget->time.size() > 1) || b.error_time.size() > 1; }
 
 }  // namespace
 
@@ -112,16 +185,59 @@ const std::array<ErrorQuantity, budget_quantities>& error_quantities() {
   return all;
 }
 
+LengthUnit length_unit(double largest) { return largest >= 1e4 ? LengthUnit{"km", 1000} : LengthUnit{"m", 1}; }
+
+std::string length_text(double length) {
+  const LengthUnit u = length_unit(std::abs(length));
+  return fmt::format("{} {}", number_text(length / u.size), u.name);
+}
+
+std::string horizontal_picture(const ErrorBands& b) {
+  if (!anything(b)) return {};
+  DrawnQuantity d{.name = "horizontal error", .unit = "m"};
+  if (b.budget != nullptr) d.mean = horizontal_rms(*b.budget);
+  std::vector<double> median;
+  if (b.monte_carlo != nullptr) {
+    d.sampled_low = row_of(b.monte_carlo->low, budget_quantities, 1), d.sampled_high = row_of(b.monte_carlo->high, budget_quantities, 1);
+    median = row_of(b.monte_carlo->median, budget_quantities, 1);
+  }
+  for (Eigen::Index i = 0; i < b.errors.cols(); ++i) d.errors.push_back(b.errors.col(i).head<2>().norm());
+  std::vector<double> shown = shown_values(b, d);
+  if (!b.rough || b.monte_carlo == nullptr) shown.insert(shown.end(), d.mean.begin(), d.mean.end());
+  const double size = length_unit(largest_size(shown)).size;
+  in_larger_unit(d, shown);
+  for (double& v : median) v /= size;
+  Axis x = time_axis(b), y = axis_over(fmt::format("horizontal error [{}]", d.unit), shown);
+  x.label = time_label(b.start, "min"), y.low = 0;
+  Plot plot(x, y, "horizontal position error over time", {960, 330, 180});
+  const auto curve = [&](const std::vector<double>& time, const std::vector<double>& values, const std::string& name, std::string_view ink) {
+    if (values.empty()) return;
+    const std::vector<double> drawn = within(values, y);
+    plot.line(minutes_of(time, b.start), drawn, ink, 2);
+    plot.name_at_end(std::min(values.back(), y.high), name, ink);
+  };
+  if (b.monte_carlo != nullptr) {
+    plot.band(minutes_of(b.monte_carlo->time, b.start), d.sampled_low, d.sampled_high, color::green);
+    plot.name_at_end(d.sampled_high.back(), "95 % of the runs", color::green);
+    curve(b.monte_carlo->time, median, "half of the runs", color::green);
+  }
+  if (b.budget != nullptr)
+    curve(b.budget->time, d.mean, b.rough ? "linear, rough" : b.errors.cols() > 0 ? "expected, RMS" : "linear, RMS", color::blue);
+  curve(b.error_time, d.errors, "error", color::vermilion);
+  return plot.svg();
+}
+
 std::string error_bands(const ErrorBands& bands) {
-  if ((bands.budget == nullptr || bands.budget->time.size() < 2) && bands.error_time.size() < 2) return {};
+  if (!anything(bands)) return {};
   std::string out;
-  for (int q = 0; q < budget_quantities; ++q) out += band_figure(bands, q);
+  for (const int first : {0, 3, 6}) out += band_figures(bands, {first, first + 1}) + band_figures(bands, {first + 2});
   std::vector<std::pair<std::string, std::string_view>> names;
-  if (bands.budget != nullptr) names.emplace_back("one sigma", color::sky);
+  if (bands.budget != nullptr) names.emplace_back(bands.rough ? "one sigma, linear, rough" : "one sigma", color::sky);
   if (bands.budget != nullptr && bands.error_time.empty()) names.emplace_back("mean", color::blue);
-  if (bands.monte_carlo != nullptr) names.emplace_back("Monte Carlo, 5 % and 95 %", color::gray);
+  if (bands.monte_carlo != nullptr) names.emplace_back("Monte Carlo, 5 % and 95 %", color::green);
   if (!bands.error_time.empty()) names.emplace_back("error", color::vermilion);
-  return "<div class=\"small three\">" + out + "</div>\n" + key(names) + paragraph("Horizontal axes: " + time_label(bands.start, "min") + ".");
+  return key(names) + "<div class=\"small three\">" + out + "</div>\n" +
+         paragraph("East and north have one scale. Horizontal axes: " + time_label(bands.start, "min") + ".");
 }
 
 Eigen::MatrixXd horizontal_shares(const ErrorBudget& b) {

@@ -26,14 +26,26 @@ struct ErrorQuantity {
 };
 const std::array<ErrorQuantity, budget_quantities>& error_quantities();
 
-/// Errors over time with their expected sizes: nine small charts. `errors`: nine rows, at `error_time`; may be empty.
+/// A length as a reader takes it: m, from 10 km on km.
+struct LengthUnit {
+  std::string_view name;
+  double size;  ///< m
+};
+LengthUnit length_unit(double largest);
+std::string length_text(double length);
+
+/// Errors over time with their expected sizes. `errors`: nine rows, at `error_time`; may be empty.
 struct ErrorBands {
   const ErrorBudget* budget = nullptr;
   const ErrorDistribution* monte_carlo = nullptr;
   std::vector<double> error_time;  ///< s
   BudgetRows errors;
-  double start = 0;  ///< s: from which the pictures count
+  double start = 0;    ///< s: from which the pictures count
+  bool rough = false;  ///< the budget is: pictures are as large as the Monte Carlo needs
 };
+/// The horizontal position error: one large picture.
+std::string horizontal_picture(const ErrorBands& bands);
+/// All nine: small pictures. East and north have one scale.
 std::string error_bands(const ErrorBands& bands);
 
 /// Shares of the mean square horizontal position error: a row an output time, a column each source and last the correlation between groups.

@@ -102,19 +102,14 @@ std::string block_text(const ErrorRows& block, const ErrorBudget& b) {
 }
 
 /// Horizontal position, and what causes most of it.
-std::string headline(const ErrorBudget& b) {
-  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  const Eigen::VectorXd sigma = total_sigma(b).col(end);
-  const double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
+std::string headline(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
   const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
   std::string largest;
   for (const std::size_t k : by_share(shares, b.groups.size())) {
     if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;
     largest += fmt::format("{}{} {:.0f} %", largest.empty() ? "" : ", ", b.groups[k].name, 100 * shares[k]);
   }
-  return text::wrapped(
-             "", fmt::format("after {:g} s: horizontal position error {} m RMS, {}", b.time.back(), text::number(rms), vertical_text(b.vertical))) +
-         (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
+  return text::wrapped("", budget_headline(b, monte_carlo)) + (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
 }
 
 std::string monte_carlo_line(const ErrorDistribution& d) {
@@ -134,6 +129,26 @@ std::string monte_carlo_rows(const ErrorRows& block, const ErrorDistribution& d)
 }
 
 }  // namespace
+
+std::string budget_headline(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  const Eigen::VectorXd sigma = total_sigma(b).col(end);
+  double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
+  const bool rough = large_angles(b).has_value(), sampled = rough && monte_carlo && monte_carlo->mean.cols() > 0;
+  if (sampled) rms = std::hypot(monte_carlo->mean.rightCols(1)(budget_quantities), monte_carlo->sigma.rightCols(1)(budget_quantities));
+  return fmt::format("after {:g} s: horizontal position error {}{} m RMS{}, {}", b.time.back(), rough && !sampled ? "roughly " : "",
+                     text::number(rms), sampled ? " of the Monte Carlo" : "", vertical_text(b.vertical));
+}
+
+std::optional<std::string> large_angles(const ErrorBudget& b) {
+  constexpr double largest = 0.1;
+  for (std::size_t i = 0; i < b.time.size(); ++i)
+    for (Eigen::Index q = 6; q < budget_quantities; ++q)
+      if (std::hypot(b.mean(q, static_cast<Eigen::Index>(i)), std::sqrt(b.covariance[i](q, q))) > largest)
+        return fmt::format("an attitude error exceeds {1:g} rad from {0:g} s on; the linear figures are rough; rely on the Monte Carlo", b.time[i],
+                           largest);
+  return std::nullopt;
+}
 
 std::string total_csv(const ErrorBudget& b) {
   const BudgetRows sigma = total_sigma(b);
@@ -188,8 +203,8 @@ std::string distribution_csv(const ErrorDistribution& d) {
 }
 
 std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, bool details) {
-  std::string text = headline(b);
-  if (monte_carlo) text += monte_carlo_line(*monte_carlo);
+  std::string text = headline(b, monte_carlo);
+  if (monte_carlo) text.insert(large_angles(b) ? 0 : text.size(), monte_carlo_line(*monte_carlo));
   for (const ErrorRows& block : blocks) {
     if (block.first > 0 && !details) break;
     text += block_text(block, b);

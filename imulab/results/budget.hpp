@@ -23,10 +23,16 @@ std::string runs_csv(const ErrorDistribution& distribution);
 /// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}, then for pictures "history" and "track" at some
 /// times; units are in the keys (docs/budget.md).
 std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo,
-                        const std::vector<NavigationState>& track = {});
+                        const std::vector<NavigationState>& track = {}, const std::string& grade = {}, const std::string& noise = {});
 /// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude
 /// and the Monte Carlo.
 std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, bool details = false);
+
+/// "after 5400 s: horizontal position error 1360 m RMS, height fixed"
+/// Where the linear figures are rough, that of the Monte Carlo.
+std::string budget_headline(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo = std::nullopt);
+/// Why the linear figures are rough, where they are: above a tenth of a radian, products of errors are some percent of the errors.
+std::optional<std::string> large_angles(const ErrorBudget& budget);
 
 /// Published grades and airliners' systems (Xu 2024), and the grades that a unit can be drawn from.
 std::string grade_catalogue();

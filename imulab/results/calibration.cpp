@@ -1,11 +1,13 @@
 #include "imulab/results/calibration.hpp"
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/model/user_value.hpp"
+#include "imulab/results/conclusion.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +23,7 @@ using text::two_digits;
 using text::wrapped;
 
 std::string detail_rows(const Calibration& calibration) {
-  std::string text = fmt::format("  {:<21} {:>13} {:>8} {:>11} {:>7} {}\n", "coefficient", "value (SI)", "+/-", "user unit", "+/-", "unit");
+  std::string text = fmt::format("  {:<21} {:>13} {:>8} {:>11} {:>7} {}\n", "coefficient", "value (SI)", "u", "user unit", "u", "unit");
   for (const CoefficientIndex index : calibration.estimated) {
     const double value = coefficient_value(calibration.model, index), sigma = *standard_uncertainty(calibration, index);
     const UserValue user = user_value(calibration, index);
@@ -51,7 +53,7 @@ bool is_hidden(const Calibration& calibration, const Coefficient& c) {
 }
 
 std::string coefficient_rows(const Calibration& calibration) {
-  std::string text = fmt::format("  {:<21} {:>14} {:>12}  {}\n", "coefficient", "value", "+/-", "unit");
+  std::string text = fmt::format("  {:<21} {:>14} {:>12}  {}\n", "coefficient", "value", "u", "unit");
   for (const CoefficientIndex index : calibration.estimated) {
     if (is_hidden(calibration, coefficient(index))) continue;
     const UserValue user = user_value(calibration, index);
@@ -71,7 +73,7 @@ std::string hidden_text(const Calibration& calibration) {
 
 std::string effect_text(const EffectEstimate& effect) {
   const std::size_t k = clearest_axis(effect);
-  return fmt::format("{} ({} +/- {} {})", effect.name, to_digits_of(effect.sigma[k], effect.values[k]), two_digits(effect.sigma[k]), effect.unit);
+  return fmt::format("{} ({} {}, u = {})", effect.name, to_digits_of(effect.sigma[k], effect.values[k]), effect.unit, two_digits(effect.sigma[k]));
 }
 
 /// The effects that are significant, or the others.
@@ -152,8 +154,22 @@ std::string curves_csv(const CalibrationResult& result) {
   return text;
 }
 
+Conclusion conclusion_of(const Calibration& calibration) {
+  const Quality& q = calibration.quality;
+  std::string headline = "the file does not say how good the calibration is";
+  if (q.verdict == "good") headline = "nothing contradicts the stated uncertainties";
+  if (q.verdict == "doubtful") headline = fmt::format("{}", fmt::join(q.because, "; "));
+  Conclusion out = conclude(q.verdict, std::move(headline), q.requirements);
+  out.requirements.clear();
+  return out;
+}
+
+std::string calibration_document(const Calibration& calibration) {
+  return with_conclusion(calibration_text(calibration), conclusion_of(calibration), calibration.quality.warnings, ConclusionPlace::end);
+}
+
 std::string calibration_summary(const Calibration& calibration) {
-  std::string text = wrapped("", verdict_text(calibration.quality)) + "\n";
+  std::string text = wrapped("", conclusion_text(conclusion_of(calibration))) + "\n";
   text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); }) + fit_text(calibration) +
           requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",

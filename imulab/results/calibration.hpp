@@ -12,6 +12,11 @@ namespace imulab {
 
 struct CalibrationResult;
 
+/// By its verdict and its requirements, which it keeps itself.
+Conclusion conclusion_of(const Calibration& calibration);
+/// The text of its file, with verdict, headline and warnings after the file's own fields: what --json prints.
+std::string calibration_document(const Calibration& calibration);
+
 /// The verdict; one line per triad with the uncertainties reached; fit and requirements; then every coefficient that the data showed, in user units,
 /// with the digits that its standard uncertainty supports.
 std::string calibration_summary(const Calibration& calibration);

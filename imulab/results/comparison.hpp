@@ -2,6 +2,8 @@
 #pragma once
 
 #include "imulab/model/compare.hpp"
+#include "imulab/model/conclusion.hpp"
+#include "imulab/model/requirement.hpp"
 
 #include <optional>
 #include <string>
@@ -14,14 +16,51 @@ struct NamedCalibration {
   Calibration calibration;
 };
 
-/// `calibrations`: the first is a, each of the others b of one comparison. One comparison as an object {"a", "b", "frame", "coefficients",
-/// "consistency"}; several as {"comparisons": [such objects], "agreement": {...} or null}. SI, and user units beside.
-std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
-                            const std::optional<Agreement>& agreement);
+/// What a comparison says of each calibration.
+struct ComparedCalibration {
+  std::string name, imu, serial, method, frame;
+  std::string date, dated;  ///< YYYY-MM-DD, and of what: "measured" (declared), "recorded" (stamps), "calibrated"; empty: not known
+  bool bare = false;        ///< no uncertainties: taken as the truth
+  bool doubtful = false;
+};
+ComparedCalibration compared_calibration(const NamedCalibration& named);
 
-/// The results of the tests, then one row per coefficient: for one comparison the difference in user units and in sigmas, of several each difference
-/// in sigmas. With `values`, also the values in SI.
-std::string comparison_table(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
-                             const std::optional<Agreement>& agreement, bool values = false);
+struct ComparisonSummary {
+  std::vector<std::string> names;       ///< a, then the others
+  std::vector<Comparison> comparisons;  ///< one for each of the others
+  std::optional<Agreement> agreement = {};
+  std::vector<ComparedCalibration> calibrations = {};  ///< as `names`; from JSON of an earlier version: none
+  std::vector<RequirementResult> requirements = {};    ///< tolerances
+};
+
+/// Of the k-th of the others less the first, in years; absent where a date is not known, and for less than 30 days, from which a change per year
+/// would only be a multiple of the uncertainty.
+std::optional<double> years_between(const ComparisonSummary& summary, std::size_t k);
+
+/// Is the size of each difference at most the limit (simple acceptance)? `reached`: the largest difference of these coefficients, of matrices
+/// relative to the row's scale; infinite where one of the two did not determine it.
+RequirementResult assess(const ComparisonSummary& summary, const Requirement& tolerance);
+
+/// A verdict where there are tolerances; a headline always.
+Conclusion conclusion_about(const ComparisonSummary& summary);
+
+/// From this many sigmas on a difference is significant among all that the comparisons test.
+double significant_from(const ComparisonSummary& summary);
+
+/// Rows of the comparisons: most significant first, then what is not tested. The first `significant` of them differ significantly in one of them at
+/// least.
+struct RankedRows {
+  std::vector<std::size_t> rows;
+  std::size_t significant = 0, tested = 0;
+};
+RankedRows ranked_rows(const std::vector<Comparison>& comparisons, double from);
+
+/// One comparison as an object {"a", "b", "frame", "coefficients", "consistency"}; several as {"comparisons": [such objects], "agreement": {...} or
+/// null}; then "calibrations", and "requirements" where there are any. SI, and user units beside.
+std::string comparison_json(const ComparisonSummary& summary);
+
+/// The verdict, the results of the tests, the calibrations, then one row per coefficient that differs significantly: for one comparison the
+/// difference in user units, in sigmas and per year, of several each difference in sigmas. With `details` all rows, and the values in SI.
+std::string comparison_table(const ComparisonSummary& summary, bool details = false);
 
 }  // namespace imulab

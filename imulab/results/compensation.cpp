@@ -4,6 +4,10 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/results/over_time.hpp"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 namespace imulab {
 
 using fields::Presence;
@@ -40,6 +44,15 @@ void describe(Fields& f, CompensationSummary& s) {
   f.table("calibration", [&](auto& t) {
     t("file", s.calibration_file), t("imu", s.imu), t("verdict", s.quality.verdict), t("because", s.quality.because, fields::optional);
   });
+}
+
+Conclusion conclusion_of(const CompensationSummary& summary) {
+  std::size_t samples = 0, reserved = 0;
+  for (const CompensatedFile& c : summary.files) samples += c.samples, reserved += c.saturated + c.out_of_range + c.replaced;
+  std::string headline = fmt::format("{} samples compensated", samples);
+  if (reserved > 0) headline += fmt::format(", {} times with a reading at a limit, outside the calibrated temperatures or replaced", reserved);
+  if (summary.quality.verdict == "doubtful") headline += "; the calibration is doubtful";
+  return {reserved > 0 || summary.quality.verdict == "doubtful" ? "doubtful" : "good", std::move(headline)};
 }
 
 std::string compensation_json(const CompensationSummary& summary) { return json_text(written(summary), JsonLayout::long_lists); }

@@ -31,4 +31,7 @@ struct CompensationSummary {
 /// {"files": [{"file", "samples", ...}], "calibration": {...}} (docs/compensate.md).
 std::string compensation_json(const CompensationSummary& summary);
 
+/// Doubtful where samples or the calibration have a reservation.
+Conclusion conclusion_of(const CompensationSummary& summary);
+
 }  // namespace imulab

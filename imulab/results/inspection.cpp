@@ -19,20 +19,22 @@ std::vector<std::string> supported_methods(const Inspection& inspection) {
   return names;
 }
 
-std::string verdict(const Inspection& inspection) {
-  if (!inspection.problems.empty()) return text::wrapped("not usable: ", "the file has to be fixed first");
-  if (!inspection.complete())
-    return text::wrapped("open: ", fmt::format("{} question{} that the data do not answer; declare with --set KEY=VALUE", inspection.ambiguous.size(),
-                                               inspection.ambiguous.size() == 1 ? "" : "s"));
-  const std::vector<std::string> methods = supported_methods(inspection);
-  if (methods.empty()) return text::wrapped("understood: ", "but the data support no calibration by rests alone (see below)");
-  return text::wrapped("understood: ", fmt::format("calibrate with --method {}", fmt::join(methods, " or --method ")));
-}
-
 }  // namespace
 
+std::string inspection_headline(const Inspection& inspection) {
+  if (!inspection.problems.empty()) return "not usable: the file has to be fixed first";
+  if (!inspection.complete())
+    return fmt::format("open: {} question{} that the data do not answer; declare with --set KEY=VALUE", inspection.ambiguous.size(),
+                       inspection.ambiguous.size() == 1 ? "" : "s");
+  const std::vector<std::string> methods = supported_methods(inspection);
+  if (methods.empty()) return "understood: but the data support no calibration by rests alone (see below)";
+  return fmt::format("understood: calibrate with --method {}", fmt::join(methods, " or --method "));
+}
+
 std::string inspection_text(const Inspection& inspection) {
-  std::string out = verdict(inspection);
+  const std::string headline = inspection_headline(inspection);
+  const std::size_t word = headline.find(": ") + 2;
+  std::string out = text::wrapped(headline.substr(0, word), headline.substr(word));
   for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", problem);
   for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", question);
   out += fmt::format("\n{}\n", inspection.file);

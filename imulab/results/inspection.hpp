@@ -7,6 +7,8 @@
 
 namespace imulab {
 
+/// "understood: calibrate with --method handheld"
+std::string inspection_headline(const Inspection& inspection);
 /// Verdict first, then the evidence, a line each, and the columns.
 std::string inspection_text(const Inspection& inspection);
 /// JSON (docs/inspect.md).

@@ -23,9 +23,9 @@ std::string alignment_text(const AlignedOn& aligned) {
   const EulerAngles angles = euler_angles(a.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(a.attitude) / unit::deg;
   return fmt::format("aligned on the rest from {:.3f} s to {:.3f} s\n", aligned.begin, aligned.end) +
-         fmt::format("  roll     {:>12.5f} deg  +/- {:.2g}\n", angles.roll / unit::deg, sigma.x()) +
-         fmt::format("  pitch    {:>12.5f} deg  +/- {:.2g}\n", angles.pitch / unit::deg, sigma.y()) +
-         fmt::format("  heading  {:>12.5f} deg  +/- {:.2g}\n", compass_deg(angles, 5), sigma.z()) +
+         fmt::format("  roll     {:>12.5f} deg  u = {:.2g}\n", angles.roll / unit::deg, sigma.x()) +
+         fmt::format("  pitch    {:>12.5f} deg  u = {:.2g}\n", angles.pitch / unit::deg, sigma.y()) +
+         fmt::format("  heading  {:>12.5f} deg  u = {:.2g}\n", compass_deg(angles, 5), sigma.z()) +
          fmt::format("  gyro noise {:.2g} deg/sqrt(h), accelerometer noise {:.2g} ug/sqrt(Hz)\n  normalized innovations {:.2f} (1: as stated)\n",
                      a.gyro_noise / unit::deg_per_sqrt_h, a.accel_noise / unit::ug_per_sqrt_hz, std::sqrt(a.innovation_square));
 }
@@ -54,14 +54,13 @@ std::string error_text(const NavigationErrors& errors) {
 
 std::string headline(const NavigationErrors& errors) {
   const NavigationError& e = errors.history.back();
-  return text::wrapped("", fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec", e.horizontal(),
-                                       errors.rate / unit::nmi_per_h, e.attitude.z() / unit::arcsec)) +
-         "\n";
+  return fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec", e.horizontal(), errors.rate / unit::nmi_per_h,
+                     e.attitude.z() / unit::arcsec);
 }
 
 std::string one_session(const NavigatedSession& s) {
   const Solution& solution = s.navigated.solution;
-  std::string text = s.errors ? headline(*s.errors) : "";
+  std::string text = s.errors ? text::wrapped("", headline(*s.errors)) + "\n" : "";
   text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, solution.time.front(),
                       solution.time.back(), solution.time.back() - solution.time.front(), to_string(s.navigated.vertical));
   text += s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "started as the session says ([initial])\n";
@@ -70,8 +69,8 @@ std::string one_session(const NavigatedSession& s) {
 }
 
 std::string several_sessions(const std::vector<NavigatedSession>& sessions) {
-  std::string text = fmt::format("{:<26} {:>9} {:>12} {:>9} {:>10} {:>9}\n", "session", "time, s", "horizontal m", "up, m", "heading as", "nmi/h");
-  std::vector<double> rates;
+  std::string text = text::wrapped("", navigation_headline(sessions)) + "\n";
+  text += fmt::format("{:<26} {:>9} {:>12} {:>9} {:>10} {:>9}\n", "session", "time, s", "horizontal m", "up, m", "heading as", "nmi/h");
   for (const auto& s : sessions) {
     text += fmt::format("{:<26} {:>9.1f}", s.session, s.navigated.solution.time.back() - s.navigated.solution.time.front());
     if (!s.errors) {
@@ -79,16 +78,25 @@ std::string several_sessions(const std::vector<NavigatedSession>& sessions) {
       continue;
     }
     const NavigationError& e = s.errors->history.back();
-    rates.push_back(s.errors->rate / unit::nmi_per_h);
-    text += fmt::format(" {:>12.4g} {:>9.3g} {:>10.4g} {:>9.3g}\n", e.horizontal(), e.position.z(), e.attitude.z() / unit::arcsec, rates.back());
+    text += fmt::format(" {:>12.4g} {:>9.3g} {:>10.4g} {:>9.3g}\n", e.horizontal(), e.position.z(), e.attitude.z() / unit::arcsec,
+                        s.errors->rate / unit::nmi_per_h);
   }
   text += fmt::format("vertical channel {}; heading error in arcsec\n", to_string(sessions[0].navigated.vertical));
-  if (rates.empty()) return text;
-  return text + fmt::format("pure-inertial rate over {} sessions: RMS {:.4g} nmi/h, CEP {:.4g} nmi/h (half of the sessions are below)\n",
-                            rates.size(), rate_summary(rates).rms, rate_summary(rates).cep);
+  return text;
 }
 
 }  // namespace
+
+std::string navigation_headline(const std::vector<NavigatedSession>& sessions) {
+  std::vector<double> rates;
+  for (const NavigatedSession& s : sessions)
+    if (s.errors) rates.push_back(s.errors->rate / unit::nmi_per_h);
+  if (rates.empty()) return "there is no truth, so the errors are not known";
+  if (sessions.size() > 1)
+    return fmt::format("pure-inertial rate over {} sessions: RMS {:.4g} nmi/h, CEP {:.4g} nmi/h (half of the sessions are below)", rates.size(),
+                       rate_summary(rates).rms, rate_summary(rates).cep);
+  return headline(*sessions.front().errors);
+}
 
 std::string navigation_table(const std::vector<NavigatedSession>& sessions) {
   return sessions.size() == 1 ? one_session(sessions[0]) : several_sessions(sessions);

@@ -27,6 +27,8 @@ struct NavigatedSession {
 std::string navigation_json(const std::vector<NavigatedSession>& sessions);
 
 /// One session: alignment, end, errors at the end. Several: a row each, and the pure-inertial rate of all.
+/// "position error 120 m horizontal, 0.8 nmi/h; heading error 30 arcsec", or of several sessions their rates.
+std::string navigation_headline(const std::vector<NavigatedSession>& sessions);
 std::string navigation_table(const std::vector<NavigatedSession>& sessions);
 
 /// Distance, speed and bank of the motion; largest rate and force of its recording where that is in SI.

@@ -5,37 +5,71 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
 
 namespace imulab {
 
 namespace {
 
-struct NoiseTerm {
-  const char* name;
-  const char* meaning;
-  NoiseCoefficient NoiseFit::*member;
-  const char *gyro_unit, *accel_unit, *count_unit;
-  double gyro_size, accel_size;
+/// A term of an axis, as the headline counts it.
+struct HeadlineAxis {
+  std::string letter;
+  std::array<const NoiseCoefficient*, 3> terms;  // N, B, K
 };
 
-const std::array<NoiseTerm, 5> noise_terms{
-    {{"N", "white noise (random walk of angle, velocity)", &NoiseFit::N, "deg/sqrt(h)", "ug/sqrt(Hz)", "count/sqrt(Hz)", unit::deg_per_sqrt_h,
-      unit::ug_per_sqrt_hz},
-     {"B", "bias instability (flicker)", &NoiseFit::B, "deg/h", "ug", "count", unit::deg_per_h, unit::ug},
-     {"K", "random walk of the bias", &NoiseFit::K, "deg/h/sqrt(h)", "ug/sqrt(h)", "count/sqrt(s)", unit::deg_per_h / 60, unit::ug / 60},
-     {"Q", "quantization", &NoiseFit::Q, "arcsec", "um/s", "count s", unit::arcsec, 1e-6},
-     {"R", "ramp", &NoiseFit::R, "deg/h/h", "ug/h", "count/s", unit::deg_per_h / unit::hour, unit::ug / unit::hour}}};
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (std::size_t k = 0; k < words.size(); ++k) out += (k == 0 ? "" : k + 1 == words.size() ? " and " : ", ") + words[k];
+  return out;
+}
 
-struct SizedUnit {
-  double size;
-  std::string name;
-};
+/// "gyro N known to 0.2 %, B of x to 5 %, K only bounded"
+std::string triad_headline(const char* triad, const std::vector<HeadlineAxis>& axes) {
+  std::string known;
+  std::vector<std::string> bounded;
+  for (std::size_t j = 0; j < 3; ++j) {
+    std::vector<std::string> letters;
+    double worst = 0;
+    for (const HeadlineAxis& axis : axes)
+      if (const NoiseCoefficient& c = *axis.terms[j]; c.determined) {
+        letters.push_back(axis.letter);
+        worst = std::max(worst, 100 * c.standard_uncertainty / c.value);
+      }
+    const std::string name = noise_terms()[j].name;
+    if (letters.empty()) {
+      bounded.push_back(name);
+      continue;
+    }
+    known += fmt::format("{}{}{}{} to {} %", known.empty() ? "" : ", ", name, letters.size() < axes.size() ? " of " + joined(letters) : "",
+                         known.empty() ? " known" : "", text::number(worst, worst < 1 ? 1 : 2));
+  }
+  std::string out = fmt::format("{} {}", triad, known);
+  if (!bounded.empty()) out += fmt::format("{}{} only bounded", known.empty() ? "" : ", ", joined(bounded));
+  return out;
+}
 
-SizedUnit unit_of(const NoiseTerm& term, const std::string& of_axis) {
-  if (of_axis == "count") return {1, term.count_unit};
-  return of_axis == "rad/s" ? SizedUnit{term.gyro_size, term.gyro_unit} : SizedUnit{term.accel_size, term.accel_unit};
+/// `terms_of` an axis: N, B, K; empty where it has no noise.
+template <class Axes, class Terms>
+std::string headline_of(const Axes& axes, const Terms& terms_of) {
+  std::string out;
+  std::vector<std::string> silent;
+  for (const auto& [triad, name] : {std::pair{"gyro", "gyro"}, {"accel", "accelerometer"}}) {
+    std::vector<HeadlineAxis> of_triad;
+    for (const auto& axis : axes) {
+      if (!axis.name.starts_with(triad)) continue;
+      if (const auto terms = terms_of(axis))
+        of_triad.push_back({axis.name.substr(axis.name.rfind('.') + 1), *terms});
+      else
+        silent.push_back(axis.name);
+    }
+    if (!of_triad.empty()) out += (out.empty() ? "" : "; ") + triad_headline(name, of_triad);
+  }
+  if (out.empty()) return "no noise on any axis";
+  return silent.empty() ? out : out + "; no noise on " + joined(silent);
 }
 
 /// "12.3  95 % interval 11.9 to 12.7", or a bound, in columns.
@@ -46,20 +80,17 @@ std::string value_columns(const NoiseCoefficient& c, double size) {
                      fmt::format("{} to {}", text::to_digits_of(sigma, c.lower / size), text::to_digits_of(sigma, c.upper / size)));
 }
 
-std::string term_row(const NoiseTerm& term, const NoiseAxis& axis) {
-  const SizedUnit unit = unit_of(term, axis.unit);
+std::string term_row(const NoiseTermText& term, const NoiseAxis& axis) {
+  const NoiseUnit& unit = term.unit(axis.unit);
   return fmt::format("  {:<8} {}  {} {}\n", axis.name, term.name, value_columns((*axis.fit).*term.member, unit.size), unit.name);
 }
-
-/// Where the terms' rows are in BatchAxis::coefficients.
-constexpr std::size_t batch_place[] = {1, 2, 3, 0, 4};
 
 /// Sigmas and amplitudes have the unit of B.
 constexpr std::size_t rate_term = 1;
 
 /// Rows of processes, filter, lines and steps of an axis.
 std::string other_rows(const NoiseAxis& axis) {
-  const SizedUnit rate = unit_of(noise_terms[rate_term], axis.unit);
+  const NoiseUnit& rate = noise_terms()[rate_term].unit(axis.unit);
   std::string out;
   const auto row = [&](const char* name, const NoiseCoefficient& c, double size, const std::string& unit) {
     out += fmt::format("  {:<8} {:<14} {} {}\n", axis.name, name, value_columns(c, size), unit);
@@ -78,11 +109,58 @@ std::string other_rows(const NoiseAxis& axis) {
 
 }  // namespace
 
+const std::array<NoiseTermText, 5>& noise_terms() {
+  static const std::array<NoiseTermText, 5> all{
+      {{"N",
+        "white noise (random walk of angle, velocity)",
+        &NoiseCoefficients::N,
+        1,
+        {unit::deg_per_sqrt_h, "deg/sqrt(h)", "rad/s/sqrt(Hz)"},
+        {unit::ug_per_sqrt_hz, "ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"},
+        {1, "count/sqrt(Hz)", ""}},
+       {"B",
+        "bias instability (flicker)",
+        &NoiseCoefficients::B,
+        2,
+        {unit::deg_per_h, "deg/h", "rad/s"},
+        {unit::ug, "ug", "m/s^2"},
+        {1, "count", ""}},
+       {"K",
+        "random walk of the bias",
+        &NoiseCoefficients::K,
+        3,
+        {unit::deg_per_h / 60, "deg/h/sqrt(h)", "rad/s/sqrt(s)"},
+        {unit::ug / 60, "ug/sqrt(h)", "m/s^2/sqrt(s)"},
+        {1, "count/sqrt(s)", ""}},
+       {"Q", "quantization", &NoiseCoefficients::Q, 0, {unit::arcsec, "arcsec", "rad"}, {1e-6, "um/s", "m/s"}, {1, "count s", ""}},
+       {"R",
+        "ramp",
+        &NoiseCoefficients::R,
+        4,
+        {unit::deg_per_h / unit::hour, "deg/h/h", "rad/s^2"},
+        {unit::ug / unit::hour, "ug/h", "m/s^3"},
+        {1, "count/s", ""}}}};
+  return all;
+}
+
+std::string noise_headline(const NoiseAnalysis& analysis) {
+  return headline_of(analysis.axes, [](const NoiseAxis& axis) -> std::optional<std::array<const NoiseCoefficient*, 3>> {
+    if (!axis.fit) return std::nullopt;
+    return std::array{&axis.fit->N, &axis.fit->B, &axis.fit->K};
+  });
+}
+
+std::string noise_headline(const NoiseBatch& batch) {
+  return headline_of(batch.axes, [](const BatchAxis& axis) {
+    return std::optional(std::array{&axis.coefficients[1].mean, &axis.coefficients[2].mean, &axis.coefficients[3].mean});
+  });
+}
+
 std::string noise_text(const NoiseAnalysis& analysis) {
   std::string out = analysis.recording + "\n";
   for (const std::string& note : analysis.notes) out += text::wrapped("  ", note);
   out += "\n  axis     term     value  95 % interval         unit\n";
-  for (const NoiseTerm& term : noise_terms)
+  for (const NoiseTermText& term : noise_terms())
     for (const NoiseAxis& axis : analysis.axes)
       if (axis.fit) out += term_row(term, axis);
   std::string others;
@@ -90,7 +168,7 @@ std::string noise_text(const NoiseAnalysis& analysis) {
     if (axis.fit) others += other_rows(axis);
   if (!others.empty()) out += "\n" + others;
   out += "\n";
-  for (const NoiseTerm& term : noise_terms) out += fmt::format("  {}  {}\n", term.name, term.meaning);
+  for (const NoiseTermText& term : noise_terms()) out += fmt::format("  {}  {}\n", term.name, term.meaning);
   return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %");
 }
 
@@ -98,11 +176,11 @@ std::string noise_text(const NoiseBatch& batch) {
   std::string out = fmt::format("{} logs\n", batch.logs.size());
   for (const NoiseAnalysis& log : batch.logs) out += fmt::format("  {}: {:.6g} s at rest\n", log.recording, log.end_s - log.begin_s);
   out += "\n  axis     term      mean  95 % interval         spread   worst    unit\n";
-  for (std::size_t j = 0; j < noise_terms.size(); ++j)
+  for (const NoiseTermText& term : noise_terms())
     for (const BatchAxis& axis : batch.axes) {
-      const BatchCoefficient& c = axis.coefficients[batch_place[j]];
-      const SizedUnit unit = unit_of(noise_terms[j], axis.unit);
-      out += fmt::format("  {:<8} {}  {} {:<8} {:<8} {}\n", axis.name, noise_terms[j].name, value_columns(c.mean, unit.size),
+      const BatchCoefficient& c = axis.coefficients[term.batch_place];
+      const NoiseUnit& unit = term.unit(axis.unit);
+      out += fmt::format("  {:<8} {}  {} {:<8} {:<8} {}\n", axis.name, term.name, value_columns(c.mean, unit.size),
                          std::isnan(c.spread) ? "-" : text::number(c.spread / unit.size, 2), text::number(c.worst / unit.size, 2), unit.name);
     }
   out += "\n" + text::wrapped("  ", "mean: of the logs that determine the term; -: no log does, and the largest bound holds");

@@ -4,9 +4,32 @@
 #include "imulab/formats/noise/file.hpp"
 #include "imulab/noise/noise_analysis.hpp"
 
+#include <array>
 #include <string>
 
 namespace imulab {
+
+/// A customary unit: its size in SI, its name, and the name of the SI unit; of counts both are counts.
+struct NoiseUnit {
+  double size = 1;
+  std::string name, si;
+};
+
+/// A row of the table of terms, in the order in which people read them: N, B, K, Q, R.
+struct NoiseTermText {
+  const char *name, *meaning;
+  NoiseCoefficient NoiseCoefficients::*member;
+  std::size_t batch_place;  ///< in BatchAxis::coefficients
+  NoiseUnit gyro, accel, count;
+
+  /// `of_axis`: NoiseAxis::unit.
+  const NoiseUnit& unit(const std::string& of_axis) const { return of_axis == "count" ? count : of_axis == "rad/s" ? gyro : accel; }
+};
+const std::array<NoiseTermText, 5>& noise_terms();
+
+/// What is known, in one sentence: "gyro N known to 0.2 %, B and K only bounded".
+std::string noise_headline(const NoiseAnalysis& analysis);
+std::string noise_headline(const NoiseBatch& batch);
 
 /// A table of coefficients in customary units, with 95 % intervals; a coefficient that is not determined has only its bound.
 std::string noise_text(const NoiseAnalysis& analysis);

@@ -181,6 +181,7 @@ void describe(Fields& f, BudgetSummary& s) {
   } else {
     sigma = total_sigma(b);
   }
+  f("grade", s.grade, fields::if_any), f("noise", s.noise, fields::if_any);
   f("time_s", b.time.back());
   describe_vertical(f, b.vertical);
   f.table("total", [&](auto& total) { describe_end(total, b.mean, sigma); });
@@ -194,9 +195,10 @@ void describe(Fields& f, BudgetSummary& s) {
     for (Eigen::Index i = 0; i < sigma.cols(); ++i) b.covariance.emplace_back(sigma.col(i).array().square().matrix().asDiagonal());
 }
 
-std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, const std::vector<NavigationState>& track) {
+std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, const std::vector<NavigationState>& track,
+                        const std::string& grade, const std::string& noise) {
   JsonWriter writer;
-  BudgetSummary summary{b, monte_carlo, monte_carlo ? monte_carlo->drift.size() : 0, thinned_rows(track, most_places)};
+  BudgetSummary summary{b, monte_carlo, monte_carlo ? monte_carlo->drift.size() : 0, thinned_rows(track, most_places), grade, noise};
   describe(writer, summary);
   describe_track(writer, summary.track);
   return json_text(writer.out, JsonLayout::long_lists);
@@ -302,7 +304,11 @@ void describe(Fields& f, NavigatedSession& session) {
 }
 
 std::string navigation_json(const std::vector<NavigatedSession>& sessions) {
-  if (sessions.size() == 1) return json_text(written(sessions[0]), JsonLayout::long_lists);
+  if (sessions.size() == 1) {
+    JsonValue one = written(sessions[0]);
+    std::erase_if(std::get<JsonFields>(one.is).fields, [](const auto& field) { return field.first == "warnings"; });  // the answer's own have them
+    return json_text(one, JsonLayout::long_lists);
+  }
   std::vector<double> rates;
   for (const auto& session : sessions)
     if (session.errors) rates.push_back(session.errors->rate / unit::nmi_per_h);

@@ -46,20 +46,32 @@ Eigen::ArrayXd sampled_ratio(const Prediction& p, const MonteCarloResult& monte_
   return monte_carlo.sigma.array() / variance.sqrt();
 }
 
-std::string share_rows(const Prediction& p, const Shares& shares) {
+/// A source in one line of a narrow column: "gyro noise", "orth.", "acc. asym.".
+std::string short_name(const std::string& source) {
+  constexpr std::size_t column = 10;
+  const auto [first, second] = column_head(source);
+  if (first.empty()) return source.size() <= column ? source : second;
+  return first + " " + second;
+}
+
+/// `named`: where each row's largest source is looked up; null: not named.
+std::string share_rows(const Prediction& p, const Shares& shares, const Shares* named = nullptr) {
   std::string text;
+  const auto width = [&](std::size_t k) { return named == nullptr ? 5 : std::max<std::size_t>(3, column_head(shares.sources[k])[1].size()); };
   for (const std::size_t line : {0u, 1u}) {
-    text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
-    std::string heads;
-    for (const std::string& source : shares.sources) heads += fmt::format(" {:>5}", column_head(source)[line]);
-    text += heads.substr(0, heads.find_last_not_of(' ') + 1) + "\n";
+    std::string head = fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
+    for (std::size_t k = 0; k < shares.sources.size(); ++k) head += fmt::format(" {:>{}}", column_head(shares.sources[k])[line], width(k));
+    if (named != nullptr && line == 1) head += " largest";
+    head.erase(head.find_last_not_of(' ') + 1);
+    if (!head.empty()) text += head + "\n";
   }
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     text += fmt::format("{:<21} {:<13} {:>7}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
-    for (Eigen::Index k = 0; k < shares.percent.cols(); ++k) text += fmt::format(" {:>5.0f}", shares.percent(row, k));
-    text += "\n";
+    for (std::size_t k = 0; k < shares.sources.size(); ++k)
+      text += fmt::format(" {:>{}.0f}", shares.percent(row, static_cast<Eigen::Index>(k)), width(k));
+    text += named != nullptr ? " " + short_name(largest_source(*named, row)) + "\n" : "\n";
   }
   return text;
 }
@@ -115,15 +127,17 @@ double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirem
 std::string table_of_shares(const Prediction& p, bool details) {
   if (p.coefficients.empty()) return {};
   std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
-  text += "\nStandard uncertainty of every coefficient, and shares of its variance in percent\n\n" + share_rows(p, visible(all_shares(p)));
+  const Shares each = all_shares(p);
+  text += "\nStandard uncertainty of every coefficient, shares of its variance in percent,\nand the source with the largest share\n\n" +
+          share_rows(p, by_group(each), &each);
   if (details)
-    for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
+    for (const Shares& part : in_columns(each)) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p);
-  text += term_rows(p);
+  text += "\n" + text::wrapped("  ", fmt::format("{}. --verbose shows each source.", groups_text(p.sources))) + term_rows(p);
   if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
     text += "\n" + text::wrapped("",
                                  "eff.: what a unit and its mount may do besides the sensor model, as large as is expected of the grade or "
-                                 "declared (docs/effects.md); --verbose tells them apart.");
+                                 "declared (docs/effects.md).");
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=
         "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");

@@ -30,11 +30,15 @@ Calibration calibration_with(double offset) {
 
 TEST(SavedResult, AComparisonComesBack) {
   const std::vector<NamedCalibration> inputs{{"a.json", calibration_with(0)}, {"b.json", calibration_with(1e-3)}};
-  const std::vector<Comparison> comparisons = compare(inputs[0].calibration, std::vector<Calibration>{inputs[1].calibration});
-  const std::string text = comparison_json(inputs, comparisons, {});
+  ComparisonSummary summary{.names = {"a.json", "b.json"},
+                            .comparisons = compare(inputs[0].calibration, std::vector<Calibration>{inputs[1].calibration})};
+  for (const NamedCalibration& input : inputs) summary.calibrations.push_back(compared_calibration(input));
+  summary.requirements.push_back(assess(summary, parse_requirements("accel.offset <= 50 ug").front()));
+  const std::string text = comparison_json(summary);
   const auto back = std::get<ComparisonSummary>(parse_result(text, "c.json"));
   EXPECT_THAT(back.names, testing::ElementsAre("a.json", "b.json"));
-  EXPECT_EQ(comparison_json(inputs, back.comparisons, back.agreement), text);
+  EXPECT_EQ(comparison_json(back), text);
+  EXPECT_EQ(conclusion_about(back).verdict, "not met");
 }
 
 TEST(SavedResult, APredictionComesBack) {
@@ -191,7 +195,7 @@ TEST(SavedResult, WhatIsNoResultIsNamed) {
   };
   EXPECT_THAT(error(""), HasSubstr("x.json: is empty; expected calibration.json"));
   EXPECT_THAT(error("{\n\"a\": }"), HasSubstr("x.json:2: not JSON"));
-  EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, or what compare"));
+  EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, noise.json, or what compare"));
   EXPECT_THAT(error("{\"format\": \"imulab.session/1\"}"), HasSubstr("x.json: format: expected \"imulab.calibration/1\""));
   EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"),
               HasSubstr("x.json: coefficients: unknown coefficient \"gyro.offset.w\""));

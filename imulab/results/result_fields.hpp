@@ -53,6 +53,13 @@ void describe(Fields& f, NamedComparison& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, ComparedCalibration& c) {
+  f("name", c.name), f("imu", c.imu, fields::or_empty), f("serial", c.serial, fields::or_empty), f("method", c.method, fields::or_empty);
+  f("frame", c.frame, fields::or_empty), f("date", c.date, fields::or_empty), f("dated", c.dated, fields::or_empty);
+  f("without_uncertainties", c.bare, fields::optional), f("doubtful", c.doubtful, fields::optional);
+}
+
+template <class Fields>
 void describe(Fields& f, Agreement::Coefficient& c) {
   describe(f, c.consistency);
 }
@@ -154,7 +161,8 @@ void describe(Fields& f, PlanSummary& plan) {
     for (const Requirement& r : plan.requirements) texts.push_back(to_string(r));
     f("requirements", texts);
   }
-  f("duration_s", plan.path.duration), f("first_rest_s", plan.path.first_rest), f("turns", plan.path.turns), f("prior", plan.prior, fields::if_any);
+  f("margin", plan.margin, fields::optional), f("duration_s", plan.path.duration), f("first_rest_s", plan.path.first_rest),
+      f("turns", plan.path.turns), f("prior", plan.prior, fields::if_any);
   describe(f, plan.prediction);
 }
 

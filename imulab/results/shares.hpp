@@ -5,7 +5,9 @@
 #include "imulab/estimate/prediction.hpp"
 
 #include <array>
+#include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -17,8 +19,17 @@ struct Shares {
 };
 
 Shares all_shares(const Prediction& prediction);
-/// What a person reads: the effects of the table as one, without sources that hardly have a share; where the others do not fit, the least are one.
-Shares visible(const Shares& each);
+
+/// Kinds of sources: each has a column of the table, and a color of a picture. Their order is that of both.
+inline constexpr std::array<std::string_view, 6> source_groups{"rig", "site", "noise", "terms", "effects", "not determined"};
+/// The place of a source among these.
+std::size_t source_group(std::string_view source);
+/// What a person reads: the sources of a group as one, without groups that hardly have a share; where the others do not fit, the least are "others".
+Shares by_group(const Shares& each);
+/// The source with the largest share of a row.
+const std::string& largest_source(const Shares& each, Eigen::Index row);
+/// "rig: orthogonality, angle; noise: gyro noise": the sources that the groups contain. Effects are not listed.
+std::string groups_text(const std::vector<std::string>& sources);
 /// Every source, as many tables as they need.
 std::vector<Shares> in_columns(const Shares& all);
 /// A source's name as the two lines of a narrow column's head.

@@ -4,7 +4,10 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/model/calibration_fields.hpp"
+#include "imulab/noise/noise_fields.hpp"
 #include "imulab/results/comparison.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/results/over_time.hpp"
 #include "imulab/results/result_fields.hpp"
 
@@ -35,12 +38,21 @@ std::optional<std::string_view> stored_unit(CoefficientIndex index, const std::s
 
 // ---- written
 
-std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
-                            const std::optional<Agreement>& agreement) {
+std::string comparison_json(const ComparisonSummary& summary) {
   std::vector<JsonValue> list;
-  for (std::size_t k = 0; k < comparisons.size(); ++k)
-    list.push_back(written(NamedComparison{calibrations[0].name, calibrations[k + 1].name, comparisons[k]}));
-  return json_text(list.size() == 1 ? list.front() : JsonFields{{{"comparisons", list}, {"agreement", written(agreement)}}});
+  for (std::size_t k = 0; k < summary.comparisons.size(); ++k)
+    list.push_back(written(NamedComparison{summary.names[0], summary.names[k + 1], summary.comparisons[k]}));
+  JsonWriter writer;
+  if (list.size() == 1) {
+    NamedComparison only{summary.names[0], summary.names[1], summary.comparisons[0]};
+    describe(writer, only);
+  } else {
+    writer.out.fields.emplace_back("comparisons", list), writer("agreement", summary.agreement);
+  }
+  std::vector<ComparedCalibration> calibrations = summary.calibrations;
+  std::vector<RequirementResult> requirements = summary.requirements;
+  writer("calibrations", calibrations, fields::if_any), writer("requirements", requirements, fields::if_any);
+  return json_text(writer.out);
 }
 
 std::string prediction_json(const PredictionSummary& prediction) { return json_text(written(prediction)); }
@@ -84,7 +96,8 @@ PredictionSummary summary_of(const Prediction& p) {
 
 namespace {
 
-constexpr const char* expected_result = "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
+constexpr const char* expected_result =
+    "calibration.json, noise.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
 
 ComparisonSummary comparison_of(const Field& root) {
   std::vector<NamedComparison> all(1);
@@ -97,6 +110,8 @@ ComparisonSummary comparison_of(const Field& root) {
   } else {
     read_into(root, all.front());
   }
+  JsonReader rest(root);
+  rest("calibrations", out.calibrations, fields::optional), rest("requirements", out.requirements, fields::optional);
   out.names.push_back(all.front().a);
   for (NamedComparison& c : all) {
     out.names.push_back(std::move(c.b));
@@ -123,10 +138,13 @@ Summary read_summary(const Field& root) {
 
 }  // namespace
 
-SavedResult parse_result(std::string_view text, const std::string& file) {
-  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
-  const JsonValue json = json_io::parse_json(text, file, expected_result);
-  const Field root(json, file, "");
+namespace {
+
+SavedResult result_of(const Field& root, std::string_view text, const std::string& file) {
+  if (root.has("format") && root["format"].text() == "imulab.noise/1") {
+    if (root.has("logs")) return read_summary<NoiseBatch>(root);
+    return read_summary<NoiseAnalysis>(root);
+  }
   if (root.has("format")) return parse_calibration(text, file);
   if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
   if (root.has("sessions") || root.has("position_error")) return result_io::navigation_of(root);
@@ -141,6 +159,17 @@ SavedResult parse_result(std::string_view text, const std::string& file) {
   throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
 }
 
-SavedResult read_result(const std::filesystem::path& path) { return parse_result(MappedFile(path, Content::settings).text(), input_name(path)); }
+}  // namespace
+
+SavedAnswer parse_answer(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
+  const JsonValue json = json_io::parse_json(text, file, expected_result);
+  const Field root(json, file, "");
+  return {result_of(root, text, file), conclusion_of(root)};
+}
+
+SavedResult parse_result(std::string_view text, const std::string& file) { return parse_answer(text, file).result; }
+
+SavedAnswer read_answer(const std::filesystem::path& path) { return parse_answer(MappedFile(path, Content::settings).text(), input_name(path)); }
 
 }  // namespace imulab

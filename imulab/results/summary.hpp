@@ -7,6 +7,8 @@
 #include "imulab/model/requirement.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
+#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/results/comparison.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/navigation.hpp"
 #include "imulab/results/prediction.hpp"
@@ -20,12 +22,6 @@
 #include <vector>
 
 namespace imulab {
-
-struct ComparisonSummary {
-  std::vector<std::string> names;       ///< a, then the others
-  std::vector<Comparison> comparisons;  ///< one for each of the others
-  std::optional<Agreement> agreement = {};
-};
 
 /// A coefficient of a prediction. What not every method predicts is optional. SI.
 struct PredictedCoefficient {
@@ -57,6 +53,7 @@ struct PlanSummary {
   TurnPath path;  ///< from JSON: without its worst ratio
   PredictionSummary prediction;
   std::optional<PriorEffect> prior = {};
+  double margin = 1;  ///< of the limits, which the path was to reach
 };
 
 /// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
@@ -71,18 +68,25 @@ struct BudgetSummary {
   std::optional<ErrorDistribution> monte_carlo;
   std::uint64_t runs = 0;                   ///< of the Monte Carlo
   std::vector<NavigationState> track = {};  ///< of the motion, thinned
+  std::string grade = {}, noise = {};       ///< of the sensors, and where their noise comes from; empty: not stated
 };
 
 /// The sessions of one command. From JSON: begin and end in `solution.time`, track and errors thinned.
 using NavigationSummary = std::vector<NavigatedSession>;
 
-using SavedResult =
-    std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, BudgetSummary, CompensationSummary>;
+using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, BudgetSummary,
+                                 CompensationSummary, NoiseAnalysis, NoiseBatch>;
 
-/// Reads calibration.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json. Throws Error that names the
-/// file and what was expected.
-SavedResult read_result(const std::filesystem::path& path);
+struct SavedAnswer {
+  SavedResult result;
+  Conclusion conclusion;  ///< of a calibration: its own fields have it
+};
+
+/// Reads calibration.json, noise.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json. Throws Error that
+/// names the file and what was expected.
+SavedAnswer read_answer(const std::filesystem::path& path);
 /// Reads the text of such a file; `file` is its name in messages.
+SavedAnswer parse_answer(std::string_view text, const std::string& file);
 SavedResult parse_result(std::string_view text, const std::string& file);
 
 }  // namespace imulab

@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/rig/procedure.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -108,7 +109,7 @@ void add_centrifuge(Session& session, const DaiUnitOptions& options) {
   Points points(session, RigKind::centrifuge, options);
   for (const Mount& mount : six_mounts(&Mount::outward, &Mount::up))
     for (int g = 0; g <= 30; g += 5) {
-      const bool first = g == 0 && session.steps.back().recording != session.recordings.back().file;
+      const bool first = g == 0 && (session.steps.empty() || session.steps.back().recording != session.recordings.back().file);
       Step& step = points.add(g == 0 ? StepKind::hold : StepKind::spin, mount, first ? 0 : remount);
       if (g == 0) continue;
       step.rate = std::round(std::sqrt(g * unit::g / arm) / unit::deg * 100) / 100 * unit::deg;  // hundredths are easy to read in a file
@@ -130,9 +131,11 @@ Session dai_unit_procedure(const DaiUnitOptions& options) {
   session.imu.grade = options.grade;
   session.site.latitude = options.latitude;
   session.site.height = options.height;
-  add_chamber(session, options);
-  add_rate_table(session, options);
-  add_centrifuge(session, options);
+  const auto has = [&](RigKind kind) { return std::ranges::find(options.machines, kind) != options.machines.end(); };
+  if (has(RigKind::chamber)) add_chamber(session, options);
+  if (has(RigKind::rate_table)) add_rate_table(session, options);
+  if (has(RigKind::centrifuge)) add_centrifuge(session, options);
+  if (session.steps.empty()) throw Error("dai-unit: no machine; expected chamber, rate_table or centrifuge");
   return session;
 }
 

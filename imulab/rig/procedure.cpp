@@ -176,6 +176,25 @@ Session zhang_24_procedure(const TableProcedureOptions& options) {
   return table.session();
 }
 
+Session two_axis_procedure(const TableProcedureOptions& options) {
+  TableSteps table("two-axis", options);
+  const double turns = 360.0 * options.turns;
+  const auto both_ways = [&](RigAxis axis) {
+    for (const double angle : {turns, -turns}) {
+      table.turn(axis, angle);
+      table.rest();
+    }
+  };
+  table.rest();
+  both_ways(RigAxis::inner);
+  both_ways(RigAxis::middle);
+  table.rest_at(0, 0, 90);  // the other body axis is along the middle one
+  both_ways(RigAxis::middle);
+  for (const double middle : {0.0, 90.0, 180.0, 270.0})
+    for (const double inner : {0.0, 90.0, 180.0, 270.0}) table.rest_at(0, middle, inner);
+  return table.session();
+}
+
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options) {
   TableSteps table(name, options);
   table.rest_for(first_rest);
@@ -200,6 +219,7 @@ Session cheng_path_procedure(const TableProcedureOptions& options) {
 const std::vector<TableProcedure>& table_procedures() {
   static const std::vector<TableProcedure> table{
       {"six-position", "Turntable: each body axis up and down", six_position_procedure, {}},
+      {"two-axis", "Table with two axes: five turns each way about each body axis, then 16 positions", two_axis_procedure, {}},
       {"zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure, {}},
       {"cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure, {}},
       {"ferraris", "By hand against a box: each axis up and down, a turn of 360 deg about each", ferraris_procedure, ferraris_options()}};

@@ -30,7 +30,7 @@ struct TableProcedureOptions {
   double rest = 60;                   ///< s, each
   double move = 10;                   ///< s, from one position to the next where no turn is commanded
   double turn_rate = 10 * unit::deg;  ///< rad/s
-  int turns = 5;                      ///< zhang-24: each way about each axis
+  int turns = 5;                      ///< zhang-24, two-axis: each way about each axis
   double table = 2 * unit::arcsec;    ///< rad: declared sigma of angles, orthogonality and zero
   double rate_hz = 100;
   double latitude = 45 * unit::deg;
@@ -56,6 +56,9 @@ struct TableTurn {
   double angle_deg;
   double rest;  ///< s
 };
+/// With two axes of a table, middle and inner: turns forward and back about each body axis, then the 16 positions of quarter turns.
+Session two_axis_procedure(const TableProcedureOptions& options);
+
 /// Turns between rests, the first of which lasts `first_rest` s; `options.rest` and `options.turns` are ignored.
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options);
 
@@ -80,13 +83,14 @@ struct DaiUnitOptions {
   double rate_hz = 50;
   ThermalSensors thermal = ThermalSensors::three;
   bool both_ways = false;  ///< the chamber cools again
+  std::vector<RigKind> machines{RigKind::chamber, RigKind::rate_table, RigKind::centrifuge};
   double latitude = 45 * unit::deg;
   double height = 0;  ///< m
   std::string grade = "mems-30g";
 };
 
 /// Dai 2011 section 3: an IMU in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face
-/// outward, seven accelerations), each a recording of its steps alone.
+/// outward, seven accelerations), each a recording of its steps alone; with the machines named. Throws Error for none of them.
 Session dai_unit_procedure(const DaiUnitOptions& options);
 
 }  // namespace imulab

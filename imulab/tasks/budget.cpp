@@ -3,9 +3,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/navigation/navigate.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/tasks/content.hpp"
+#include "imulab/tasks/navigation_figures.hpp"
 #include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
@@ -17,15 +19,16 @@
 namespace imulab {
 namespace {
 
-/// Above a tenth of a radian, products of errors are some percent of the errors.
-std::optional<std::string> large_angles(const ErrorBudget& b) {
-  constexpr double largest = 0.1;
-  for (std::size_t i = 0; i < b.time.size(); ++i)
-    for (Eigen::Index q = 6; q < budget_quantities; ++q)
-      if (std::hypot(b.mean(q, static_cast<Eigen::Index>(i)), std::sqrt(b.covariance[i](q, q))) > largest)
-        return fmt::format("an attitude error exceeds {1:g} rad from {0:g} s on; the linear figures are rough; rely on the Monte Carlo", b.time[i],
-                           largest);
-  return std::nullopt;
+/// A rest shows the heading by the Earth's rate, which the gyros of such a unit do not resolve.
+std::optional<std::string> hopeless_alignment(const ErrorBudget& b, const StartErrors& start) {
+  if (!start.aligned_over) return std::nullopt;
+  constexpr Eigen::Index heading = 8;
+  const double sigma = std::hypot(b.mean(heading, 0), std::sqrt(b.covariance.front()(heading, heading)));
+  if (sigma <= largest_heading_sigma) return std::nullopt;
+  return fmt::format(
+      "a rest does not show the heading to these gyros (error {:.2g} rad): what follows from it means nothing; give start = {{ heading_arcmin = ..., "
+      "tilt_arcmin = ... }} in place of aligned_over_s, and navigate with heading_deg",
+      sigma);
 }
 
 /// Everything that the Monte Carlo depends on. What a grade or a system stands for is in the program.
@@ -88,14 +91,31 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
         checkpoint ? &*checkpoint : nullptr);
     out.runs = o.runs;
   }
-  if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning));
+  if (auto warning = hopeless_alignment(out.budget, reading.sources.start)) out.warnings.push_back(std::move(*warning)), out.doubtful = true;
+  if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning)), out.doubtful = out.doubtful || !out.monte_carlo;
   return out;
 }
 
-std::string page_of(const MissionBudget& b, const std::string& mission) {
+/// Where the noise of the sensors comes from.
+std::string noise_origin(const ErrorSpecification& s) {
+  if (s.noise) return std::filesystem::path(*s.noise).filename().string();
+  return s.grade ? "of the grade" : s.system ? "of the system" : "of the mission";
+}
+
+/// "flight.toml, grade navigation, noise of the grade"
+std::string titled(const std::string& mission, const MissionBudget& b) {
+  return mission + (b.grade.empty() ? "" : ", grade " + b.grade) +
+         (b.noise.empty()              ? ""
+          : b.noise.starts_with("of ") ? ", noise " + b.noise
+                                       : ", noise of " + b.noise);
+}
+
+std::string page_of(const MissionBudget& b, const std::string& mission, const Conclusion& conclusion) {
   return budget_page(
-      BudgetReport{.mission = mission,
-                   .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)}});
+      BudgetReport{.mission = titled(mission, b),
+                   .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)},
+                   .warnings = b.warnings,
+                   .conclusion = conclusion});
 }
 
 }  // namespace
@@ -103,7 +123,7 @@ std::string page_of(const MissionBudget& b, const std::string& mission) {
 Verb& declare(Verb& command, BudgetVerbOptions& o) {
   Verb& verb = command.verb("budget", "Position, velocity and attitude errors on a motion, by source");
   verb.option("mission", o.mission, "the mission file: a motion and its [errors]").reads();
-  VerbOption& grade = verb.option("--grade GRADE", o.grade, "sensors of this grade, in place of the mission's");
+  VerbOption& grade = verb.option("--grade GRADE", o.grade, "sensors of this grade, in place of the mission's; several with commas are compared");
   VerbOption& system = verb.option("--system NAME", o.system, "sensors of this airliner system, in place of the mission's").excludes(grade);
   verb.option("--calibration FILE", o.calibration,
               "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own")
@@ -111,6 +131,9 @@ Verb& declare(Verb& command, BudgetVerbOptions& o) {
       .excludes(grade)
       .excludes(system);
   verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its terms in place of the mission's or grade's").reads();
+  verb.option("--require LIMITS", o.require,
+              "what the mission allows: \"CEP <= 1 nmi/h\" at its end, \"CEP <= 200 m at 600 s\", also of RMS, 95 %, vertical, velocity and heading; "
+              "exit code 1 where it is not met");
   verb.option("--runs", o.runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
   seed_option(verb, o.seed);
   verb.option("--every", o.every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
@@ -124,22 +147,37 @@ Verb& declare(Verb& command, BudgetVerbOptions& o) {
   json_option(verb, o.json);
   verb.option("-v,--verbose", o.verbose, "print also velocity, attitude and the Monte Carlo by axis").of_command();
   verb.example("imulab budget flight.toml --grade navigation");
+  verb.example("imulab budget flight.toml --require \"CEP <= 1 nmi/h\"");
+  verb.example("imulab budget flight.toml --grade strategic,tactical --report grades.html");
   return verb;
 }
 
 AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
                                       const std::function<void(double)>& progress, const std::string& allow) {
   std::optional<Checkpoint> checkpoint = o.shared.shared();
+  if (o.require) errors_of_option("require", [&] { expect_budget_limits(*o.require); });
   const ErrorSpecification specification = specification_of(o, file);
+  bool doubtful_calibration = false;
   if (const auto& name = specification.calibration) {
     const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
-    expect_usable(read_calibration(path), path.string(), o.allow_undetermined, tell, allow);
+    const Calibration calibration = read_calibration(path);
+    expect_usable(calibration, path.string(), o.allow_undetermined, tell, allow);
+    doubtful_calibration = calibration.quality.verdict == "doubtful";
+    if (doubtful_calibration) tell(path.string() + ": the calibration is doubtful; its errors may be larger than it states");
   }
-  const auto b = std::make_shared<const MissionBudget>(mission_budget(file, specification, o, std::move(checkpoint), progress));
-  return {{.json = [b] { return budget_json(b->budget, b->monte_carlo, b->motion.states); },
+  const auto made = std::make_shared<MissionBudget>(mission_budget(file, specification, o, std::move(checkpoint), progress));
+  made->grade = specification.grade.value_or(specification.system.value_or("")), made->noise = noise_origin(specification);
+  made->doubtful = made->doubtful || doubtful_calibration;
+  const std::shared_ptr<const MissionBudget> b = made;
+  const auto required =
+      o.require ? errors_of_option("require", [&] { return assess(b->budget, b->monte_carlo, *o.require); }) : std::vector<RequirementResult>();
+  const Conclusion conclusion = conclude(b->doubtful ? "doubtful" : "", budget_headline(b->budget, b->monte_carlo), required);
+  return {{.json = [b] { return budget_json(b->budget, b->monte_carlo, b->motion.states, b->grade, b->noise); },
            .table = [b](bool details) { return budget_table(b->budget, b->monte_carlo, details); },
-           .page = [b, mission = std::filesystem::path(o.mission).filename().string()] { return page_of(*b, mission); },
-           .warnings = b->warnings},
+           .page = [b, mission = std::filesystem::path(o.mission).filename().string(), conclusion] { return page_of(*b, mission, conclusion); },
+           .warnings = b->warnings,
+           .shortcomings = missed_requirements(conclusion),
+           .conclusion = conclusion},
           b};
 }
 

@@ -17,6 +17,7 @@ namespace imulab {
 
 struct BudgetVerbOptions : ShowOptions {
   std::string mission;                                           ///< its file: for messages, and beside it the files that it names
+  std::optional<std::string> require;                            ///< limits on figures (tasks/navigation_figures.hpp)
   std::optional<std::string> grade, system, calibration, noise;  ///< in place of the mission's: sensors by one of the first three, noise
   std::uint64_t runs = 200, seed = 1;                            ///< of the Monte Carlo; 0 runs: none
   double every = 10;                                             ///< s between outputs
@@ -32,6 +33,8 @@ struct MissionBudget {
   std::uint64_t runs = 0;
   motion::NominalMotion motion;
   std::vector<std::string> warnings;
+  bool doubtful = false;     ///< for a reason among the warnings
+  std::string grade, noise;  ///< of the sensors: a grade's or a system's name, and where the noise comes from
 };
 
 /// The mission's budget with the options' own sensors in place of the mission's. `tell` gets the warnings about the calibration that these name.
@@ -39,6 +42,10 @@ struct MissionBudget {
 /// read_error_sources, trajectory_of, error_budget and error_monte_carlo do; as expect_usable for the calibration.
 AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
                                       const std::function<void(double)>& progress, const std::string& allow = "--allow-undetermined");
+/// The names of `--grade` where it lists several; else empty.
+std::vector<std::string> several_grades(const BudgetVerbOptions& o);
+/// The budgets of several grades on one mission, each as budget_answer has it, side by side. Throws Error where files for one were asked for.
+Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell, const std::function<void(double)>& progress);
 /// total.csv, sources.csv, and of a Monte Carlo monte_carlo.csv and runs.csv, in a new folder. Throws Error where it cannot be written.
 void write_budget(const std::filesystem::path& folder, const MissionBudget& budget);
 

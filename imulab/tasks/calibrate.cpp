@@ -237,7 +237,9 @@ AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const Sessi
                },
            .page = [result, data] { return calibration_page(*result, *data); },
            .warnings = own,
-           .shortcomings = shortcomings(*result)},
+           .shortcomings = shortcomings(*result),
+           .conclusion = conclusion_of(result->calibration),
+           .printed = [result] { return calibration_document(result->calibration); }},
           result};
 }
 

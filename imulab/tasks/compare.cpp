@@ -4,6 +4,7 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compare.hpp"
+#include "imulab/model/requirement.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/tasks/usable.hpp"
 
@@ -46,46 +47,69 @@ void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
 }  // namespace
 
 Verb& declare(Verb& command, CompareOptions& o) {
-  Verb& verb = command.verb("compare", "Compare calibrations of one IMU, coefficient by coefficient");
+  Verb& verb = command.verb("compare", "Compare calibrations of one IMU, or saved results of one kind");
   verb.option("CALIBRATION", o.files,
               "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
-              "errors are taken as independent; a file without uncertainties is taken as the truth")
+              "errors are taken as independent; a file without uncertainties is taken as the truth. Also results as JSON of one verb: noise, "
+              "budget, predict or navigate")
       .required()
       .takes_several(2)
       .reads();
+  verb.option("--tolerance LIMITS", o.tolerance,
+              "by how much calibrations may differ: \"gyro.offset <= 0.01 deg/h, accel.matrix.diagonal <= 50 ppm\"; exit code 1 where one differs "
+              "by more");
   verb.option("--different-imus", o.different_imus, "compare calibrations of different serial numbers");
   report_option(verb, o.report);
   json_option(verb, o.json);
-  verb.option("-v,--verbose", o.verbose, "print also the values in SI").of_command();
+  verb.option("-v,--verbose", o.verbose, "print all coefficients, and the values in SI").of_command();
   verb.example("imulab compare calibration.json session/truth.json");
+  verb.example("imulab compare spring.json autumn.json --tolerance \"gyro.offset <= 0.01 deg/h\"");
   return verb;
 }
 
-AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> calibrations, bool different_imus) {
-  const auto inputs = std::make_shared<const std::vector<NamedCalibration>>(std::move(calibrations));
+AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> calibrations, bool different_imus,
+                                              const std::optional<std::string>& tolerance) {
+  const std::vector<Requirement> tolerances =
+      tolerance ? errors_of_option("tolerance", [&] { return parse_requirements(*tolerance); }) : std::vector<Requirement>();
+  const std::vector<NamedCalibration> inputs = std::move(calibrations);
   const auto summary = std::make_shared<ComparisonSummary>();
   std::vector<std::string> warnings;
   std::vector<Calibration> all;
-  for (std::size_t k = 0; k < inputs->size(); ++k) {
-    const NamedCalibration& input = (*inputs)[k];
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    const NamedCalibration& input = inputs[k];
     expect_sizes(input.calibration, input.name);
     errors_at(input.name, [&] { compare(input.calibration, input.calibration); });  // a singular matrix is refused where its name is known
     for (std::size_t i = 0; i < k; ++i) {
-      check_same_raw_units((*inputs)[i], input);
-      if (!different_imus) check_same_imu((*inputs)[i], input);
+      check_same_raw_units(inputs[i], input);
+      if (!different_imus) check_same_imu(inputs[i], input);
     }
     for (std::string& text : open_frame(input)) warnings.push_back(std::move(text));
     summary->names.push_back(input.name);
+    summary->calibrations.push_back(compared_calibration(input));
     all.push_back(input.calibration);
   }
   summary->comparisons = compare(all.front(), std::vector<Calibration>(all.begin() + 1, all.end()));
   summary->agreement = agreement(all);
   if (summary->agreement->calibrations < 3) summary->agreement.reset();  // for two, their comparison is enough
-  return {{.json = [inputs, summary] { return comparison_json(*inputs, summary->comparisons, summary->agreement); },
-           .table = [inputs, summary](bool details) { return comparison_table(*inputs, summary->comparisons, summary->agreement, details); },
+  for (const Requirement& each : tolerances) summary->requirements.push_back(assess(*summary, each));
+  const Conclusion conclusion = conclusion_about(*summary);
+  const bool missed = conclusion.verdict == "not met" || conclusion.verdict == "doubtful";
+  return {{.json = [summary] { return comparison_json(*summary); },
+           .table = [summary](bool details) { return comparison_table(*summary, details); },
            .page = [summary] { return comparison_page(*summary); },
-           .warnings = std::move(warnings)},
+           .warnings = std::move(warnings),
+           .shortcomings = missed ? conclusion.verdict + ": " + conclusion.headline : "",
+           .conclusion = conclusion},
           summary};
+}
+
+AnswerOf<ResultComparison> result_comparison_answer(const std::vector<NamedResult>& results) {
+  const auto comparison = std::make_shared<const ResultComparison>(compare_results(results));
+  return {{.json = [comparison] { return result_comparison_json(*comparison); },
+           .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },
+           .page = [comparison] { return result_comparison_page(*comparison); },
+           .conclusion = {"", comparison->headline}},
+          comparison};
 }
 
 }  // namespace imulab

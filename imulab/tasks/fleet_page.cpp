@@ -5,7 +5,7 @@
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
-#include "imulab/report/plot.hpp"
+#include "imulab/tasks/fleet_figures.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ namespace report {
 namespace {
 
 constexpr std::size_t most_rows = 50;    // of a table
-constexpr std::size_t most_units = 500;  // of a control chart: the last ones
+constexpr std::size_t most_serials = 8;  // in a sentence
 
 std::string code(CoefficientIndex index) { return "<code>" + escaped(coefficient(index).name) + "</code>"; }
 
@@ -31,6 +31,13 @@ struct Fleet {
   std::string unit_name(Eigen::Index unit) const {
     const auto k = static_cast<std::size_t>(unit);
     const std::string name = escaped(shortened(statistics.sample.units[k], 60));
+    return linked(k, name);
+  }
+  std::string serial_link(Eigen::Index unit) const {
+    const auto k = static_cast<std::size_t>(unit);
+    return linked(k, escaped(shortened(k < statistics.sample.serials.size() ? statistics.sample.serials[k] : statistics.sample.units[k], 40)));
+  }
+  std::string linked(std::size_t k, const std::string& name) const {
     return k < links.size() && !links[k].empty() ? fmt::format("<a href=\"{}\">{}</a>", escaped(links[k]), name) : name;
   }
 };
@@ -43,14 +50,27 @@ Verdict fleet_verdict(const FleetStatistics& f) {
     return std::count_if(f.coefficients.begin(), f.coefficients.end(), [&](const CoefficientStatistics& c) { return differs(c.*gauge, level); });
   };
   const auto stations = different(&CoefficientStatistics::stations), operators = different(&CoefficientStatistics::operators);
-  const auto incapable =
-      std::count_if(f.coefficients.begin(), f.coefficients.end(), [](const auto& c) { return c.capability && c.capability->cpk < 1; });
+  std::string incapable;
+  std::set<Eigen::Index> beyond;
+  for (const CoefficientStatistics& c : f.coefficients) {
+    if (c.capability && c.capability->cpk < 1)
+      incapable += fmt::format("{}{} ({})", incapable.empty() ? "" : ", ", coefficient(c.index).name, number_text(c.capability->cpk));
+    for (const Eigen::Index row : beyond_limit(f, c)) beyond.insert(row);
+  }
   Verdict v;
   if (!f.search.outliers.empty()) v.because.push_back(fmt::format("{} units are outliers", f.search.outliers.size()));
   if (!f.drifts.empty()) v.because.push_back(fmt::format("{} coefficients of units drift beyond what their calibrations explain", f.drifts.size()));
   if (stations > 0) v.because.push_back(fmt::format("stations differ in {} coefficients", stations));
   if (operators > 0) v.because.push_back(fmt::format("operators differ in {} coefficients", operators));
-  if (incapable > 0) v.because.push_back(fmt::format("{} coefficients spread beyond their limits: Cpk below 1", incapable));
+  if (!incapable.empty()) v.because.push_back("spread beyond the limits, Cpk below 1: " + incapable);
+  if (!beyond.empty()) {
+    std::string serials;
+    std::size_t named = 0;
+    for (auto row = beyond.begin(); row != beyond.end() && named < most_serials; ++row, ++named)
+      serials += (named > 0 ? ", " : "") + shortened(serial_of_row(f, *row), 40);
+    v.because.push_back(fmt::format("{} of {} units {} beyond a limit: {}{}", beyond.size(), f.sample.units.size(), beyond.size() == 1 ? "is" : "are",
+                                    serials, beyond.size() > named ? ", and others" : ""));
+  }
   if (!f.search.possible) v.because.emplace_back("too few units for so many coefficients: outliers and correlations were not looked for");
   const bool good = v.because.empty();
   v.tone = good ? Tone::good : f.search.possible || v.because.size() > 1 ? Tone::doubtful : Tone::neutral;
@@ -81,66 +101,66 @@ std::string spread_section(const FleetStatistics& f) {
       table(t));
 }
 
-/// A histogram of the units, and the normal distribution with the fleet's spread and mean uncertainty.
-std::string histogram(const FleetStatistics& f, const CoefficientStatistics& c) {
-  const Eigen::Index column = std::find(f.sample.coefficients.begin(), f.sample.coefficients.end(), c.index) - f.sample.coefficients.begin();
-  const double sigma = std::hypot(c.fleet.spread, c.fleet.measurement) / c.size;
-  std::vector<double> values;
-  for (const Eigen::Index row : c.rows) values.push_back((f.sample.values(row, column) - c.fleet.mean) / c.size);
-  const double reach =
-      std::max(4 * sigma, std::abs(*std::max_element(values.begin(), values.end(), [](double a, double b) { return std::abs(a) < std::abs(b); })));
-  const auto bins = static_cast<std::size_t>(std::clamp(2 * std::cbrt(static_cast<double>(values.size())) * reach / (3.5 * sigma), 8.0, 80.0));
-  const double width = 2 * reach / static_cast<double>(bins);
-  std::vector<double> x(bins), count(bins), curve_x, curve;
-  for (std::size_t k = 0; k < bins; ++k) x[k] = -reach + (static_cast<double>(k) + 0.5) * width;
-  for (const double value : values) count[std::min(bins - 1, static_cast<std::size_t>((value + reach) / width))] += 1;
-  for (int k = 0; k <= 200; ++k) {
-    const double at = reach * (0.01 * k - 1);
-    curve_x.push_back(at);
-    curve.push_back(static_cast<double>(values.size()) * width / (sigma * std::sqrt(2 * 3.14159265358979)) *
-                    std::exp(-0.5 * at * at / (sigma * sigma)));
-  }
-  const double top = 1.1 * std::max(*std::max_element(count.begin(), count.end()), *std::max_element(curve.begin(), curve.end()));
-  Plot plot({fmt::format("from the mean [{}]", readable_unit(c.unit)), -reach, reach}, {"units", 0, top}, "histogram");
-  plot.bars(x, count, width, color::sky);
-  plot.line(curve_x, curve, color::ink);
-  return plot.svg();
+/// Coefficients in which something stands out.
+bool is_significant(const FleetStatistics& f, const CoefficientStatistics& c) {
+  const double level = f.search.false_alarm / static_cast<double>(std::max<std::size_t>(1, f.coefficients.size()));
+  bool out = differs(c.stations, level) || differs(c.operators, level);
+  for (std::size_t rule = 0; rule < run_rule_count; ++rule) out = out || stands_out(c.chart, rule);
+  for (const FleetOutlier& o : f.search.outliers)
+    out = out || f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])] == c.index;
+  return out;
 }
 
-std::string control_picture(const CoefficientStatistics& c) {
-  const auto n = static_cast<std::size_t>(c.chart.scores.size()), first = n > most_units ? n - most_units : 0;
-  std::vector<double> x, y, far_x, far_y;
-  for (std::size_t k = first; k < n; ++k) {
-    const double score = c.chart.scores[static_cast<Eigen::Index>(k)];
-    bool fired = false;
-    for (const auto& rule : c.chart.fired) fired = fired || std::binary_search(rule.begin(), rule.end(), static_cast<Eigen::Index>(k));
-    (fired ? far_x : x).push_back(static_cast<double>(k + 1));
-    (fired ? far_y : y).push_back(score);
+std::string overview_section(const FleetStatistics& f) {
+  const std::string picture = fleet_overview(f);
+  if (picture.empty()) return "";
+  const bool many = f.sample.units.size() > 60;
+  return section(
+      "overview", "All units at a glance",
+      many ? "Each unit's difference from the mean in the standard deviation that it should have. Thick: half of the units; thin: 95 %; red: "
+             "units beyond 3, and the farthest by its serial number."
+           : "Each dot is a unit: its difference from the mean in the standard deviation that it should have. Red: beyond 3; the farthest by "
+             "its serial number.",
+      figure(picture, "", true));
+}
+
+/// The required coefficients, with the units beyond their limits.
+std::string limits_section(const Fleet& fleet) {
+  const FleetStatistics& f = fleet.statistics;
+  Table t{.head = {"coefficient", "limit", "", "mean", "spread", "Cp", "Cpk", "units beyond", "the farthest"}, .rows = {}, .left = {2, 8}};
+  std::string charts;
+  for (const CoefficientStatistics& c : f.coefficients) {
+    if (!c.capability) continue;
+    const std::vector<Eigen::Index> beyond = beyond_limit(f, c);
+    std::string serials;
+    for (std::size_t k = 0; k < std::min(beyond.size(), most_serials); ++k)
+      serials += (k > 0 ? ", " : "") + fleet.serial_link(f.sample.unit[static_cast<std::size_t>(beyond[k])]);
+    if (beyond.size() > most_serials) serials += ", …";
+    t.rows.push_back({code(c.index), "± " + number_text(c.capability->limit / c.size), escaped(readable_unit(c.unit)),
+                      number_text((c.fleet.mean - c.capability->target) / c.size), number_text(c.fleet.spread / c.size),
+                      number_text(c.capability->cp),
+                      (c.capability->cpk < 1 ? "<strong>" + number_text(c.capability->cpk) + "</strong>" : number_text(c.capability->cpk)),
+                      fmt::format("{}", beyond.size()), serials});
+    charts += coefficient_charts(f, c);
   }
-  double reach = 4;
-  for (const double score : far_y) reach = std::max(reach, 1.1 * std::abs(score));
-  Plot plot({"units in the order of their times", static_cast<double>(first), static_cast<double>(n) + 1}, {"standard deviations", -reach, reach},
-            "control chart");
-  for (const double limit : {-3.0, 3.0}) plot.rule(limit, color::vermilion);
-  plot.rule(0, color::gray);
-  plot.dots(x, y, color::blue);
-  plot.dots(far_x, far_y, color::vermilion);
-  return plot.svg();
+  if (t.rows.empty()) return "";
+  return section(
+      "limits", "Against the limits",
+      "Mean: from the target. Cpk below 1: the spread reaches beyond a limit. Red, dashed: the limits; red dots: units beyond them, by their "
+      "serial numbers.",
+      table(t) + (charts.empty() ? "" : charts_key()) + charts);
 }
 
 std::string charts_section(const FleetStatistics& f) {
-  std::string main, others;
-  for (const CoefficientStatistics& c : f.coefficients) {
-    if (!(std::hypot(c.fleet.spread, c.fleet.measurement) > 0) || c.rows.size() < 2) continue;
-    const std::string name(coefficient(c.index).name);
-    (is_optional(coefficient(c.index).term) ? others : main) +=
-        beside({figure(histogram(f, c), name), figure(control_picture(c), name + ": control chart")});
-  }
+  std::string significant, others;
+  for (const CoefficientStatistics& c : f.coefficients)
+    if (!c.capability) (is_significant(f, c) ? significant : others) += coefficient_charts(f, c);
   return section("charts", "Each coefficient over the fleet",
                  "Left: how many units are how far from the mean, and the normal distribution that spread and uncertainty make. Right: the units in "
-                 "the order of "
-                 "their times, each in the standard deviation that it should have; dashed: three of them; red: where a run rule fires (Nelson 1984).",
-                 main + (others.empty() ? "" : folded("Optional terms", others)));
+                 "the order of their times, each in the standard deviation that it should have; dashed: three of them; red: where a run rule fires "
+                 "(Nelson 1984).",
+                 charts_key() + (significant.empty() ? paragraph("Nothing stands out in the coefficients without a limit.") : significant) +
+                     (others.empty() ? "" : folded(significant.empty() ? "Their charts" : "Coefficients in which nothing stands out", others)));
 }
 
 std::string outlier_section(const Fleet& fleet) {
@@ -164,25 +184,6 @@ std::string outlier_section(const Fleet& fleet) {
       table(t));
 }
 
-/// One unit's calibrations of a coefficient over the years, with two standard uncertainties, and its line.
-std::string history(const FleetStatistics& f, const CoefficientStatistics& c, const UnitDrift& u) {
-  const Eigen::Index column = std::find(f.sample.coefficients.begin(), f.sample.coefficients.end(), c.index) - f.sample.coefficients.begin();
-  std::vector<double> x, y, low, high;
-  for (Eigen::Index row = 0; row < f.sample.time.size(); ++row) {
-    if (f.sample.unit[static_cast<std::size_t>(row)] != u.unit || std::isnan(f.sample.values(row, column))) continue;
-    const double sigma = std::hypot(std::sqrt(f.sample.variances(row, column)), c.drift.repeatability) / c.size;
-    x.push_back(1970 + f.sample.time[row] / unit::year), y.push_back((f.sample.values(row, column) - c.fleet.mean) / c.size);
-    low.push_back(y.back() - 2 * sigma), high.push_back(y.back() + 2 * sigma);
-  }
-  std::vector<double> all = low;
-  all.insert(all.end(), high.begin(), high.end());
-  Plot plot(axis_over("year", x), axis_over(fmt::format("from the fleet's mean [{}]", readable_unit(c.unit)), all), "history");
-  plot.band(x, low, high, color::sky);
-  plot.line({x.front(), x.back()}, {(u.last - u.slope * u.span - c.fleet.mean) / c.size, (u.last - c.fleet.mean) / c.size}, color::ink);
-  plot.dots(x, y, color::blue);
-  return figure(plot.svg(), fmt::format("{}, {}", shortened(f.sample.units[static_cast<std::size_t>(u.unit)], 40), coefficient(c.index).name));
-}
-
 std::string drift_section(const Fleet& fleet) {
   const FleetStatistics& f = fleet.statistics;
   Table means{.head = {"coefficient", "units", "mean per year", "95 % interval", "spread of it", "repeatability", ""}, .rows = {}, .left = {6}};
@@ -203,13 +204,13 @@ std::string drift_section(const Fleet& fleet) {
                       number_text(d.drift.slope / c->size),
                       fmt::format("{} to {}", number_text(d.drift.low / c->size, 2), number_text(d.drift.high / c->size, 2)),
                       escaped(readable_unit(c->unit)), number_text(d.drift.p_value, 2)});
-    if (histories.size() < most_histories) histories.push_back(history(f, *c, d.drift));
+    if (histories.size() < most_histories) histories.push_back(unit_history(f, *c, d.drift));
   }
   return section("drift", "Drift",
                  "A line through each unit's calibrations. Repeatability: how far a unit is from its line beyond the uncertainties. Listed are units "
                  "whose drift the "
                  "calibrations do not explain; the band is two standard uncertainties with the repeatability.",
-                 (t.rows.empty() ? "" : table(t)) + beside(histories) + table(means));
+                 (t.rows.empty() ? "" : table(t)) + (histories.empty() ? "" : history_key()) + beside(histories) + table(means));
 }
 
 std::string due_section(const Fleet& fleet) {
@@ -266,6 +267,10 @@ std::vector<Eigen::Index> units_on_page(const FleetStatistics& f) {
     const Eigen::Index row = f.sample.last[static_cast<std::size_t>(f.search.outliers[k].unit)];
     units.insert(f.sample.unit[static_cast<std::size_t>(row)]);
   }
+  for (const CoefficientStatistics& c : f.coefficients) {
+    const std::vector<Eigen::Index> beyond = report::beyond_limit(f, c);
+    for (std::size_t k = 0; k < std::min(beyond.size(), report::most_serials); ++k) units.insert(f.sample.unit[static_cast<std::size_t>(beyond[k])]);
+  }
   for (std::size_t k = 0; k < first(f.drifts.size()); ++k) units.insert(f.drifts[k].drift.unit);
   for (std::size_t k = 0; k < first(f.due.size()); ++k) units.insert(f.due[k].unit);
   return {units.begin(), units.end()};
@@ -283,8 +288,8 @@ std::string fleet_page(const FleetStatistics& f, const std::string& title, const
                   {fmt::format("{}", f.sample.calibration.size()), "calibrations"},
                   {f.search.possible ? fmt::format("{}", f.search.outliers.size()) : "not tested", "outliers"},
                   {fmt::format("{}", f.drifts.size()), "drifts"}};
-  page.body = outlier_section(fleet) + drift_section(fleet) + due_section(fleet) + gauge_section(f) + spread_section(f) + charts_section(f) +
-              correlation_section(f);
+  page.body = overview_section(f) + limits_section(fleet) + outlier_section(fleet) + drift_section(fleet) + due_section(fleet) + gauge_section(f) +
+              spread_section(f) + charts_section(f) + correlation_section(f);
   return page_text(page);
 }
 

@@ -131,7 +131,8 @@ AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task) {
                  if (found->recording) picture = overview(SensorModel{}, *found->recording, intervals);
                  return inspection_page(found->inspection, picture);
                },
-           .shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n"))},
+           .shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n")),
+           .conclusion = {"", inspection_headline(inspection)}},
           found};
 }
 
@@ -149,7 +150,7 @@ Session session_for(const Inspection& inspection, const InspectionTask& task, co
 
 std::string assumed_gravity(const Session& session) {
   if (session.site.latitude || !session.site.given_gravity_sigma) return "";
-  return fmt::format("gravity {} +/- {} m/s^2, as anywhere on Earth", *session.site.given_gravity, *session.site.given_gravity_sigma);
+  return fmt::format("gravity {} m/s^2 (u = {} m/s^2), as anywhere on Earth", *session.site.given_gravity, *session.site.given_gravity_sigma);
 }
 
 }  // namespace imulab

@@ -8,6 +8,7 @@
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/tasks/inspect.hpp"
+#include "imulab/tasks/navigation_figures.hpp"
 
 #include <map>
 #include <utility>
@@ -24,10 +25,10 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
       .reads();
   topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
-  verb.option("--vertical CHANNEL", o.vertical, "treatment of the vertical channel; aided and held need --barometer")
-      .one_of({"free", "fixed", "aided", "held"})
-      .show_default();
-  verb.option("--barometer FILE", o.barometer, "heights for aided and held: a CSV file with t,height_m").reads();
+  verb.option("--vertical CHANNEL", o.vertical,
+              "treatment of the vertical channel; aided and held need a barometer. Absent: as the session declares ([navigation]), else free")
+      .one_of({"free", "fixed", "aided", "held"});
+  verb.option("--barometer FILE", o.barometer, "heights for aided and held: a CSV file with t,height_m; the session's if absent").reads();
   verb.option("--align", o.align, "align on the first rest even if the session gives an attitude");
   verb.option("--heading", o.heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned")
       .in_range(-360., 360.)
@@ -37,6 +38,10 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
       .called("heading_sigma_deg");
   verb.option("--gaps HOW", o.gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
   verb.option("--truth FILE", o.truth, "reference solution; the session's [truth] if absent").reads();
+  verb.option(
+      "--require LIMITS", o.require,
+      "what the errors may be, against the truth: \"horizontal <= 100 m at 300 s\", \"horizontal <= 1 nmi/h\", also vertical, velocity, heading; "
+      "of several sessions each, or CEP and RMS of all; exit code 1 where it is not met");
   verb.option("-o,--output FILE", o.output, "write the whole solution to this CSV file; - for standard output in place of the table")
       .writes()
       .of_command();
@@ -47,16 +52,21 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
   return verb;
 }
 
-NavigateOptions navigate_options(const NavigateVerbOptions& o) {
+NavigateOptions navigate_options(const NavigateVerbOptions& o, const Session& session) {
   if (o.heading_sigma_deg && !o.heading_deg) throw OptionError("heading-sigma", "belongs to --heading; expected both");
   static const std::map<std::string, VerticalChannel> channels{
       {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
   NavigateOptions options;
-  options.vertical = channels.at(o.vertical);
+  options.vertical = channels.at(o.vertical.value_or(session.vertical.value_or("free")));
+  const bool needs_heights = options.vertical == VerticalChannel::aided || options.vertical == VerticalChannel::held;
+  if (!o.barometer.empty() && !needs_heights) throw OptionError("barometer", "belongs to --vertical aided or held; expected one of them");
   options.align = o.align;
   options.gaps = o.gaps == "refuse" ? GapTreatment::refuse : GapTreatment::integrate;
   if (o.heading_deg) options.heading = {*o.heading_deg * unit::deg, o.heading_sigma_deg.value_or(0) * unit::deg};
-  if (!o.barometer.empty()) options.barometer = read_heights(o.barometer);
+  if (!o.barometer.empty())
+    options.barometer = read_heights(o.barometer);
+  else if (needs_heights && session.barometer_file)
+    options.barometer = read_heights(session_path(session, *session.barometer_file).string());
   return options;
 }
 
@@ -112,15 +122,20 @@ std::vector<std::string> warnings_of(const NavigatedSession& session) {
 
 }  // namespace
 
-AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions) {
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o) {
   const auto all = std::make_shared<const std::vector<NavigatedSession>>(std::move(sessions));
+  const auto required = o.require ? errors_of_option("require", [&] { return assess(*all, *o.require); }) : std::vector<RequirementResult>();
+  const bool doubtful = std::any_of(all->begin(), all->end(), [](const NavigatedSession& s) { return s.navigated.doubtful; });
+  const Conclusion conclusion = conclude(doubtful ? "doubtful" : "", navigation_headline(*all), required);
   std::vector<std::string> warnings;
   for (const NavigatedSession& one : *all)
     for (const std::string& text : warnings_of(one)) warnings.push_back((all->size() > 1 ? one.session + ": " : "") + text);
   return {{.json = [all] { return navigation_json(*all); },
            .table = [all](bool) { return navigation_table(*all); },
-           .page = [all] { return navigation_page({.sessions = *all}); },
-           .warnings = std::move(warnings)},
+           .page = [all, conclusion] { return navigation_page({.sessions = *all, .conclusion = conclusion}); },
+           .warnings = std::move(warnings),
+           .shortcomings = missed_requirements(conclusion),
+           .conclusion = conclusion},
           all};
 }
 

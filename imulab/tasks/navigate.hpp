@@ -13,15 +13,17 @@
 namespace imulab {
 
 struct NavigateVerbOptions : ShowOptions {
-  std::string calibration, truth, barometer, vertical = "free", gaps = "integrate";
+  std::string calibration, truth, barometer, gaps = "integrate";
+  std::optional<std::string> vertical, require;  ///< absent: the channel that the session declares, else free; limits on errors
   std::vector<std::string> sessions, declarations, topics;
   std::optional<double> heading_deg, heading_sigma_deg;
   bool align = false, allow_undetermined = false;
 };
 /// The verb `navigate`, which sets these.
 Verb& declare(Verb& command, NavigateVerbOptions& o);
-/// The options of the navigation; reads the heights. Throws Error for a vertical channel that there is not.
-NavigateOptions navigate_options(const NavigateVerbOptions& o);
+/// The options of a session's navigation, with the vertical channel and the barometer that it declares where the options name none; reads the
+/// heights. Throws OptionError for what contradicts itself.
+NavigateOptions navigate_options(const NavigateVerbOptions& o, const Session& session);
 
 /// An IMU whose recordings are in rad/s and m/s^2 already.
 Calibration no_calibration();
@@ -42,6 +44,6 @@ NavigatedSession navigate_session(const std::string& name, const Calibration& ca
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);
 
 /// The warnings are those of the sessions, with their names in front where there are several.
-AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions);
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o);
 
 }  // namespace imulab

@@ -5,10 +5,12 @@
 #include "imulab/formats/recording/stored.hpp"
 #include "imulab/report/noise_page.hpp"
 #include "imulab/results/noise.hpp"
+#include "imulab/results/noise_requirement.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace imulab {
@@ -24,19 +26,44 @@ std::string shortcomings(const NoiseAnalysis& analysis) {
   return silent.empty() ? "" : fmt::format("{}: no noise to be seen on {}; expected readings that vary", analysis.recording, silent);
 }
 
-AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& analysis, std::function<std::string()> page) {
-  return {{.json = [analysis] { return noise_json(*analysis); },
-           .table = [analysis](bool) { return noise_text(*analysis); },
-           .page = std::move(page),
-           .warnings = analysis->warnings,
-           .shortcomings = shortcomings(*analysis)},
-          analysis};
+std::vector<RequirementResult> assessed(const std::vector<NoiseAnalysis>& logs, const NoiseVerbOptions& o) {
+  if (!o.require) return {};
+  return errors_of_option("require", [&] { return assess(logs, *o.require); });
+}
+
+/// Doubtful where an axis shows no noise, or the spectrum is not that of the fitted terms.
+Conclusion conclusion_of(const NoiseAnalysis& analysis, const NoiseVerbOptions& o) {
+  const bool good = std::all_of(analysis.axes.begin(), analysis.axes.end(), [](const NoiseAxis& axis) { return axis.fit && axis.fit->accepted(); });
+  std::string headline = noise_headline(analysis);
+  if (!good) headline += "; the spectrum of some axes is not that of the terms";
+  return conclude(good ? "good" : "doubtful", std::move(headline), assessed({analysis}, o));
+}
+
+/// What is missing, or what is not met.
+std::string either(const std::string& missing, const Conclusion& conclusion) {
+  const std::string missed = missed_requirements(conclusion);
+  return missing + (missing.empty() || missed.empty() ? "" : "; ") + missed;
+}
+
+using PageOf = std::function<std::string(const Conclusion&)>;
+
+AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& analysis, const NoiseVerbOptions& o, const PageOf& page) {
+  const Conclusion conclusion = conclusion_of(*analysis, o);
+  AnswerOf<NoiseAnalysis> out{{.json = [analysis] { return noise_json(*analysis); },
+                               .table = [analysis](bool) { return noise_text(*analysis); },
+                               .warnings = analysis->warnings,
+                               .shortcomings = either(shortcomings(*analysis), conclusion),
+                               .conclusion = conclusion},
+                              analysis};
+  if (page) out.page = [page, conclusion] { return page(conclusion); };
+  return out;
 }
 
 AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const NoiseVerbOptions& o, bool with_page) {
   const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options_of(o)));
-  if (!with_page) return answer_of(analysis, {});
-  return answer_of(analysis, [page = noise_page(*analysis, recording, still.range)] { return page; });
+  if (!with_page) return answer_of(analysis, o, {});
+  const std::string page = noise_page(*analysis, recording, still.range, conclusion_of(*analysis, o));
+  return answer_of(analysis, o, [page](const Conclusion&) { return page; });
 }
 
 }  // namespace
@@ -48,6 +75,10 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
       .required()
       .reads();
   verb.option("--recording FILE", o.recording, "which of a session's recordings, where it has several");
+  verb.option(
+      "--require LIMITS", o.require,
+      "what the noise may be, the worst axis: \"gyro.N <= 0.1 deg/sqrt(h), accel.B <= 20 ug\", also gyro.x.N; N, B, K, Q, R; exit code 1 where "
+      "the log does not show it");
   verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
@@ -76,10 +107,12 @@ DeviationKind deviation_named(const std::string& name) {
 }
 
 AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& session, const NoiseVerbOptions& o) {
+  if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
   const NoiseOptions options = options_of(o);
   const auto still = std::make_shared<const StillPart>(still_part(recording, session));
   const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(still->recording, *still, options));
-  return answer_of(analysis, [still, analysis] { return noise_page(*analysis, still->recording, still->range); });
+  return answer_of(analysis, o,
+                   [still, analysis](const Conclusion& conclusion) { return noise_page(*analysis, still->recording, still->range, conclusion); });
 }
 
 AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell) {
@@ -98,12 +131,21 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
   return analyzed(still.recording, still, o, with_page);
 }
 
-AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs) {
+AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o) {
   const auto batch = std::make_shared<const NoiseBatch>(noise_batch(std::move(logs)));
   std::string missing;
-  for (const NoiseAnalysis& log : batch->logs)
+  bool good = true;
+  for (const NoiseAnalysis& log : batch->logs) {
     if (missing.empty()) missing = shortcomings(log);
-  return {{.json = [batch] { return noise_json(*batch); }, .table = [batch](bool) { return noise_text(*batch); }, .shortcomings = missing}, batch};
+    for (const NoiseAxis& axis : log.axes) good = good && axis.fit && axis.fit->accepted();
+  }
+  const Conclusion conclusion = conclude(good ? "good" : "doubtful", noise_headline(*batch), assessed(batch->logs, o));
+  return {{.json = [batch] { return noise_json(*batch); },
+           .table = [batch](bool) { return noise_text(*batch); },
+           .page = [batch, conclusion] { return noise_page(*batch, conclusion); },
+           .shortcomings = either(missing, conclusion),
+           .conclusion = conclusion},
+          batch};
 }
 
 }  // namespace imulab

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace imulab {
 struct NoiseVerbOptions : ShowOptions {
   std::vector<std::string> recordings, declarations, topics;
   std::string recording, deviation = "overlapping-allan";
-  double in_memory_mb = 336;  ///< six million rows of seven numbers: the analysis then takes about a gigabyte
+  std::optional<std::string> require;  ///< limits on terms (results/noise_requirement.hpp)
+  double in_memory_mb = 336;           ///< six million rows of seven numbers: the analysis then takes about a gigabyte
   bool remove_temperature = false;
 
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(1e6 * in_memory_mb); }
@@ -32,6 +34,6 @@ AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& 
 /// asks for it, is made at once, since the columns are not kept. `tell` gets the warnings of reading before the analysis begins.
 AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell);
 /// Several logs together, each with the name of its file.
-AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs);
+AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o);
 
 }  // namespace imulab

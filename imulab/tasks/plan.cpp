@@ -30,8 +30,28 @@ Session procedure_of(const PlanTask& task, double first_rest, const std::vector<
   if (task.by_hand) table.turn_rate = hand_rate;
   Session session = turns_procedure("plan", first_rest, turns, table);
   session.site.given_gravity = task.gravity;
+  session.imu.noise = NoiseTerms::full;  // flicker and walk, too
+  if (task.noise) take_noise(session.imu, *task.noise);
   if (task.by_hand) session.rigs.front() = {};  // kind none
   return session;
+}
+
+/// The unit with white noise alone, which is what the search knows.
+Session without_slow_noise(Session session) {
+  NoiseModels noise = declared_noise(session.imu);
+  noise.gyro.B = noise.gyro.K = noise.accel.B = noise.accel.K = 0;
+  session.imu.gyro_noise = noise.gyro, session.imu.accel_noise = noise.accel;
+  return session;
+}
+
+/// A part of each limit; less of a margin where the limit is near what no path reaches.
+std::vector<Requirement> with_margin(std::vector<Requirement> requirements, double margin, const Session& unit, double turn_rate) {
+  for (Requirement& r : requirements) {
+    double least = 0;
+    for (const CoefficientIndex index : r.coefficients) least = std::max(least, planning_method().plan.least_sigma(unit, index, turn_rate));
+    r.limit = std::max(margin * r.limit, std::sqrt(least * r.limit));
+  }
+  return requirements;
 }
 
 /// Requirements that no path can meet are refused before the search.
@@ -66,10 +86,10 @@ std::string identity_of(const PlanTask& task, const PathLimits& q) {
   return work_identity("plan", fields);
 }
 
-/// Tightens the limits of a search, which knows no effects, by what these add along the path that it found; where that alone is too much, by half:
-/// a longer path tells effects and coefficients better apart.
-void allow_for_effects(std::vector<Requirement>& limits, const std::vector<Requirement>& required, const Prediction& with,
-                       const Prediction& without) {
+/// Tightens the limits of a search, which knows neither effects nor slow noise, by what these add along the path that it found; where that alone is
+/// too much, by half: a longer path tells effects and coefficients better apart.
+void allow_for_unsearched(std::vector<Requirement>& limits, const std::vector<Requirement>& required, const Prediction& with,
+                          const Prediction& without) {
   constexpr double spare = 0.98;
   for (std::size_t i = 0; i < required.size(); ++i) {
     double added = 0;  // variance
@@ -83,9 +103,7 @@ void allow_for_effects(std::vector<Requirement>& limits, const std::vector<Requi
 
 /// `name`: of this search among those of a plan. `begin`, `part`: of the progress.
 PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::string& name, double begin, double part) {
-  // The search and the prediction along the finished procedure agree to some parts in a thousand: what misses by no more is looked for again.
-  constexpr double agreement = 1.02;
-  constexpr int most_rounds = 6;
+  constexpr int most_rounds = 4;
   constexpr double nearer = 0.85;  // of the worst ratio, in twice the time, which lowers noise to 0.7: less is a floor that effects leave
   const std::vector<Requirement> requirements = question.requirements;
   PlannedPath out, first, before;
@@ -106,20 +124,19 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
     out.worst = 1;
     for (const Shortfall& s : shortfalls(out.prediction, requirements)) out.worst = std::max(out.worst, s.sigma / s.requirement.limit);
     if (out.worst == 1) break;
-    if (task.effects) {
-      if (round > 0 && out.path.duration > 2 * before.path.duration && out.worst > nearer * before.worst) break;
-      const Prediction without = planning_method().predict(out.procedure, {.effects = false, .advice = false});
-      out.by_effects = shortfalls(without, requirements).empty();
-      if (round == 0) first = out;
-      if (task.time || out.path.worst > 1) break;
-      allow_for_effects(question.requirements, requirements, out.prediction, without);
-      before = out;
-    } else {
-      if (task.time || out.path.worst > 1 || out.worst > agreement) break;
-      for (Requirement& r : question.requirements) r.limit /= 1.01 * out.worst;
-    }
+    if (round > 0 && out.path.duration > 2 * before.path.duration && out.worst > nearer * before.worst) break;
+    if (round == 0) first = out;
+    if (task.time || out.path.worst > 1) break;
+    const Prediction without = planning_method().predict(without_slow_noise(out.procedure), {.effects = false, .advice = false});
+    allow_for_unsearched(question.requirements, requirements, out.prediction, without);
+    before = out;
   }
-  return task.effects && out.worst > 1 ? first : out;  // which would do without effects, where no path does with them
+  if (out.worst == 1) return out;
+  const auto meets = [&](const PlannedPath& path) { return shortfalls(path.prediction, task.requirements).empty(); };
+  if (!meets(out) || meets(first)) out = std::move(first);  // which would do without effects, where no path does with them
+  if (task.effects)
+    out.by_effects = shortfalls(planning_method().predict(out.procedure, {.effects = false, .advice = false}), task.requirements).empty();
+  return out;
 }
 
 /// A prediction together with the prior: of each coefficient by itself.
@@ -171,11 +188,13 @@ std::vector<RigAxis> axes_of(const std::string& text) {
 }
 
 std::string text_of(const PlannedProcedure& p) {
-  return fmt::format("{} turns in {}{}\n\n{}\n{}", p.path.turns.size(), text::minutes(p.path.duration), p.prior ? ",\n" + prior_text(*p.prior) : "",
-                     path_table(p.path), prediction_table(p.prediction, p.requirements));
+  const bool said = conclusion_of(p).verdict == "met";  // by the headline
+  std::string text = said ? "" : fmt::format("{} turns in {}\n", p.path.turns.size(), text::minutes(p.path.duration));
+  if (p.prior) text += prior_text(*p.prior) + "\n";
+  return fmt::format("{}{}{}\n{}", text, text.empty() ? "" : "\n", path_table(p.path), prediction_table(p.prediction, p.requirements));
 }
 
-PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, imulab::summary_of(p.prediction), p.prior}; }
+PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, imulab::summary_of(p.prediction), p.prior, p.margin}; }
 
 }  // namespace
 
@@ -184,6 +203,10 @@ Verb& declare(Verb& command, PlanOptions& o) {
       "plan", fmt::format("Find the shortest sequence of turns and rests with which the {} method meets requirements", planning_method().name));
   verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
   verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
+  verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its white noise, flicker and walk in place of the grade's").reads();
+  verb.option("--margin", o.margin, "the path reaches this part of each limit: a unit is seldom as good as its data")
+      .in_range(0.1, 1.)
+      .show_default();
   verb.option("--latitude", o.latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default().called("latitude_deg");
   verb.option("--gravity", o.gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4").in_range(9.7, 9.9);
   verb.option("--axes AXES", o.axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
@@ -203,6 +226,8 @@ Verb& declare(Verb& command, PlanOptions& o) {
 PlanTask task_of(const PlanOptions& o) {
   PlanTask task{.requirements = errors_of_option("require", [&] { return parse_requirements(o.require); }),
                 .grade = o.grade,
+                .noise = o.noise,
+                .margin = o.margin,
                 .latitude = o.latitude_deg * unit::deg,
                 .gravity = o.gravity,
                 .axes = axes_of(o.axes),
@@ -215,12 +240,14 @@ PlanTask task_of(const PlanOptions& o) {
   return task;
 }
 
-AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task) {
+AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task, const std::string& written) {
   const auto p = std::make_shared<const PlannedProcedure>(plan(task));
+  const Conclusion conclusion = conclusion_of(*p);
   return {{.json = [p] { return plan_json(summary_of(*p)); },
            .table = [p](bool) { return text_of(*p); },
-           .page = [p] { return plan_page(summary_of(*p)); },
-           .shortcomings = shortcomings(*p)},
+           .page = [p, conclusion, written] { return plan_page(summary_of(*p), conclusion, written); },
+           .shortcomings = shortcomings(*p),
+           .conclusion = conclusion},
           p};
 }
 
@@ -234,19 +261,20 @@ PlannedProcedure plan(const PlanTask& task) {
   question.time = task.time;
   planning_method().plan.expect_estimated(question.requirements, unit);
   expect_reachable(question, unit);
+  question.requirements = with_margin(question.requirements, task.margin, unit, question.turn_rate);
   if (task.checkpoint) {  // the folders are this plan's
     const std::string identity = identity_of(task, question);
     for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, identity, [](std::size_t, const std::string&) {});
     const CheckpointFolder folder(task.checkpoint->folder, identity);
   }
   PlannedProcedure out;
-  out.timed = task.time.has_value();
+  out.margin = task.margin;
   out.requirements = task.requirements;
   const bool compared = task.prior && !task.time;
   PlannedPath found = planned_path(task, question, "path", 0, compared ? 0.5 : 1);
   if (task.prior) out.prior = PriorEffect{task.prior->fleet, task.prior->units, std::numeric_limits<double>::quiet_NaN()};
   if (compared) {
-    question.requirements = task.requirements;
+    question.requirements = with_margin(task.requirements, task.margin, unit, question.turn_rate);
     PlannedPath without = planned_path(task, question, "without-prior", 0.5, 0.5);
     if (without.path.worst <= 1) out.prior->duration_without = without.path.duration;
     if (without.path.worst <= 1 && without.path.duration < found.path.duration) found = std::move(without);  // the search does not look at all paths
@@ -258,10 +286,23 @@ PlannedProcedure plan(const PlanTask& task) {
   return out;
 }
 
+Conclusion conclusion_of(const PlannedProcedure& p) {
+  const std::vector<RequirementResult> required = assess(p.prediction, p.requirements);
+  double most = 0;
+  for (const RequirementResult& r : required) most = std::max(most, r.reached / r.limit);
+  Conclusion out = conclude("", "", required);
+  out.requirements.clear();  // the table shows them
+  if (out.verdict != "met") return out;
+  constexpr double agreement = 1.01;  // of the margin that was asked for, and the path in whole seconds
+  out.headline =
+      fmt::format("{} turns in {}, uncertainties at most {:.2f} of what is required", p.path.turns.size(), text::minutes(p.path.duration), most);
+  if (most > agreement * p.margin) out.headline += fmt::format("; no path was found that leaves the margin ({:g})", p.margin);
+  return out;
+}
+
 std::string shortcomings(const PlannedProcedure& p) {
   const std::vector<Shortfall>& missed = p.prediction.missed;
-  const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
-  if (missed.empty() || (p.timed && open == missed.end())) return "";
+  if (missed.empty()) return "";
   std::string text;
   const std::vector<CoefficientIndex>& undetermined = p.prediction.undetermined;
   for (const Shortfall& s : missed) {

@@ -15,7 +15,8 @@ namespace imulab {
 
 struct PlanOptions : ShowOptions {
   std::string require, grade = "navigation", axes = "3", effects = "table", prior;
-  double latitude_deg = 45;
+  std::optional<std::string> noise;  ///< file of an analysis, in place of the grade's terms
+  double latitude_deg = 45, margin = 0.8;
   std::optional<double> gravity, time, rest;
   CheckpointOptions shared;
 };
@@ -25,8 +26,10 @@ Verb& declare(Verb& command, PlanOptions& o);
 struct PlanTask {
   std::vector<Requirement> requirements;
   std::string grade = "navigation";
-  double latitude = 0;                 ///< rad
-  std::optional<double> gravity = {};  ///< m/s^2, measured; absent: normal gravity
+  std::optional<std::string> noise = {};  ///< file of an analysis, in place of the grade's terms
+  double margin = 1;                      ///< the path is to reach this part of each limit
+  double latitude = 0;                    ///< rad
+  std::optional<double> gravity = {};     ///< m/s^2, measured; absent: normal gravity
   std::vector<RigAxis> axes = {RigAxis::outer, RigAxis::middle, RigAxis::inner};
   bool by_hand = false;
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
@@ -43,18 +46,20 @@ struct PlannedProcedure {
   Session procedure;
   Prediction prediction;
   std::optional<PriorEffect> prior;
-  bool timed = false;
+  double margin = 1;        ///< of the limits that was asked for
   bool by_effects = false;  ///< without effects the requirements would be met
 };
 
 /// Throws Error for requirements of coefficients that the method does not estimate, and where no turn fits into the time; Unsupported for a
 /// requirement that no path can meet.
 PlannedProcedure plan(const PlanTask& task);
+/// With the margin that is left.
+Conclusion conclusion_of(const PlannedProcedure& planned);
 /// Why the requirements are not met. Empty: they are.
 std::string shortcomings(const PlannedProcedure& planned);
 
 /// The task that these options ask for; reads the prior. Throws OptionError.
 PlanTask task_of(const PlanOptions& o);
-AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task);
+AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task, const std::string& written = "");
 
 }  // namespace imulab

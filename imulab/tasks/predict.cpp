@@ -2,6 +2,7 @@
 
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/results/calibration.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
 
@@ -23,8 +24,8 @@ std::string identity_of(const Session& procedure, const PredictionOptions& optio
   return work_identity("predict", fields);
 }
 
-std::string page_of(const Prediction& p, const std::string& procedure, bool required) {
-  PredictionReport report{.procedure = procedure, .summary = summary_of(p), .required = required};
+std::string page_of(const Prediction& p, const std::string& procedure, const Conclusion& conclusion) {
+  PredictionReport report{.procedure = procedure, .summary = summary_of(p), .conclusion = conclusion};
   if (p.tolerances) report.tables = {tolerance_table(*p.tolerances, p.missed)};
   return prediction_page(report);
 }
@@ -76,6 +77,24 @@ PredictionOptions task_of(const PredictOptions& o) {
   return options;
 }
 
+std::string prediction_headline(const Prediction& p) {
+  if (!p.undetermined.empty())
+    return fmt::format("{} coefficient{} not determined, {} first", p.undetermined.size(), p.undetermined.size() == 1 ? " is" : "s are",
+                       coefficient(p.undetermined.front()).name);
+  const auto sigma = [&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); };
+  std::string out;
+  for (const auto& [name, triad] : {std::pair{"gyro", "gyro"}, std::pair{"accelerometer", "accel"}})
+    for (const auto& [what, term] : {std::pair{"scale", ".matrix.diagonal"}, {"misalignment", ".matrix.off_diagonal"}, {"offset", ".offset"}})
+      if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
+        out += fmt::format("{}{} {} {}", out.empty() ? "worst axes: " : ", ", name, what, worst);
+  return out.empty() ? "no offset or matrix is predicted" : out;
+}
+
+Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& requirements) {
+  const Conclusion about = conclude(p.undetermined.empty() ? "" : "doubtful", prediction_headline(p), assess(p, requirements));
+  return {about.verdict, about.headline};  // "not_met" has the requirements
+}
+
 AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {
   if (options.checkpoint) options.checkpoint->identity = identity_of(procedure, options);
   const auto p = [&] {
@@ -85,11 +104,13 @@ AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Sessi
       throw OptionError("terms", e.what());
     }
   }();
+  const Conclusion conclusion = conclusion_of(*p, options.requirements);
   return {{.json = [p] { return prediction_json(summary_of(*p)); },
            .table = [p, requirements = options.requirements](bool details) { return prediction_text(*p, requirements, details); },
-           .page = [p, name, required = !options.requirements.empty()] { return page_of(*p, name, required); },
+           .page = [p, name, conclusion] { return page_of(*p, name, conclusion); },
            .warnings = p->warnings,
-           .shortcomings = shortcomings(*p)},
+           .shortcomings = shortcomings(*p),
+           .conclusion = conclusion},
           p};
 }
 
@@ -107,11 +128,11 @@ std::string shortcomings(const Prediction& p) {
     for (const CoefficientIndex index : p.undetermined) names += fmt::format(" {}", coefficient(index).name);
     return fmt::format("the procedure does not determine:{}{}", names, p.advice ? "; " + turns_text(*p.advice) : "");
   }
-  if (p.tolerances)
-    return p.tolerances->answers.back().declared.factor
-               ? ""
-               : "the requirements are not met with this procedure, not even with a hundredth of the declared table errors, timing and noise";
-  return p.missed.empty() ? "" : fmt::format("the requirements are not met: {}", shortfall_text(p.missed.front()));
+  if (p.tolerances && !p.tolerances->answers.back().declared.factor)
+    return "the requirements are not met with this procedure, not even with a hundredth of the declared table errors, timing and noise";
+  if (p.missed.empty()) return "";
+  return fmt::format("the requirements are not met: {}{}", shortfall_text(p.missed.front()),
+                     p.tolerances ? "; they are with the table, timing and noise that were found" : "");
 }
 
 }  // namespace imulab

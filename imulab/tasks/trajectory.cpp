@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -115,6 +116,24 @@ Recording recording_on(const MissionFile& file, const TrajectoryTask& task, cons
   return unit ? simulate_motion(ideal, interval, *unit, task.seed, file.mission.temperature) : recording_of(ideal, file.mission.rate);
 }
 
+/// The vertical channel of [errors], and the barometer that it uses: an ideal one, or with the mission's errors where the readings have them.
+void add_vertical_channel(const MissionFile& file, const TrajectoryTask& task, const Trajectory& motion, FlownMission& out) {
+  if (!file.errors || file.errors->vertical == VerticalChannel::free) return;
+  out.session.vertical = to_string(file.errors->vertical);
+  if (file.errors->vertical == VerticalChannel::fixed) return;
+  constexpr double readings_per_s = 10;  // heights between them are linear
+  const auto every = static_cast<std::size_t>(std::max(1.0, std::round(file.mission.rate / readings_per_s)));
+  const BarometerErrors errors = task.errors || task.unit ? file.errors->barometer : BarometerErrors{};
+  out.heights = erring_heights(nominal_motion(motion, 1 / file.mission.rate), errors, task.seed, every);
+  out.session.barometer_file = "barometer.csv";
+}
+
+std::string heights_csv(const HeightRecord& heights) {
+  std::string text = "t,height_m\n";
+  for (std::size_t i = 0; i < heights.time.size(); ++i) text += fmt::format("{:.9f},{:.4f}\n", heights.time[i], heights.height[i]);
+  return text;
+}
+
 }  // namespace
 
 FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
@@ -123,6 +142,7 @@ FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
   out.recording = recording_on(file, task, motion, out.warnings);
   out.truth = truth(motion, 1 / file.mission.rate, file.mission.truth_every);
   out.session = session_of(file.mission, out.recording, out.truth.states.front());
+  add_vertical_channel(file, task, motion, out);
   return out;
 }
 
@@ -130,6 +150,7 @@ void write_flown(const std::filesystem::path& path, const FlownMission& flown) {
   NewFolder folder(path);
   write_recording(folder.path() / "recording.csv", flown.recording);
   write_solution(folder.path() / "truth.csv", flown.truth);
+  if (flown.heights) write_whole(folder.path() / "barometer.csv", heights_csv(*flown.heights));
   write_session(folder.path() / "session.toml", flown.session);
   folder.commit();
 }
@@ -158,12 +179,14 @@ AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTa
                                       {"samples", std::uint64_t{flown->recording.size()}},
                                       {"duration_s", end},
                                       {"rate_hz", rate},
-                                      {"truth_rows", std::uint64_t{flown->truth.size()}}}});
+                                      {"truth_rows", std::uint64_t{flown->truth.size()}},
+                                      {"vertical", flown->session.vertical}}});
                },
            .table =
                [=](bool) {
-                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n  session.toml\n{}", folder,
-                                    flown->recording.size(), end, rate, flown->truth.size(), motion_table(flown->recording, flown->truth));
+                 const std::string heights = flown->heights ? fmt::format("  barometer.csv  {} heights\n", flown->heights->time.size()) : "";
+                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n{}  session.toml\n{}", folder,
+                                    flown->recording.size(), end, rate, flown->truth.size(), heights, motion_table(flown->recording, flown->truth));
                },
            .warnings = flown->warnings},
           flown};

@@ -34,16 +34,18 @@ struct TrajectoryTask {
 };
 
 struct FlownMission {
-  Session session;      ///< the recording, the exact start, the truth
-  Recording recording;  ///< recording.csv
-  Solution truth;       ///< truth.csv
+  Session session;                           ///< the recording, the exact start, the truth
+  Recording recording;                       ///< recording.csv
+  Solution truth;                            ///< truth.csv
+  std::optional<HeightRecord> heights = {};  ///< barometer.csv, where the mission's vertical channel uses one
   std::vector<std::string> warnings;
 };
 
 /// Throws Error as trajectory_of does, where [errors] are asked for that the mission lacks, and as simulate_motion.
 FlownMission fly(const MissionFile& file, const TrajectoryTask& task);
 
-/// recording.csv, truth.csv and session.toml in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
+/// recording.csv, truth.csv, session.toml, and barometer.csv where there is one, in a new folder, whole or not at all. Throws Error where it exists
+/// or cannot be written.
 void write_flown(const std::filesystem::path& folder, const FlownMission& flown);
 
 /// Flies the mission, and writes the folder where one is named.

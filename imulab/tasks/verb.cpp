@@ -1,5 +1,8 @@
 #include "imulab/tasks/verb.hpp"
 
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/results/conclusion.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -82,11 +85,31 @@ void checkpoint_options(Verb& verb, CheckpointOptions& o) {
 }
 
 std::string Answer::headline() const {
+  if (!conclusion.headline.empty()) return conclusion.headline;
   std::istringstream lines(table(false));
   for (std::string line; std::getline(lines, line);)
     if (const std::size_t begin = line.find_first_not_of(" \t"); begin != std::string::npos)
       return line.substr(begin, line.find_last_not_of(" \t") + 1 - begin);
   return "";
+}
+
+std::string Answer::document() const {
+  if (printed) return printed();
+  Conclusion whole = conclusion;
+  whole.headline = headline();
+  return with_conclusion(json(), whole, warnings);
+}
+
+std::string Answer::text(bool details) const {
+  const std::string own = table(details);
+  if (conclusion.verdict.empty()) return own;
+  std::string begin = text::wrapped("", conclusion_text(conclusion));
+  if (own.starts_with(begin)) return own;
+  for (const RequirementResult& r : conclusion.requirements)
+    begin += text::wrapped(
+        &r == &conclusion.requirements.front() ? "  required        " : "                  ",
+        fmt::format("{}: {} ({}: {}{}{})", r.text, r.met ? "met" : "not met", r.coefficient, reached_text(r), r.note.empty() ? "" : "; ", r.note));
+  return begin + "\n" + own;
 }
 
 }  // namespace imulab

@@ -4,6 +4,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/model/conclusion.hpp"
 
 #include <array>
 #include <cstdint>
@@ -114,7 +115,7 @@ class Verb {
   std::string group;                  ///< the heading under which it is listed
   std::vector<std::string> examples;  ///< command lines
   std::list<VerbOption> options;
-  std::list<Verb> verbs;       ///< one of them has to be named where there are any
+  std::list<Verb> verbs;       ///< one of them has to be named, unless the verb does something itself
   std::function<void()> does;  ///< may throw Error (exit code 2) or Unsupported (1)
 };
 
@@ -154,9 +155,16 @@ struct Answer {
   std::function<std::string()> page = {};          ///< HTML with pictures; empty: there is none
   std::vector<std::string> warnings = {};
   std::string shortcomings = {};  ///< why it is not what was asked for; empty: it is
+  Conclusion conclusion = {};
+  std::function<std::string()> printed = {};  ///< what --json prints where that is not the data with the conclusion at its begin
 
-  /// The first line of its table.
+  /// Of its conclusion; without one, the first line of its table.
   std::string headline() const;
+  /// What --json prints: the data with verdict, headline and warnings. Lists stay as they are.
+  std::string document() const;
+  /// What a terminal shows: the verdict with its headline and the requirements, then the table; without a verdict the table, which begins with its
+  /// own headline.
+  std::string text(bool details) const;
 };
 
 /// An answer and its result.

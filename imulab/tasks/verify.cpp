@@ -28,6 +28,11 @@ std::string shortcomings(const std::string& calibration, const Files& files) {
   return "";
 }
 
+Conclusion conclusion_of(const Files& files) {
+  const auto unchanged = std::count_if(files.begin(), files.end(), [](const VerifiedFile& f) { return f.state == FileState::unchanged; });
+  return {unchanged == std::ssize(files) ? "good" : "doubtful", fmt::format("{} of {} files are unchanged", unchanged, files.size())};
+}
+
 std::string json_of(const Files& verified) {
   std::vector<JsonFields> files;
   for (const VerifiedFile& f : verified) files.push_back({{{"file", f.file.string()}, {"state", std::string(state_name(f.state))}}});
@@ -68,7 +73,8 @@ AnswerOf<Files> verify(const VerifyOptions& o) {
   const auto files = std::make_shared<const Files>(verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file)));
   return {{.json = [files] { return json_of(*files); },
            .table = [files](bool) { return text_of(*files); },
-           .shortcomings = shortcomings(o.calibration, *files)},
+           .shortcomings = shortcomings(o.calibration, *files),
+           .conclusion = conclusion_of(*files)},
           files};
 }
 

@@ -12,7 +12,7 @@ All values are SI, arrays are N x 3 with a row a sample. Wrong input raises `Err
 import atexit as _atexit
 
 from . import _imulab
-from ._calibration import Calibration, Coefficient, import_calibration, read_calibration
+from ._calibration import Calibration, Coefficient, Terms, Triad, import_calibration, read_calibration
 from ._fleet import Fleet, FleetStatistics
 from ._imulab import Error, Unsupported
 from ._live import Live
@@ -65,6 +65,8 @@ __all__ = [
     "Simulation",
     "Site",
     "Solution",
+    "Terms",
+    "Triad",
     "Unsupported",
     "Verification",
     "VerifiedFile",

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _imulab
+from . import _arrays, _imulab, _plots, _tables
 from ._arrays import FloatArray
 from ._imulab import Error
 from ._results import Answer
@@ -29,6 +31,43 @@ class Coefficient(NamedTuple):
     value: float
     sigma: float | None
     unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """One number for each coefficient of a triad, as arrays in SI; rows are axes of the output, columns those of the input.
+
+    Of values, and of their standard uncertainties, which are NaN where a coefficient was not determined or is fixed by the frame.
+    """
+
+    offset: FloatArray  #: (3,)
+    matrix: FloatArray  #: (3, 3)
+    quadratic: FloatArray  #: (3,)
+    cubic: FloatArray  #: (3,)
+    thermal: FloatArray  #: (3, 2): linear and quadratic, a row an axis
+    g_sensitivity: FloatArray | None = None  #: (3, 3) of gyros; None of accelerometers
+    lever_arm: FloatArray | None = None  #: (3, 3) of accelerometers, row i that of accelerometer i; None of gyros
+
+
+@dataclass(frozen=True, eq=False)
+class Triad(Terms):
+    """The coefficients of the gyros or the accelerometers: offset + matrix @ raw + ..., and `sigma`, their standard uncertainties in the same form."""
+
+    sigma: Terms | None = None
+
+
+_SHAPES = {"offset": (3,), "matrix": (3, 3), "quadratic": (3,), "cubic": (3,), "thermal": (3, 2), "g_sensitivity": (3, 3), "lever_arm": (3, 3)}
+
+
+def _arrays_of(numbers: dict[str, float | None], triad: str) -> dict[str, FloatArray]:
+    """The numbers named "gyro.matrix.xy" and "gyro.thermal.x1" in arrays by term."""
+    terms: dict[str, FloatArray] = {}
+    for name, value in numbers.items():
+        own, term, element = name.split(".")
+        if own == triad:
+            place = tuple("xyz".index(c) if c in "xyz" else int(c) - 1 for c in element)
+            terms.setdefault(term, np.full(_SHAPES[term], np.nan))[place] = np.nan if value is None else value
+    return terms
 
 
 class Calibration(Answer):
@@ -59,6 +98,27 @@ class Calibration(Answer):
     def sigma(self) -> dict[str, float | None]:
         """Standard uncertainties by name, SI; None where the data did not determine the coefficient or the frame fixes it."""
         return {c.name: c.sigma for c in self.coefficients}
+
+    def __getitem__(self, name: str) -> float:
+        """The value of a coefficient, SI: calibration["gyro.matrix.xy"]."""
+        return self.values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the coefficients."""
+        return iter(self.values)
+
+    @cached_property
+    def gyro(self) -> Triad:
+        """The gyros' coefficients as arrays: gyro.offset, gyro.matrix, ...; their uncertainties gyro.sigma.offset, ..."""
+        return self._triad("gyro")
+
+    @cached_property
+    def accel(self) -> Triad:
+        """The accelerometers' coefficients as arrays: accel.offset, accel.matrix, ...; their uncertainties accel.sigma.offset, ..."""
+        return self._triad("accel")
+
+    def _triad(self, name: str) -> Triad:
+        return Triad(**_arrays_of({**self.values}, name), sigma=Terms(**_arrays_of(self.sigma, name)))
 
     @property
     def estimated(self) -> list[str]:
@@ -108,6 +168,20 @@ class Calibration(Answer):
     def details(self) -> str:
         """Every estimated coefficient in SI and in user units, what was used, and the tests of optional terms."""
         return self._answer.details
+
+    def _verdict(self) -> tuple[str, str]:
+        return self.verdict, f"{self.imu or 'an unnamed IMU'}{f', method {self.method}' if self.method else ''}"
+
+    def _tables(self) -> list[str]:
+        known = {name: value for name, value, _, _ in self._answer.coefficients}
+        rows = [(name, *_tables.measured(value, sigma), unit)
+                for name, value, sigma, unit in self._answer.in_user_units if known[name] != 0 or not math.isnan(sigma)]
+        return [_tables.lines(self.because), _tables.table(("coefficient", "value", "standard uncertainty", "unit"), rows)]
+
+    def plot(self) -> Any:
+        """The coefficients with twice their standard uncertainties, as a figure of matplotlib."""
+        rows = self._answer.in_user_units
+        return _plots.coefficients([(n, v, 2 * s, unit) for n, v, s, unit in rows if not math.isnan(s)] or rows, "value")
 
     def to_frame(self) -> pandas.DataFrame:
         """The coefficients as a pandas table, the name as its index."""
@@ -201,7 +275,7 @@ class Calibration(Answer):
     ) -> str:
         """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`).
 
-        noise: for targets that hold noise. Further arguments as the options of `imulab export`. What the target cannot hold is warned of.
+        noise: for targets that hold noise; without it they have the white noise of the calibration's rests, and a warning says what that means. Further arguments as the options of `imulab export`. What the target cannot hold is warned of.
         """
         self._expect_usable(allow_undetermined)
         if noise is not None and not hasattr(noise, "json"):

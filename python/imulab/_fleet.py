@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import io
+import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from . import _imulab
+from . import _imulab, _plots, _tables
 from ._results import Result
-from ._text import PathLike, path, warn
+from ._text import PathLike, optional_package, path, warn
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import]
 
 
 class FleetStatistics(Result):
     """Spread, outliers, drift and stations of a fleet's units."""
+
+    def _tables(self) -> list[str]:
+        rows = [(c["name"], c["fleet"]["mean"], c["user"]["spread"], c["user"]["measurement"], c["user"]["unit"]) for c in self["coefficients"]]
+        outliers = [(o["unit"], o["distance"], o["p_value"], o["farthest"]) for o in self["outliers"]]
+        out = [_tables.table(("coefficient", "mean, SI", "spread of the units", "u of a measurement", "unit"), rows)]
+        return out if not outliers else [*out, _tables.table(("outlier", "distance", "by chance", "farthest"), outliers)]
+
+    def plot(self) -> Any:
+        """How the units spread in each coefficient, one standard deviation, as a figure of matplotlib."""
+        return _plots.coefficients([(c["name"], c["user"]["spread"], math.nan, c["user"]["unit"]) for c in self["coefficients"]], "spread")
 
 
 class Fleet:
@@ -30,6 +45,15 @@ class Fleet:
     def units(self) -> list[dict[str, Any]]:
         """Serial number, name, how many calibrations, first and last time (UTC), and of the last one method, verdict and station."""
         return _imulab.fleet_units(self.store)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A pandas table with a row for each calibration: its origin, then each coefficient and its standard uncertainty, SI, in columns."""
+        pandas = optional_package("pandas", "to_frame")
+        return pandas.read_csv(io.StringIO(_imulab.fleet_csv(self.store)), dtype={"serial": str, "unit": str})
+
+    def _repr_html_(self) -> str:
+        columns = ("serial", "name", "calibrations", "first", "last", "method", "verdict", "station")
+        return _tables.table(columns, [[unit[c] for c in columns] for unit in self.units])
 
     def add(self, *files: PathLike, unit: str = "", station: str = "", operator: str = "", time: str = "") -> list[str]:
         """Adds calibrations, sessions or noise.json (with `unit`); what each is: "calibration", with " (known)" where the store had it."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _imulab
+from . import _arrays, _imulab, _plots
 from ._arrays import FloatArray
 from ._imulab import Error
 from ._text import PathLike, optional_package, path
@@ -164,16 +164,8 @@ class Recording:
         return pandas.DataFrame(columns, index=pandas.Index(self.t, name="t"))
 
     def plot(self) -> Any:
-        """Rates and forces over time, as a figure of matplotlib."""
-        pyplot = optional_package("matplotlib.pyplot", "plot")
-        figure, axes = pyplot.subplots(2, 1, sharex=True, layout="constrained")
-        for axis, values, label in ((axes[0], self.gyro, f"rate, {self.gyro_unit}"), (axes[1], self.accel, f"force, {self.accel_unit}")):
-            for i, name in enumerate("xyz"):
-                axis.plot(self.t, values[:, i], linewidth=0.7, label=name)
-            axis.set_ylabel(label)
-            axis.legend(loc="upper right", ncols=3)
-        axes[1].set_xlabel("t, s")
-        return figure
+        """Rates and forces over the time from the first sample, as a figure of matplotlib."""
+        return _plots.recording(self.t, self.gyro, self.accel, (self.gyro_unit, self.accel_unit))
 
     def __repr__(self) -> str:
         size = len(self)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import html
 import json
+import math
 from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from . import _imulab
+from . import _imulab, _plots, _tables
 from ._arrays import FloatArray
 from ._imulab import Unsupported
 from ._recording import Recording
@@ -64,8 +64,17 @@ class Answer:
     def __str__(self) -> str:
         return self._answer.text
 
+    def _verdict(self) -> tuple[str, str]:
+        """The verdict, where there is one, and the sentence beside it."""
+        return "", ""
+
+    def _tables(self) -> list[str]:
+        """The values as HTML."""
+        return []
+
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self))}</pre>"
+        notes = [*self.shortcomings.splitlines(), *self.warnings]
+        return "".join([_tables.headline(*self._verdict()), _tables.lines(dict.fromkeys(notes)), *self._tables()])
 
 
 class Result(Answer):
@@ -80,8 +89,25 @@ class Result(Answer):
     def __iter__(self) -> Iterator[str]:
         return iter(self.data)
 
+    def _verdict(self) -> tuple[str, str]:
+        given = self.data if isinstance(self.data, dict) else {}
+        return given.get("verdict", ""), given.get("headline", "") or self._answer.headline
+
     def __repr__(self) -> str:
         return f"<imulab.{type(self).__name__}: {self._answer.headline}>"
+
+
+def in_user_units(sigmas: dict[str, float]) -> list[tuple[str, float, str]]:
+    """Differences or uncertainties of coefficients by name, SI, in the units that people use: one for all of a term."""
+    largest: dict[str, float] = {}
+    for name, sigma in sigmas.items():
+        kind = _imulab.group_of(name)
+        largest[kind] = max(largest.get(kind, 0.0), abs(sigma))
+    rows = []
+    for name, sigma in sigmas.items():
+        unit, size = _imulab.user_unit(name, largest[_imulab.group_of(name)])
+        rows.append((name, sigma / size, unit))
+    return rows
 
 
 class Inspection(Result):
@@ -110,6 +136,14 @@ class Inspection(Result):
         assert self._recording is not None and self._session is not None
         return Recording._of(self._recording, self._session)
 
+    def _tables(self) -> list[str]:
+        columns = [(c["name"], c["role"], c["unit"] or "", c["evidence"] or "") for c in self["columns"]]
+        return [_tables.table(("column", "role", "unit", "evidence"), columns), _tables.lines(self["evidence"])]
+
+    def plot(self) -> Any:
+        """The recording's rates and forces, as a figure of matplotlib. Raises Unsupported with the open questions."""
+        return self.recording.plot()
+
 
 class Comparison(Result):
     """Calibrations compared, coefficient by coefficient."""
@@ -119,6 +153,24 @@ class Comparison(Result):
         """Each difference of two calibrations in its standard uncertainty, where both determined the coefficient."""
         return {name: row["sigmas"] for name, row in self["coefficients"].items() if row["sigmas"] is not None}
 
+    def _comparisons(self) -> dict[str, dict[str, Any]]:
+        """The coefficients of each comparison, by its title."""
+        several: list[dict[str, Any]] = self.data.get("comparisons", [self.data])
+        return {f"{one['b']} with {one['a']}": one["coefficients"] for one in several if "coefficients" in one}
+
+    def _tables(self) -> list[str]:
+        out = []
+        for title, coefficients in self._comparisons().items():
+            rows = [(n, c["a"], c["b"], *_tables.measured(c["user"]["difference"], c["user"]["standard_uncertainty"] or math.nan), c["user"]["unit"], c["sigmas"])
+                    for n, c in sorted(coefficients.items(), key=lambda item: -abs(float(item[1]["sigmas"] or 0)))]
+            out += [_tables.headline("", title), _tables.table(("coefficient", "a, SI", "b, SI", "difference", "u", "unit", "sigmas"), rows)]
+        return out
+
+    def plot(self) -> Any:
+        """Differences in their standard uncertainties, the largest 30 of each comparison, as a figure of matplotlib."""
+        return _plots.differences({title: {n: c["sigmas"] for n, c in coefficients.items() if c["sigmas"] is not None}
+                                   for title, coefficients in self._comparisons().items()})
+
 
 class Prediction(Result):
     """Standard uncertainties to come."""
@@ -127,6 +179,15 @@ class Prediction(Result):
     def sigma(self) -> dict[str, float]:
         """The standard uncertainty of each determined coefficient, SI."""
         return {name: row["closed_form"] for name, row in self["coefficients"].items()}
+
+    def _tables(self) -> list[str]:
+        considered = set(self.data.get("considered", []))
+        rows = [(name, value, unit, "its prior" if name in considered else "") for name, value, unit in in_user_units(self.sigma)]
+        return [_tables.table(("coefficient", "standard uncertainty", "unit", ""), rows)]
+
+    def plot(self) -> Any:
+        """The standard uncertainty of each coefficient, as a figure of matplotlib."""
+        return _plots.coefficients([(name, value, math.nan, unit) for name, value, unit in in_user_units(self.sigma)], "u")
 
 
 class Plan(Prediction):
@@ -141,6 +202,10 @@ class Plan(Prediction):
         """Ready to be carried out, or simulated."""
         return Session._of(self._procedure)
 
+    def _tables(self) -> list[str]:
+        turns = [(n, t["axis"], t["angle_deg"], t["rest_s"]) for n, t in enumerate(self["turns"], 1)]
+        return [_tables.table(("turn", "axis", "angle, deg", "rest after it, s"), turns), *super()._tables()]
+
 
 class Noise(Result):
     """Allan deviation and noise coefficients of each axis."""
@@ -153,18 +218,17 @@ class Noise(Result):
                 return found
         raise KeyError(name)
 
-    def plot(self) -> Any:
-        """Deviations with their 95 % bounds, as a figure of matplotlib."""
-        pyplot = optional_package("matplotlib.pyplot", "plot")
-        figure, axes = pyplot.subplots(1, 2, layout="constrained", figsize=(10, 4))
+    def _tables(self) -> list[str]:
+        rows = []
         for axis in self["axes"]:
-            place = axes[0] if axis["name"].startswith("gyro") else axes[1]
-            place.fill_between(axis["tau"], axis["lower"], axis["upper"], alpha=0.2)
-            place.loglog(axis["tau"], axis["deviation"], label=axis["name"])
-            place.set_xlabel("averaging time, s")
-            place.set_ylabel(f"deviation, {axis['unit']}")
-            place.legend()
-        return figure
+            for term, c in axis.get("coefficients", {}).items():
+                value = c["value"] if c["determined"] else "not determined"
+                rows.append((axis["name"], term, value, c["lower"], c["upper"], axis["unit"]))
+        return [_tables.table(("axis", "term", "value, SI", "95 %, from", "to", "unit of the axis"), rows)]
+
+    def plot(self) -> Any:
+        """Deviations with their 95 % bounds, the fit, and N, B and K of the worst axis, or the bound of what the log does not determine (dotted)."""
+        return _plots.noise(self["axes"], self.data.get("deviation", "overlapping-allan"))
 
 
 class VerifiedFile(NamedTuple):
@@ -184,6 +248,9 @@ class Verification(Result):
 
     def __bool__(self) -> bool:
         return bool(self["unchanged"])
+
+    def _tables(self) -> list[str]:
+        return [_tables.table(("file", "state"), [(f.file, f.state) for f in self.files])]
 
 
 class Solution:
@@ -229,15 +296,30 @@ class Navigation(Result):
         """(N, 10): t [s]; position east, north, up [m]; velocity [m/s]; attitude [rad]. None without a reference."""
         return self._answer.arrays.get("errors")
 
+    def _tables(self) -> list[str]:
+        if "position_error" not in self.data:
+            return []
+        position, velocity, attitude = self["position_error"], self["velocity_error_mps"], self["attitude_error_arcsec"]
+        rows = [("position, m", *(position[k] for k in ("east_m", "north_m", "up_m"))), ("velocity, m/s", *velocity), ("attitude, arcsec", *attitude)]
+        return [_tables.table(("error at the end", "east", "north", "up"), rows)]
+
     def plot(self) -> Any:
-        """The track, as a figure of matplotlib."""
-        pyplot = optional_package("matplotlib.pyplot", "plot")
-        figure, axis = pyplot.subplots(layout="constrained")
-        axis.plot(self.solution.longitude_deg, self.solution.latitude_deg)
-        axis.set_xlabel("longitude, deg")
-        axis.set_ylabel("latitude, deg")
-        return figure
+        """The track, and the horizontal error where there is a reference, as a figure of matplotlib."""
+        return _plots.track(self.solution.latitude_deg, self.solution.longitude_deg, self.errors)
 
 
 class Budget(Result):
     """Navigation errors of a mission by source."""
+
+    def _tables(self) -> list[str]:
+        if "sources" not in self.data:  # several grades
+            return []
+        parts = sorted(self["sources"].items(), key=lambda item: -math.hypot(*map(float, item[1]["position_m"]["sigma"][:2])))
+        rows = [(name, *part["position_m"]["sigma"], *part["velocity_mps"]["sigma"], *part["attitude_arcsec"]["sigma"])
+                for name, part in [("total", self["total"]), *parts]]
+        head = [f"{what} {axis}" for what in ("position, m:", "velocity, m/s:", "attitude, arcsec:") for axis in ("east", "north", "up")]
+        return [_tables.table(("one sigma at the end", *head), rows)]
+
+    def plot(self) -> Any:
+        """The horizontal error over time and its largest sources, as a figure of matplotlib."""
+        return _plots.budget(self["history"])

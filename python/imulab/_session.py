@@ -134,7 +134,7 @@ def read_session(folder: PathLike) -> Session:
 
 
 def procedure(name: str, *, seed: int = 1, **options: float) -> Session:
-    """A standard procedure: "handheld", "six-position", "ferraris", "zhang-24", "cheng-path", "dai-unit".
+    """A standard procedure: "handheld", "six-position", "ferraris", "two-axis", "zhang-24", "cheng-path", "dai-unit".
 
     options: poses, rest (s), rate_hz of handheld; rest, table_arcsec, rate_hz, turns of those on a table; record (s), rate_hz of dai-unit.
     """

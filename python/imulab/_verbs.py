@@ -86,7 +86,7 @@ def _expect(name: str, value: Any, *kinds: type) -> None:
 
 
 def _declared(
-    data: Data, site: Site | Table | None, imu: Table | None, topics: Sequence[str] = ()
+    data: Data, site: Site | Table | None, imu: Table | None, topics: Sequence[str] = (), needs_gravity: bool = True
 ) -> tuple[Session, list[Recording] | None]:
     """The session of what was given, and its recordings where they are in memory."""
     own = site is not None or imu is not None
@@ -106,13 +106,15 @@ def _declared(
     if _is_session(place):
         return read_session(place), None
     session, gravity = _imulab.session_of_recording(place, list(topics))
-    if gravity:
+    if gravity and needs_gravity:
         warn([f"{place}: assumed: {gravity}; declare the place: inspect(file, declare={{'latitude_deg': '47.4'}}).session"])
     return Session._of(session), None
 
 
-def _one_recording(data: Data, site: Site | Table | None, chosen: str, topics: Sequence[str] = ()) -> tuple[Session, Recording]:
-    session, recordings = _declared(data, site, None, topics)
+def _one_recording(
+    data: Data, site: Site | Table | None, chosen: str, topics: Sequence[str] = (), needs_gravity: bool = True
+) -> tuple[Session, Recording]:
+    session, recordings = _declared(data, site, None, topics, needs_gravity)
     if recordings is None:
         found, notes = _imulab.read_recording(session._session, _imulab.choose_recording(session._session, chosen))
         warn(notes)
@@ -151,7 +153,7 @@ def read_recording(
     """
     if declare:
         return inspect(path("data", data), topics=topics, declare=declare).recording
-    return _one_recording(data, None, recording, topics)[1]
+    return _one_recording(data, None, recording, topics, needs_gravity=False)[1]
 
 
 @_options("calibrate")
@@ -259,7 +261,7 @@ def plan(
 @_options("noise")
 def noise(data: Data, *, recording: str = "", **options: Any) -> Noise:
     """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording."""
-    session, found = _one_recording(data, None, recording)
+    session, found = _one_recording(data, None, recording, needs_gravity=False)
     outcome = _imulab.noise(session._session, found._recording, options)
     warn(outcome.warnings)
     return Noise(outcome)

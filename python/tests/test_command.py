@@ -110,6 +110,21 @@ def test_trajectory_navigate_and_budget(command, tmp_path):
     assert budget.data == command("budget", tmp_path / "mission.toml", "--grade", "navigation", "--runs", "10", "--json")
 
 
+def test_requirements(rest_log, tmp_path):
+    imulab.trajectory(mission(tmp_path), output=tmp_path / "flight")
+    navigated = imulab.navigate(None, tmp_path / "flight", require="horizontal <= 1 km at 30 s")
+    assert list(navigated.data)[:3] == ["verdict", "headline", "warnings"]
+    assert navigated["verdict"] == "met" and not navigated.shortcomings and str(navigated).startswith("met: horizontal ")
+    budget = imulab.budget(tmp_path / "mission.toml", grade="navigation", runs=10, require="CEP <= 0.001 m")
+    assert budget["verdict"] == "not met" and budget.shortcomings == "not met: CEP <= 0.001 m"
+    rest_log.save(tmp_path / "rest.csv")
+    units = {"gyro.unit": "rad/s", "accel.unit": "m/s^2"}
+    noise = imulab.noise(imulab.inspect(tmp_path / "rest.csv", declare=units).session, require="gyro.N <= 1000 deg/sqrt(h)")
+    assert noise["verdict"] == "met" and noise["requirements"][0]["met"]
+    with pytest.raises(imulab.Error, match="require: CPE: .*did you mean CEP"):
+        imulab.budget(tmp_path / "mission.toml", grade="navigation", runs=10, require="CPE <= 1 m")
+
+
 def test_export(calibration, environment, tmp_path):
     calibration.save(tmp_path / "c.json")
     for target in ("csv", "json-matrix", "vectornav"):

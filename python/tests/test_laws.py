@@ -195,6 +195,6 @@ def test_reports(calibration, by_hand, tmp_path, rest_log):
 
 def test_representations(calibration, by_hand, rest_log):
     assert "handheld" in repr(calibration) and str(calibration).count("\n") > 5
-    assert "<pre>" in calibration._repr_html_() and "6000" in repr(rest_log)
+    assert "<table>" in calibration._repr_html_() and "6000" in repr(rest_log)
     for thing in (by_hand.session, by_hand.recordings[0], imulab.noise(rest_log)):
         assert repr(thing).startswith("<imulab.")

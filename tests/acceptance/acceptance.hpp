@@ -79,6 +79,9 @@ std::vector<Check> misspecified(const Method& method, int sessions);
 /// the estimates.
 std::vector<Check> predictions(const Method& method, int sessions);
 
+/// The rows of the table in docs/procedures.md against what is predicted now; prints those that differ.
+std::vector<Check> procedures();
+
 /// Noise coefficients of simulated logs (seeds 1 .. logs) against their truth and the Cramer-Rao bound of the spectrum's likelihood.
 std::vector<Check> noise_logs(int logs);
 /// In which share of logs (seeds 1 .. logs) of some lengths the random walk is determined beside flicker, and how well.

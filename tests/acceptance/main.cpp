@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
       if (of_method.empty() || of_method == method.name)
         passed &=
             report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)), predictions(method, count(200)));
+  if (chosen("procedures")) passed &= report("procedures: every cell of docs/procedures.md\n", procedures());
   if (chosen("noise")) passed &= report(fmt::format("noise: {} logs, seeds 1..{}", count(500), count(500)), noise_logs(count(500)));
   if (chosen("noise-lengths")) passed &= report(fmt::format("noise-lengths: {} logs of each length", count(400)), noise_lengths(count(400)));
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));

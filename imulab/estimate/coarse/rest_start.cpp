@@ -91,6 +91,7 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
     throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
   kernel::expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
   RestStart start;
+  start.first_s = recording.time_s(0);
   start.rests = summarize_rests(recording, without_ends_of_turns(recording, ranges));
   check_accel_unit(recording, start.rests, gravity);
   start.scaling = choose_scaling(recording, start.rests);

@@ -18,8 +18,9 @@ namespace imulab::coarse {
 
 struct RestStart {
   std::vector<RestMeans> rests;
-  SampleNoise noise;  ///< raw
-  MeanNoise means;    ///< of the rests' means, raw
+  double first_s = 0;  ///< stamp of the recording's first sample, from which people count
+  SampleNoise noise;   ///< raw
+  MeanNoise means;     ///< of the rests' means, raw
   Scaling scaling;
   SensorModel model;         ///< of scaled readings: the accelerometers from the rests, the gyros as declared
   SensorModel prior;         ///< likewise, the prior: the declared IMU; for counts the coarse solution

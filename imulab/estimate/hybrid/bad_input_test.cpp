@@ -164,7 +164,7 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   s.session.site.latitude = *s.session.site.latitude + 10 * unit::deg;
   const Calibration c = calibrated(s, base_terms()).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg, not 55.000")));
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not 55.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
@@ -174,7 +174,7 @@ TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
   s.session.site.latitude = -*s.session.site.latitude;  // the horizontal Earth rate is the same
   const Calibration c = calibrated(s).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]\\.")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg, not -45.000")));
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not -45.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }
 

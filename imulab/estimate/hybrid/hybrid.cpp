@@ -228,10 +228,10 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
     there.site.given_gravity_sigma = there.site.gravity_sigma();
     there.site.latitude_sigma = 5 * seen->sigma;  // the fit knows it better
     kernel::Findings instead;
-    instead.warn(
-        fmt::format("the gyros show a latitude of {:.3f} +/- {:.2g} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
-                    "check the site's latitude",
-                    seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg));
+    instead.warn(fmt::format(
+        "the gyros show a latitude of {:.3f} deg (u = {:.2g} deg), not {:.3f}; this latitude is used, with its gravity if none is declared; "
+        "check the site's latitude",
+        seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg));
     instead.doubt(kernel::wrong_latitude);
     instead.add(last);
     return calibrated(recording, rests, there, options, std::move(findings), instead);

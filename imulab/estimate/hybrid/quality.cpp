@@ -231,7 +231,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
                     heading / unit::deg));
   if (const Index at = last.states.first(Group::delay); at >= 0) {
     const double delay = last.pass.x[at];
-    findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * delay, 1e3 * sigma(at)));
+    findings.note(fmt::format("the accelerometers' output is {:.3g} ms (u = {:.2g} ms) behind the gyros'", 1e3 * delay, 1e3 * sigma(at)));
     constexpr double most = 1.5;  // samples: the equations are linear in the delay
     if (std::abs(delay) > most * data.recording.interval_s + 3 * sigma(at))
       findings.doubt(fmt::format(

@@ -29,10 +29,10 @@ void correct_offset(Session& session, const RecordingSource& source, const Recor
   // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
   if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.001) return;
   move_steps(session, source, [&](double) { return offset->offset_s; });
-  said.push_back(
-      fmt::format("{}: the clock of the steps is {:.2f} +/- {:.2f} s off the recording's; their times were moved (correlation of the rate with the "
-                  "commanded turns {:.2f}, before {:.2f})",
-                  recording.name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
+  said.push_back(fmt::format(
+      "{}: the clock of the steps is {:.2f} s (u = {:.2f} s) off the recording's; their times were moved (correlation of the rate with the "
+      "commanded turns {:.2f}, before {:.2f})",
+      recording.name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
 }
 
 const char* gains_or_loses(const ClockRate& clock) { return clock.rate > 0 ? "gains" : "loses"; }
@@ -44,7 +44,7 @@ std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& s
   ClockGain gain{recording.name, *found, recording.gyro_increment};
   if (gain.significant() && std::abs(found->rate) * (recording.time_s(recording.size() - 1) - recording.time_s(0)) > allowed_s) {
     move_steps(session, source, [&](double step_s) { return found->late(step_s); });
-    said.push_back(fmt::format("{}: its clock {} {:.0f} +/- {:.0f} ppm on that of the steps, by {} turns; the steps' times were moved",
+    said.push_back(fmt::format("{}: its clock {} {:.0f} ppm (u = {:.0f} ppm) on that of the steps, by {} turns; the steps' times were moved",
                                recording.name, gains_or_loses(*found), 1e6 * std::abs(found->rate), 1e6 * found->sigma, found->turns));
   }
   return gain;

@@ -138,7 +138,7 @@ void doubt_latitude(Findings& findings, const Calibration& calibration, double l
   const auto instead = latitude_instead(calibration, latitude, gravity);
   if (!instead) return;
   findings.warn(
-      fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} +/- {:.1f} deg instead of {:.1f} would make it; check "
+      fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} deg (u = {:.1f} deg) instead of {:.1f} would make it; check "
                   "the site's latitude",
                   instead->value / unit::deg, instead->sigma / unit::deg, latitude / unit::deg));
   findings.doubt(wrong_latitude);

@@ -256,7 +256,7 @@ std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const 
 std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions) const {
   std::vector<SuspectRows> all = RestProblem::suspects(conditions);
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    SuspectRows suspect{fmt::format("the rotation between {:.1f} s and {:.1f} s", rests_[k].mid_s, rests_[k + 1].mid_s),
+    SuspectRows suspect{fmt::format("the rotation between {:.1f} s and {:.1f} s", rests_[k].mid_s - first_s_, rests_[k + 1].mid_s - first_s_),
                         {},
                         rests_[k].end_s,
                         rests_[k + 1].begin_s,

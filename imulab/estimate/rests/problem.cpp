@@ -142,7 +142,8 @@ std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, cons
 }
 
 RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
-    : gravity_(site.gravity()),
+    : first_s_(start.first_s),
+      gravity_(site.gravity()),
       relative_gravity_sigma_(site.gravity_sigma() / gravity_),
       latitude_(site.latitude),
       scaling_(start.scaling),
@@ -313,7 +314,7 @@ std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) con
   std::vector<SuspectRows> all;
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     SuspectRows& suspect =
-        all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s});
+        all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s - first_s_), {}, rests_[k].begin_s, rests_[k].end_s});
     const CovarianceBlock& block = conditions.blocks[k];
     for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
   }

@@ -95,6 +95,7 @@ class RestProblem {
   EffectState state_at(const Rest& rest) const;
 
   std::vector<Rest> rests_;
+  double first_s_;  ///< stamp of the first sample
   double gravity_, relative_gravity_sigma_;
   std::optional<double> latitude_;
   Scaling scaling_;

@@ -91,8 +91,8 @@ void note_rig_errors(Quality& quality) {
       continue;
     }
     const double unit = radius ? 1e-3 : unit::ppm;
-    quality.notes.push_back(fmt::format("{}: {:+.3g} +/- {:.2g} {} from its declaration (sigma {:.3g})", e.name, e.value / unit, e.uncertainty / unit,
-                                        radius ? "mm" : "ppm", e.declared_sigma / unit));
+    quality.notes.push_back(fmt::format("{}: {:+.3g} {} (u = {:.2g}) from its declaration (sigma {:.3g})", e.name, e.value / unit,
+                                        radius ? "mm" : "ppm", e.uncertainty / unit, e.declared_sigma / unit));
   }
   if (angles > 0)
     quality.notes.push_back(fmt::format("{} errors of mounting and leveling were estimated jointly, {:.3g} arcsec RMS", angles,

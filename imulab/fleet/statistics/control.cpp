@@ -54,6 +54,13 @@ const std::array<RunRule, run_rule_count>& run_rules() {
   return rules;
 }
 
+bool stands_out(const ControlChart& chart, std::size_t rule) {
+  const double expected = run_rules()[rule].false_alarm * static_cast<double>(chart.scores.size()),
+               found = static_cast<double>(chart.fired[rule].size());
+  const double cluster = rule == 0 ? 1 : 3;  // a run fires at several units, one after the other
+  return found > expected + 4 * std::sqrt(cluster * expected) + cluster;
+}
+
 ControlChart control_chart(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances, const RandomEffects& fleet) {
   ControlChart out{(values - fleet.mean) / (variances + fleet.spread * fleet.spread).sqrt(), {}};
   constexpr std::array<bool (*)(const Eigen::ArrayXd&, Eigen::Index), run_rule_count> fires{beyond_three, nine_on_one_side, six_in_one_direction,

@@ -24,6 +24,9 @@ struct ControlChart {
   std::array<std::vector<Eigen::Index>, run_rule_count> fired;  ///< the units at which each rule fires
 };
 
+/// Whether a rule fires at more units than a steady production explains.
+bool stands_out(const ControlChart& chart, std::size_t rule);
+
 /// Values in the order of their times. Each has limits of its own: the spread between units and its own uncertainty, as in `fleet`.
 ControlChart control_chart(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances, const RandomEffects& fleet);
 

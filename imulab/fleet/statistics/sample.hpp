@@ -23,6 +23,7 @@ struct FleetSample {
   std::vector<Eigen::Index> common;                      ///< columns that most units' last calibrations have together
   Eigen::MatrixXd mean_covariance;                       ///< of these columns, over those last calibrations
   std::vector<CoefficientIndex> left_out = {};           ///< no column: in every calibration that states them only the prior sets them
+  std::vector<std::string> serials = {};                 ///< of the units, or their names where they have none
 
   const std::string& unit_of_row(Eigen::Index row) const { return units[static_cast<std::size_t>(unit[static_cast<std::size_t>(row)])]; }
 };

@@ -205,9 +205,8 @@ std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f) 
   std::string text;
   const auto n = static_cast<double>(c.rows.size());
   for (std::size_t k = 0; k < run_rule_count; ++k) {
+    if (!stands_out(c.chart, k)) continue;
     const double expected = run_rules()[k].false_alarm * n, found = static_cast<double>(c.chart.fired[k].size());
-    const double cluster = k == 0 ? 1 : 3;  // a run fires at several units, one after the other
-    if (found <= expected + 4 * std::sqrt(cluster * expected) + cluster) continue;
     text += text::wrapped(fmt::format("  {:<21} ", coefficient(c.index).name),
                           fmt::format("{}: at {} units, {} expected; the first is {}", run_rules()[k].name, found, text::number(expected, 2),
                                       f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())])));
@@ -248,10 +247,10 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
     const SignificantDrift& d = f.drifts[k];
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
     const double half = 0.5 * (d.drift.high - d.drift.low) / c->size;
-    drift +=
-        text::wrapped(fmt::format("  {}: ", f.sample.units[static_cast<std::size_t>(d.drift.unit)]),
-                      fmt::format("{} {} +/- {} {} per year over {} years", coefficient_name(d.index),
-                                  text::to_digits_of(half, d.drift.slope / c->size), text::two_digits(half), c->unit, text::number(d.drift.span, 2)));
+    drift += text::wrapped(fmt::format("  {}: ", f.sample.units[static_cast<std::size_t>(d.drift.unit)]),
+                           fmt::format("{} {} {} per year (between {} and {}) over {} years", coefficient_name(d.index),
+                                       text::to_digits_of(half, d.drift.slope / c->size), c->unit, text::to_digits_of(half, d.drift.low / c->size),
+                                       text::to_digits_of(half, d.drift.high / c->size), text::number(d.drift.span, 2)));
   }
   for (std::size_t k = 0; k < std::min(most, f.correlations.size()); ++k)
     correlations += fmt::format("  {:<21} {:<21} {:+.2f}\n", coefficient_name(f.correlations[k].a), coefficient_name(f.correlations[k].b),

@@ -47,15 +47,23 @@ std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, Num
   return out;
 }
 
-/// "name serial" of every unit, by its number.
-std::unordered_map<std::int64_t, std::string> unit_titles(FleetStore& store) {
-  std::unordered_map<std::int64_t, std::string> out;
+struct UnitTitle {
+  std::string title, serial;  // "name serial"
+};
+
+/// Of every unit, by its number.
+std::unordered_map<std::int64_t, UnitTitle> unit_titles(FleetStore& store) {
+  std::unordered_map<std::int64_t, UnitTitle> out;
   fleet::Statement rows(store.database(), "SELECT id, name, serial FROM units");
-  while (rows.next()) out.emplace(rows.integer(0), rows.bytes(2).empty() ? rows.text(1) : fmt::format("{} {}", rows.text(1), rows.text(2)));
+  while (rows.next()) {
+    const bool named = rows.bytes(2).empty();
+    out.emplace(rows.integer(0),
+                named ? UnitTitle{rows.text(1), rows.text(1)} : UnitTitle{fmt::format("{} {}", rows.text(1), rows.text(2)), rows.text(2)});
+  }
   return out;
 }
 
-void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::unordered_map<std::int64_t, std::string>& titles) {
+void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::unordered_map<std::int64_t, UnitTitle>& titles) {
   std::unordered_map<std::int64_t, Eigen::Index> units;
   std::vector<Eigen::Index> last;
   s.time.resize(static_cast<Eigen::Index>(rows.size()));
@@ -63,7 +71,8 @@ void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::un
     const auto [unit, added] = units.emplace(rows[k].unit, static_cast<Eigen::Index>(s.units.size()));
     if (added) {
       const auto title = titles.find(rows[k].unit);
-      s.units.push_back(title != titles.end() ? title->second : fmt::format("unit {}", rows[k].unit));
+      s.units.push_back(title != titles.end() ? title->second.title : fmt::format("unit {}", rows[k].unit));
+      s.serials.push_back(title != titles.end() ? title->second.serial : s.units.back());
       last.push_back(0);
     }
     last[static_cast<std::size_t>(unit->second)] = static_cast<Eigen::Index>(k);

@@ -43,18 +43,18 @@ bool append_number(std::string_view field, char decimal, char thousands, std::st
 bool append_numbers(std::string_view line, const Dialect& dialect, std::string& out) {
   const std::size_t begin = out.size();
   out.resize(begin + line.size());
-  char* to = out.data() + begin;
+  std::size_t to = begin;
   bool at_first = true, marked = false, quoted = false;  // of the field
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (is_a_digit(c)) {
-      *to++ = c, at_first = false;
+      out[to++] = c, at_first = false;
     } else if (c == dialect.delimiter && !quoted) {
-      *to++ = c, at_first = true, marked = false;
+      out[to++] = c, at_first = true, marked = false;
     } else if (c == dialect.decimal && !marked) {
-      *to++ = '.', at_first = false, marked = true;
+      out[to++] = '.', at_first = false, marked = true;
     } else if (c == '-' || c == '+' || (!at_first && (c == 'e' || c == 'E'))) {
-      *to++ = c, at_first = false;
+      out[to++] = c, at_first = false;
     } else if (c == '"' && dialect.quotes && at_first && !quoted) {
       quoted = true;
     } else if (c == '"' && quoted && (i + 1 == line.size() || line[i + 1] == dialect.delimiter)) {
@@ -64,7 +64,7 @@ bool append_numbers(std::string_view line, const Dialect& dialect, std::string& 
     }
   }
   if (quoted) return out.resize(begin), false;
-  out.resize(static_cast<std::size_t>(to - out.data()));
+  out.resize(to);
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/formats/laboratory/file.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/procedure.hpp"
 
@@ -291,7 +292,11 @@ TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
   int examples = 0;
   for (std::size_t at = rest.find("```toml\n"); at != std::string_view::npos; at = rest.find("```toml\n")) {
     rest.remove_prefix(at + 8);
-    EXPECT_NO_THROW(parse_session(std::string(rest.substr(0, rest.find("```"))))) << rest.substr(0, rest.find("```"));
+    const std::string example(rest.substr(0, rest.find("```")));
+    if (example.starts_with("format = \"imulab.laboratory/1\""))
+      EXPECT_NO_THROW(parse_laboratory(example, "laboratory.toml")) << example;
+    else
+      EXPECT_NO_THROW(parse_session(example)) << example;
     ++examples;
   }
   EXPECT_GE(examples, 2);

@@ -107,6 +107,10 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
+  f.table("navigation", Presence::optional, [&](TomlFields& t) {
+    if (t.has("vertical")) t.choice("vertical", session.vertical.emplace(), {"free", "fixed", "aided", "held"}, Presence::optional);
+    t.text("barometer", session.barometer_file);
+  });
   f.done();
   session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());

@@ -215,6 +215,9 @@ std::string text_of(const Session& session, bool durations) {
   }
   if (session.initial) text += table_text("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
+  if (session.vertical || session.barometer_file) text += "\n[navigation]\n";
+  if (session.vertical) text += fmt::format("vertical = {}\n", toml_string(*session.vertical));
+  if (session.barometer_file) text += fmt::format("barometer = {}\n", toml_string(*session.barometer_file));
   return text;
 }
 

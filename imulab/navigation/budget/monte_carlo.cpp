@@ -158,15 +158,36 @@ Increment sample_of(const Plan& plan, const Columns& seen, std::size_t i) {
   return {T * Vector3d(seen[0][k], seen[1][k], seen[2][k]), T * Vector3d(seen[3][k], seen[4][k], seen[5][k])};
 }
 
+/// The barometer of a run: its bias, and a process from sample to sample.
+class DrawnBarometer {
+ public:
+  DrawnBarometer(const BarometerErrors& errors, double interval, std::uint64_t seed, const std::string& run)
+      : noisy_(errors.noise != 0),
+        decay_(std::exp(-interval / errors.time_constant)),
+        fresh_(errors.noise * std::sqrt(-std::expm1(-2 * interval / errors.time_constant))),
+        stream_(seed, "barometer of " + run),
+        bias_(drawn(errors.bias, RandomStream(seed, "barometer bias of " + run), 0)),
+        slow_(errors.noise * stream_.normal(0)) {}
+
+  double error() const { return bias_ + slow_; }
+  /// To the state after sample i.
+  double next(std::size_t i) {
+    if (noisy_) slow_ = decay_ * slow_ + fresh_ * stream_.normal(i + 1);
+    return error();
+  }
+
+ private:
+  bool noisy_;
+  double decay_, fresh_;
+  RandomStream stream_;
+  double bias_, slow_;
+};
+
 /// Errors at the outputs; the last is the end.
 BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   const std::string run = fmt::format("run {}", number);
   const Columns seen = compensated(plan, truth, run);
-  const BarometerErrors& b = plan.sources.barometer;
-  const RandomStream stream(plan.options.seed, "barometer of " + run);
-  const double bias = drawn(b.bias, RandomStream(plan.options.seed, "barometer bias of " + run), 0);
-  const double decay = std::exp(-plan.interval / b.time_constant), fresh = b.noise * std::sqrt(-std::expm1(-2 * plan.interval / b.time_constant));
-  double slow = b.noise * stream.normal(0);
+  DrawnBarometer barometer(plan.sources.barometer, plan.interval, plan.options.seed, run);
   BudgetRows out(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
   Strapdown strapdown(start_of(plan, seen, run), plan.options.strapdown);
   std::size_t next = 0;
@@ -174,8 +195,7 @@ BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
     const double T = plan.motion.time[i + 1] - plan.motion.time[i];
     const Increment sample = sample_of(plan, seen, i);
     if (plan.barometer) {
-      if (b.noise != 0) slow = decay * slow + fresh * stream.normal(i + 1);
-      strapdown.step(sample, T, plan.motion.states[i + 1].height + bias + slow);
+      strapdown.step(sample, T, plan.motion.states[i + 1].height + barometer.next(i));
     } else {
       strapdown.step(sample, T);
     }
@@ -253,6 +273,21 @@ std::vector<Increment> erring_increments(const NominalMotion& motion, const Erro
   const Columns seen = compensated(plan, true_motion(plan), "run 0");
   std::vector<Increment> out;
   for (std::size_t i = 0; i < motion.increments.size(); ++i) out.push_back(sample_of(plan, seen, i));
+  return out;
+}
+
+HeightRecord erring_heights(const NominalMotion& motion, const BarometerErrors& errors, std::uint64_t seed, std::size_t every) {
+  DrawnBarometer barometer(errors, motion.time[1] - motion.time[0], seed, "run 0");
+  HeightRecord out;
+  const auto add = [&](std::size_t i, double error) {
+    out.time.push_back(motion.time[i]);
+    out.height.push_back(motion.states[i].height + error);
+  };
+  add(0, barometer.error());
+  for (std::size_t i = 1; i < motion.states.size(); ++i) {
+    const double error = barometer.next(i - 1);
+    if (i % every == 0 || i + 1 == motion.states.size()) add(i, error);
+  }
   return out;
 }
 

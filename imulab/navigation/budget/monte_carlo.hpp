@@ -36,4 +36,7 @@ ErrorDistribution error_monte_carlo(const motion::NominalMotion& motion, const E
 /// The compensated output of one such unit on the motion.
 std::vector<Increment> erring_increments(const motion::NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed);
 
+/// The heights that one such unit's barometer reads along the motion, at every `every`-th of its states and the last [s, m].
+HeightRecord erring_heights(const motion::NominalMotion& motion, const BarometerErrors& errors, std::uint64_t seed, std::size_t every);
+
 }  // namespace imulab

@@ -46,6 +46,11 @@ struct NavigationState {
   double height = 0;                                         // above the ellipsoid [m]
 };
 
+/// A barometer's heights over time [s, m].
+struct HeightRecord {
+  std::vector<double> time, height;
+};
+
 /// Treatment of the height, whose pure inertial error grows by a factor e every 570 s: state the vertical channel with every result.
 enum class VerticalChannel {
   free,   ///< integrated like the others

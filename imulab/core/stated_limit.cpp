@@ -1,0 +1,97 @@
+#include "imulab/core/stated_limit.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/nearest_name.hpp"
+#include "imulab/core/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+constexpr std::string_view limit_blanks = " \t\n";
+
+/// A number above 0 at the begin of `text`, which it is taken from.
+double take_limit(std::string_view& text, const std::string& stated) {
+  double number = 0;
+  const char* const end = text.data() + text.size();
+  const auto [after, failure] = std::from_chars(text.data(), end, number);
+  if (failure != std::errc() || !(number > 0) || !std::isfinite(number)) throw Error(stated + ": expected a number above 0");
+  text = trimmed({after, static_cast<std::size_t>(end - after)}, limit_blanks);
+  return number;
+}
+
+StatedLimit parse_limit(std::string_view text, std::string_view form, std::string_view example) {
+  const auto sign = text.find("<=");
+  if (sign == std::string_view::npos) throw Error(fmt::format("\"{}\": expected {}, as in \"{}\"", trimmed(text, limit_blanks), form, example));
+  StatedLimit out;
+  out.name = trimmed(text.substr(0, sign), limit_blanks);
+  std::string_view rest = trimmed(text.substr(sign + 2), limit_blanks);
+  const std::string stated = fmt::format("{} <= {}", out.name, rest);
+  out.number = take_limit(rest, stated);
+  if (const auto at = rest.find(" at "); at != std::string_view::npos) {
+    std::string_view time = trimmed(rest.substr(at + 4), limit_blanks);
+    rest = trimmed(rest.substr(0, at), limit_blanks);
+    out.at_s = take_limit(time, stated);
+    if (time != "s") throw Error(fmt::format("{}: \"{}\" is no unit of this time; expected s", stated, time));
+  }
+  out.unit = rest;
+  return out;
+}
+
+}  // namespace
+
+std::string to_string(const StatedLimit& limit) {
+  return fmt::format("{} <= {:g}{}{}{}", limit.name, limit.number, limit.unit.empty() ? "" : " ", limit.unit,
+                     limit.at_s ? fmt::format(" at {:g} s", *limit.at_s) : "");
+}
+
+std::vector<StatedLimit> parse_limits(std::string_view text, std::string_view form, std::string_view example) {
+  std::vector<StatedLimit> out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    out.push_back(parse_limit(text.substr(begin, end - begin), form, example));
+    begin = end + 1;
+  }
+  return out;
+}
+
+namespace {
+
+std::string plain_name(std::string_view name) {
+  std::string out;
+  for (const char c : name)
+    if (c != ' ') out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+}  // namespace
+
+FoundFigure find_figure(const StatedLimit& limit, const std::vector<StatedFigure>& figures) {
+  std::vector<std::string> names, units;
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    add_once(names, figures[i].name);
+    if (plain_name(figures[i].name) != plain_name(limit.name)) continue;
+    for (const StatedUnit& unit : figures[i].units) {
+      if (unit.name == limit.unit) return {i, limit.number * unit.size};
+      add_once(units, unit.name);
+    }
+  }
+  if (units.empty())
+    throw Error(
+        fmt::format("{}: no figure of this result{}; expected one of {}", limit.name, did_you_mean(limit.name, names), fmt::join(names, ", ")));
+  if (limit.unit.empty()) throw Error(fmt::format("{}: no unit after the number; expected one of {}", to_string(limit), fmt::join(units, ", ")));
+  throw Error(fmt::format("{}: \"{}\" is no unit of {}{}; expected one of {}", to_string(limit), limit.unit, limit.name,
+                          did_you_mean(limit.unit, units), fmt::join(units, ", ")));
+}
+
+}  // namespace imulab

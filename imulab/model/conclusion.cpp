@@ -1,0 +1,64 @@
+#include "imulab/model/conclusion.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/stated_limit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+
+std::string reached_text(const RequirementResult& r) {
+  if (!std::isfinite(r.reached)) return "not determined";
+  try {
+    const StatedLimit stated = parse_limits(r.text, "", "").front();
+    const double reached = r.reached * stated.number / r.limit;
+    std::string text;
+    for (int digits = 3; digits <= 9; ++digits) {  // as many as tell it from the limit
+      text = fmt::format("{:.{}g}", reached, digits);
+      if (reached == stated.number || text != fmt::format("{:.{}g}", stated.number, digits)) break;
+    }
+    return text + " " + stated.unit;
+  } catch (const Error&) {  // a text that no program of ours wrote
+    return fmt::format("{:.3g}", r.reached);
+  }
+}
+
+std::string requirement_text(const RequirementResult& r) {
+  return fmt::format("{} {}; required: {}{}", r.coefficient, reached_text(r), r.text, r.note.empty() ? "" : " (" + r.note + ")");
+}
+
+std::string verdict_about(std::string_view measured, const std::vector<RequirementResult>& requirements) {
+  if (requirements.empty() || measured == "doubtful") return std::string(measured);
+  return std::all_of(requirements.begin(), requirements.end(), [](const RequirementResult& r) { return r.met; }) ? "met" : "not met";
+}
+
+Conclusion conclude(std::string_view measured, std::string headline, std::vector<RequirementResult> requirements) {
+  Conclusion out{verdict_about(measured, requirements), std::move(headline), std::move(requirements)};
+  if (out.verdict == "doubtful")
+    for (RequirementResult& r : out.requirements) r.met = false;
+  if (out.verdict != "met" && out.verdict != "not met") return out;
+  const auto worse = [](const RequirementResult& a, const RequirementResult& b) { return a.reached / a.limit < b.reached / b.limit; };
+  std::vector<RequirementResult> shown = out.requirements;
+  if (out.verdict == "not met") std::erase_if(shown, [](const RequirementResult& r) { return r.met; });
+  out.headline = requirement_text(*std::max_element(shown.begin(), shown.end(), worse));
+  if (shown.size() > 1) out.headline += fmt::format("; {} more {}", shown.size() - 1, out.verdict);
+  return out;
+}
+
+std::string conclusion_text(const Conclusion& c) { return c.verdict.empty() ? c.headline : c.verdict + ": " + c.headline; }
+
+bool is_favorable(std::string_view verdict) { return verdict == "good" || verdict == "met"; }
+
+std::string missed_requirements(const Conclusion& c) {
+  std::string list;
+  for (const RequirementResult& r : c.requirements)
+    if (!r.met || c.verdict == "doubtful") list += (list.empty() ? "" : ", ") + r.text;
+  if (list.empty()) return list;
+  return (c.verdict == "doubtful" ? "a doubtful result meets no requirement: " : "not met: ") + list;
+}
+
+}  // namespace imulab

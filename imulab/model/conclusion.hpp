@@ -1,0 +1,49 @@
+// What a verb concludes about what was asked: the begin of its JSON, its page and its table.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+/// A requirement, and what was reached.
+struct RequirementResult {
+  std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
+  std::string coefficient;  ///< the worst of them; of other results the figure: "gyro.x.N", "CEP"
+  double limit = 0;         ///< SI
+  double reached = 0;       ///< SI, of a coefficient its standard uncertainty; infinite: not determined
+  bool met = false;
+  std::string note = {};  ///< how it was judged, where that is not plain: "by the bound"
+  bool operator==(const RequirementResult&) const = default;
+};
+
+/// What was reached, in the unit of the requirement's text: "1.3 nmi/h"; "not determined".
+std::string reached_text(const RequirementResult& requirement);
+/// "CEP 1.3 nmi/h; required: CEP <= 1 nmi/h", with its note.
+std::string requirement_text(const RequirementResult& requirement);
+
+/// The verdict about requirements by what was measured ("good", "doubtful", or nothing that says so): "met", "not met", or "doubtful", with which
+/// none is met; without requirements what it was.
+std::string verdict_about(std::string_view measured, const std::vector<RequirementResult>& requirements);
+
+struct Conclusion {
+  std::string verdict;                               ///< "met", "not met", "good" or "doubtful"; empty: nothing was judged
+  std::string headline;                              ///< one sentence
+  std::vector<RequirementResult> requirements = {};  ///< of results that do not keep them themselves
+};
+
+/// About requirements: verdict_about, with a headline of the first that is not met, or of the one that is met with the least to spare. Where the
+/// verdict is not about them, the headline of the measurement.
+Conclusion conclude(std::string_view measured, std::string headline, std::vector<RequirementResult> requirements);
+
+/// "not met: CEP 1.3 nmi/h; required: CEP <= 1 nmi/h": the line with which a terminal's text begins. Without a verdict the headline alone.
+std::string conclusion_text(const Conclusion& conclusion);
+
+/// True of "good" and "met": shown in green.
+bool is_favorable(std::string_view verdict);
+
+/// Why the exit code is 1 by the conclusion: the requirements that are not met. Empty: none was missed.
+std::string missed_requirements(const Conclusion& conclusion);
+
+}  // namespace imulab

@@ -1,0 +1,132 @@
+// What a comparison of calibrations concludes: dates, tolerances, the order of its rows.
+#include "imulab/core/text.hpp"
+#include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
+#include "imulab/model/frame.hpp"
+#include "imulab/model/user_value.hpp"
+#include "imulab/results/comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace imulab {
+namespace {
+
+/// The day of a stamp that counts from 1970; empty for any other clock.
+std::string day_of_stamp(double stamp) {
+  constexpr double first = 946684800, last = 4102444800;  // years 2000 to 2100
+  return stamp >= first && stamp < last ? time_text(std::floor(stamp)).substr(0, 10) : "";
+}
+
+/// The difference as its tolerance counts it, SI.
+double size_of_difference(const CoefficientDifference& d) {
+  for (const UserUnit& unit : user_units(coefficient(d.index)))
+    if (unit.name == d.user_unit) return std::abs(d.user_difference) * unit.size;
+  return std::abs(d.difference);
+}
+
+double largest_sigmas(const std::vector<Comparison>& comparisons, std::size_t row) {
+  double most = -1;
+  for (const Comparison& c : comparisons)
+    if (const auto sigmas = c.coefficients[row].user_sigmas()) most = std::max(most, std::abs(*sigmas));
+  return most;
+}
+
+std::string limit_and_reached(const RequirementResult& r) {
+  const std::string unit = r.text.substr(std::min(r.text.size(), r.text.find_last_of(' ') + 1));
+  for (const UserUnit& each : user_units(coefficient(coefficient_index(r.coefficient))))
+    if (each.name == unit)
+      return std::isfinite(r.reached) ? fmt::format("{} differs by {} {}", r.coefficient, text::number(r.reached / each.size), unit)
+                                      : r.coefficient + " is not determined in both";
+  return std::string(r.coefficient);
+}
+
+}  // namespace
+
+ComparedCalibration compared_calibration(const NamedCalibration& named) {
+  const Calibration& c = named.calibration;
+  ComparedCalibration out{.name = named.name, .imu = c.imu, .serial = c.serial, .method = c.method, .frame = c.frame, .date = {}, .dated = {}};
+  out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == "doubtful";
+  const std::string recorded = c.sources.empty() ? "" : day_of_stamp(c.sources.front().first_s);
+  for (const auto& [text, what] : {std::pair{c.measured, "measured"}, {recorded, "recorded"}, {c.created, "calibrated"}})
+    if (out.date.empty() && time_of(text)) out.date = text.substr(0, 10), out.dated = what;
+  return out;
+}
+
+std::optional<double> years_between(const ComparisonSummary& summary, std::size_t k) {
+  if (summary.calibrations.size() <= k + 1) return {};
+  const auto is_of_the_data = [&](std::size_t i) { return summary.calibrations[i].dated != "calibrated"; };
+  if (is_of_the_data(0) != is_of_the_data(k + 1)) return {};  // a day of measurement and a day of computation
+  constexpr double day = 86400, year = 365.2425 * day, shortest = 30 * day;
+  const auto from = time_of(summary.calibrations[0].date), to = time_of(summary.calibrations[k + 1].date);
+  if (!from || !to || std::abs(*to - *from) < shortest) return {};
+  return (*to - *from) / year;
+}
+
+RequirementResult assess(const ComparisonSummary& summary, const Requirement& tolerance) {
+  RequirementResult out{to_string(tolerance), std::string(coefficient(tolerance.coefficients.front()).name), tolerance.limit, 0, false};
+  const bool all_bare = std::ranges::all_of(summary.calibrations, &ComparedCalibration::bare);
+  bool doubtful = false;
+  for (const ComparedCalibration& c : summary.calibrations) doubtful = doubtful || c.doubtful;
+  for (const Comparison& comparison : summary.comparisons)
+    for (const CoefficientIndex index : tolerance.coefficients) {
+      if (zero_by_frame(index)) continue;
+      const auto d = std::ranges::find_if(comparison.coefficients, [&](const CoefficientDifference& of) { return of.index == index; });
+      const bool listed = d != comparison.coefficients.end();
+      const bool known = all_bare || (listed && d->user_uncertainty);
+      const double size = !known ? std::numeric_limits<double>::infinity() : listed ? size_of_difference(*d) : 0;
+      if (!(size > out.reached)) continue;
+      out.reached = size, out.coefficient = coefficient(index).name;
+    }
+  out.met = out.reached <= out.limit && !doubtful;
+  return out;
+}
+
+Conclusion conclusion_about(const ComparisonSummary& summary) {
+  Conclusion out;
+  if (summary.requirements.empty()) {
+    const RankedRows rows = ranked_rows(summary.comparisons, significant_from(summary));
+    out.headline = rows.tested == 0 ? "nothing is tested: no coefficient has an uncertainty on one side and a value to compare it with on the other"
+                                    : fmt::format("{} of {} coefficients differ significantly", rows.significant, rows.tested);
+    return out;
+  }
+  std::string doubtful;
+  for (const ComparedCalibration& c : summary.calibrations)
+    if (c.doubtful) doubtful += fmt::format("{}{}", doubtful.empty() ? "" : ", ", excerpt(c.name));
+  out.verdict = verdict_about(doubtful.empty() ? "" : "doubtful", summary.requirements);
+  if (!doubtful.empty()) {
+    out.headline = "a doubtful calibration meets no tolerance: " + doubtful;
+    return out;
+  }
+  for (const RequirementResult& r : summary.requirements)
+    if (r.met == (out.verdict == "met"))
+      out.headline += fmt::format("{}{}; tolerance: {}", out.headline.empty() ? "" : "; ", limit_and_reached(r), r.text);
+  return out;
+}
+
+double significant_from(const ComparisonSummary& summary) {
+  std::size_t tests = 0;
+  for (const Comparison& c : summary.comparisons)
+    for (const CoefficientDifference& d : c.coefficients) tests += d.user_sigmas().has_value();
+  return significant_sigmas(std::max<std::size_t>(1, tests));
+}
+
+RankedRows ranked_rows(const std::vector<Comparison>& comparisons, double from) {
+  RankedRows out;
+  if (comparisons.empty()) return out;
+  out.rows.resize(comparisons.front().coefficients.size());
+  std::iota(out.rows.begin(), out.rows.end(), std::size_t{0});
+  std::ranges::stable_sort(out.rows, [&](std::size_t i, std::size_t j) { return largest_sigmas(comparisons, i) > largest_sigmas(comparisons, j); });
+  for (const std::size_t row : out.rows) {
+    const double sigmas = largest_sigmas(comparisons, row);
+    out.tested += sigmas >= 0, out.significant += sigmas > from;
+  }
+  return out;
+}
+
+}  // namespace imulab

@@ -1,0 +1,56 @@
+#include "imulab/results/conclusion.hpp"
+
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/model/calibration_fields.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+constexpr std::array<std::string_view, 4> judged_verdicts{"met", "not met", "good", "doubtful"};
+
+/// The fields of one object and then those of another, of texts of one layout.
+std::string joined_objects(std::string first, std::string_view second) {
+  first.erase(first.find_last_of('}'));
+  second.remove_prefix(second.find('{') + 1);
+  const std::size_t last = first.find_last_not_of(" \t\n");
+  const bool empty = second.substr(second.find_first_not_of(" \t\n"), 1) == "}";
+  if (empty) return first + "}" + (second.ends_with('\n') ? "\n" : "");
+  if (first[last] == '{') return first.substr(0, last + 1) + std::string(second);
+  return first.substr(0, last + 1) + "," + std::string(second);
+}
+
+}  // namespace
+
+std::string with_conclusion(const std::string& json, const Conclusion& c, const std::vector<std::string>& warnings, ConclusionPlace place) {
+  if (!json.starts_with('{')) return json;
+  JsonFields head{{{"verdict", c.verdict.empty() ? JsonValue() : JsonValue(c.verdict)}, {"headline", c.headline}, {"warnings", warnings}}};
+  if (!c.requirements.empty()) head.fields.emplace_back("requirements", written(c.requirements));
+  const bool one_line = json.find('\n') + 1 >= json.size();
+  const std::string text = json_text(head, one_line ? JsonLayout::one_line : JsonLayout::indented);
+  return place == ConclusionPlace::begin ? joined_objects(text, json) : joined_objects(json, text);
+}
+
+Conclusion conclusion_of(const json_io::Field& root) {
+  Conclusion out;
+  if (root.has("verdict") && !root["verdict"].is_null()) {
+    out.verdict = root["verdict"].text();
+    if (std::find(judged_verdicts.begin(), judged_verdicts.end(), out.verdict) == judged_verdicts.end())
+      root["verdict"].expected("met, not met, good, doubtful or null");
+  }
+  if (root.has("headline") && !root["headline"].is_null()) out.headline = root["headline"].text();
+  if (!root.has("requirements")) return out;
+  const json_io::Field requirements = root["requirements"];  // those of a plan are texts
+  const std::size_t count = requirements.size();
+  if (count > 0 && requirements.item(0, count, "requirements").has("met")) {
+    JsonReader reader(root);
+    reader("requirements", out.requirements);
+  }
+  return out;
+}
+
+}  // namespace imulab

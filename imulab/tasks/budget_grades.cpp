@@ -1,0 +1,85 @@
+// Several grades of sensors on one mission, side by side.
+#include "imulab/core/error.hpp"
+#include "imulab/core/text.hpp"
+#include "imulab/report/comparison_page.hpp"
+#include "imulab/results/result_comparison.hpp"
+#include "imulab/tasks/budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <sstream>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+/// Objects of budgets as one object.
+std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
+  std::string out;
+  for (const auto& each : budgets) {
+    std::string text = each.document();
+    text.erase(text.find_last_not_of(" \n") + 1);
+    out += (out.empty() ? "" : ",\n") + text;
+  }
+  return "{\n\"budgets\": [\n" + out + "\n]\n}\n";
+}
+
+/// The worst of all.
+Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std::string& headline) {
+  Conclusion out{"", headline};
+  for (const auto& each : budgets) {
+    const std::string& verdict = each.conclusion.verdict;
+    if (verdict.empty()) continue;
+    if (out.verdict.empty() || verdict == "not met" || verdict == "doubtful") out.verdict = verdict;
+    out.headline += fmt::format("; {}: {}", each.data->grade, each.conclusion.headline);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> several_grades(const BudgetVerbOptions& o) {
+  std::vector<std::string> out;
+  if (!o.grade || o.grade->find(',') == std::string::npos) return out;
+  std::istringstream names(*o.grade);
+  for (std::string name; std::getline(names, name, ',');) out.emplace_back(trimmed(name, " "));
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (std::find(out.begin() + static_cast<std::ptrdiff_t>(k) + 1, out.end(), out[k]) != out.end())
+      throw OptionError("grade", out[k] + " is named twice; expected each grade once");
+  return out;
+}
+
+Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell, const std::function<void(double)>& progress) {
+  const std::vector<std::string> grades = several_grades(o);
+  if (!o.output.empty()) throw OptionError("output", "takes the files of one grade; expected one --grade, or --json and --report for several");
+  if (!o.shared.checkpoint.empty()) throw OptionError("checkpoint", "belongs to the budget of one grade");
+  const auto budgets = std::make_shared<std::vector<AnswerOf<MissionBudget>>>();
+  std::vector<NamedResult> results;
+  std::vector<std::string> warnings;
+  std::string missed;
+  for (const std::string& grade : grades) {
+    BudgetVerbOptions own = o;
+    own.grade = grade;
+    const double done = static_cast<double>(budgets->size()), all = static_cast<double>(grades.size());
+    budgets->push_back(budget_answer(file, own, tell, [&](double part) {
+      if (progress) progress((done + part) / all);
+    }));
+    const auto& answer = budgets->back();
+    const MissionBudget& b = *answer.data;
+    for (const std::string& warning : answer.warnings) warnings.push_back(grade + ": " + warning);
+    if (!answer.shortcomings.empty()) missed += (missed.empty() ? "" : "; ") + grade + ": " + answer.shortcomings;
+    results.push_back({grade, BudgetSummary{.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs}, "noise " + b.noise});
+  }
+  const auto comparison = std::make_shared<const ResultComparison>(compare_results(results));
+  const Conclusion conclusion = joint(*budgets, comparison->headline);
+  return {.json = [budgets] { return budgets_text(*budgets); },
+          .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },
+          .page = [comparison, conclusion, warnings] { return result_comparison_page(*comparison, conclusion, warnings); },
+          .warnings = warnings,
+          .shortcomings = missed,
+          .conclusion = conclusion};
+}
+
+}  // namespace imulab
