@@ -86,7 +86,10 @@ heading_deg = 90
                "1700000200,45,8,0,0,0,0,0,0,90\n");
   ASSERT_EQ(run_imulab(folder, "calibrate session --method handheld -o c.json").exit_code, 0);
   const std::string navigate = "navigate c.json session --vertical fixed --truth truth.csv ";
-  ASSERT_EQ(run_imulab(folder, navigate + "--report navigation.html").exit_code, 0);
+  const CommandResult result = run_imulab(folder, navigate + "--report navigation.html");
+  ASSERT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.output, HasSubstr("times from 2023-11-14T22:13:"));
+  EXPECT_THAT(result.output, testing::Not(HasSubstr("17000000"))) << "times count from the rest";
   ASSERT_EQ(run_imulab(folder, navigate + "--json > n.json").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "report n.json -o from_json.html").exit_code, 0);
   for (const char* file : {"navigation.html", "from_json.html"}) {

@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/report/assets.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/certificate_parts.hpp"

@@ -6,18 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 namespace imulab::report {
-
-std::string date_text(double stamp) {
-  constexpr double year_2000 = 946684800, year_2100 = 4102444800;
-  if (!(stamp >= year_2000 && stamp < year_2100)) return {};
-  const double ms = std::round(1e3 * stamp), seconds = std::floor(1e-3 * ms), fraction = ms - 1e3 * seconds;
-  std::string text = time_text(seconds);
-  if (fraction > 0) text.insert(text.size() - 1, fmt::format(".{:03.0f}", fraction));
-  return text;
-}
 
 std::string stamp_and_date(double stamp) {
   const std::string date = date_text(stamp);

@@ -6,10 +6,6 @@
 
 namespace imulab::report {
 
-/// The date of a stamp [s] as seconds since 1970, in UTC to the millisecond ("2023-11-14T22:13:20.010Z"); empty where that is not from 2000 to 2099:
-/// such a clock counts from something else.
-std::string date_text(double stamp);
-
 /// A stamp in a sentence: its date where it has one, else "12.5 s".
 std::string stamp_and_date(double stamp);
 

@@ -1,6 +1,7 @@
 #include "imulab/results/navigation.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/navigation/integration/strapdown.hpp"
 
@@ -18,11 +19,17 @@ double compass_deg(const EulerAngles& angles, int decimals) {
   return deg < 0 ? deg + 360 : std::abs(deg);
 }
 
-std::string alignment_text(const AlignedOn& aligned) {
+/// Times count from here: 0, or where the stamps are dates, the begin of the rest or of the solution.
+double origin_of_times(const NavigatedSession& s) {
+  const double begin = s.navigated.aligned ? s.navigated.aligned->begin : s.navigated.solution.time.front();
+  return date_text(begin).empty() ? 0 : begin;
+}
+
+std::string alignment_text(const AlignedOn& aligned, double zero) {
   const FineAlignment& a = aligned.alignment;
   const EulerAngles angles = euler_angles(a.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(a.attitude) / unit::deg;
-  return fmt::format("aligned on the rest from {:.3f} s to {:.3f} s\n", aligned.begin, aligned.end) +
+  return fmt::format("aligned on the rest from {:.3f} s to {:.3f} s\n", aligned.begin - zero, aligned.end - zero) +
          fmt::format("  roll     {:>12.5f} deg  u = {:.2g}\n", angles.roll / unit::deg, sigma.x()) +
          fmt::format("  pitch    {:>12.5f} deg  u = {:.2g}\n", angles.pitch / unit::deg, sigma.y()) +
          fmt::format("  heading  {:>12.5f} deg  u = {:.2g}\n", compass_deg(angles, 5), sigma.z()) +
@@ -40,10 +47,10 @@ std::string end_text(const Solution& solution) {
                      compass_deg(angles, 4));
 }
 
-std::string error_text(const NavigationErrors& errors) {
+std::string error_text(const NavigationErrors& errors, double zero) {
   const NavigationError& e = errors.history.back();
   const Eigen::Vector3d attitude = e.attitude / unit::arcsec;
-  return fmt::format("\nerrors at {:.3f} s   {:>11} {:>11} {:>11} {:>11}\n", e.time, "east", "north", "up", "horizontal") +
+  return fmt::format("\nerrors at {:.3f} s   {:>11} {:>11} {:>11} {:>11}\n", e.time - zero, "east", "north", "up", "horizontal") +
          fmt::format("  position, m       {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", e.position.x(), e.position.y(), e.position.z(),
                      e.horizontal()) +
          fmt::format("  velocity, m/s     {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n", e.velocity.x(), e.velocity.y(), e.velocity.z(),
@@ -60,12 +67,14 @@ std::string headline(const NavigationErrors& errors) {
 
 std::string one_session(const NavigatedSession& s) {
   const Solution& solution = s.navigated.solution;
+  const double zero = origin_of_times(s), begin = solution.time.front() - zero, end = solution.time.back() - zero;
   std::string text = s.errors ? text::wrapped("", headline(*s.errors)) + "\n" : "";
-  text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, solution.time.front(),
-                      solution.time.back(), solution.time.back() - solution.time.front(), to_string(s.navigated.vertical));
-  text += s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "started as the session says ([initial])\n";
+  text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, begin, end, end - begin,
+                      to_string(s.navigated.vertical));
+  if (zero != 0) text += fmt::format("times from {}\n", date_text(zero));
+  text += s.navigated.aligned ? alignment_text(*s.navigated.aligned, zero) : "started as the session says ([initial])\n";
   text += end_text(solution);
-  return s.errors ? text + error_text(*s.errors) : text;
+  return s.errors ? text + error_text(*s.errors, zero) : text;
 }
 
 std::string several_sessions(const std::vector<NavigatedSession>& sessions) {

@@ -137,6 +137,15 @@ std::string time_text(double time) {
   return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
+std::string date_text(double stamp) {
+  constexpr double year_2000 = 946684800, year_2100 = 4102444800;
+  if (!(stamp >= year_2000 && stamp < year_2100)) return {};
+  const double ms = std::round(1e3 * stamp), seconds = std::floor(1e-3 * ms), fraction = ms - 1e3 * seconds;
+  std::string text = time_text(seconds);
+  if (fraction > 0) text.insert(text.size() - 1, fmt::format(".{:03.0f}", fraction));
+  return text;
+}
+
 std::optional<double> time_of(const std::string& text) {
   namespace chrono = std::chrono;
   int y = 0, mo = 0, d = 0, h = 0, mi = 0, s = 0, length = 0;

@@ -38,6 +38,9 @@ namespace imulab {
 
 /// "2026-03-31T12:00:00Z"; empty beyond the year 9999.
 std::string time_text(double time);
+/// The date of a stamp [s] as seconds since 1970, in UTC to the millisecond ("2023-11-14T22:13:20.010Z"); empty where that is not from 2000 to 2099:
+/// such a clock counts from something else.
+std::string date_text(double stamp);
 /// The time of a text that is a date, or a date and time; none for any other text.
 std::optional<double> time_of(const std::string& text);
 /// The time of such a text; throws Error for any other.
