@@ -132,7 +132,7 @@ TEST_F(CompareCommand, ResultsOfOneKindAreComparedAndAMixIsRefused) {
   const auto json = nlohmann::json::parse(grades.output);
   ASSERT_EQ(json["budgets"].size(), 2u);
   EXPECT_EQ(json["budgets"][1]["grade"], "tactical");
-  EXPECT_EQ(json["budgets"][1]["noise"], "of the grade");
+  EXPECT_EQ(json["budgets"][1]["noise"], "the grade");
 }
 
 TEST_F(CompareCommand, SeveralStandSideBySide) {

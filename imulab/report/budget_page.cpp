@@ -17,22 +17,6 @@ namespace imulab {
 namespace report {
 namespace {
 
-/// Fixed error and one sigma together, horizontally.
-double horizontal(const Contribution& c, Eigen::Index at) {
-  return std::sqrt(c.fixed.col(at).head<2>().squaredNorm() + c.sigma.col(at).head<2>().squaredNorm());
-}
-
-double horizontal_total(const ErrorBudget& b) {
-  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  return std::sqrt(b.mean.col(end).head<2>().squaredNorm() + b.covariance.back()(0, 0) + b.covariance.back()(1, 1));
-}
-
-/// Root of the mean square horizontal error of the runs at the end.
-double sampled_total(const ErrorDistribution& d) {
-  const Eigen::Index end = d.mean.cols() - 1;
-  return std::hypot(d.mean(budget_quantities, end), d.sigma(budget_quantities, end));
-}
-
 constexpr double negligible = 1e-6;  // beside the largest
 
 /// A row for each contribution that counts, the largest horizontal position error first.
@@ -41,12 +25,12 @@ std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contri
   const Eigen::Index end = all.front().sigma.cols() - 1;
   std::vector<std::size_t> order(all.size());
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return horizontal(all[i], end) > horizontal(all[j], end); });
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return horizontal_rms(all[i], end) > horizontal_rms(all[j], end); });
   std::vector<std::vector<std::string>> rows;
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const Contribution& c = all[order[k]];
-    if (horizontal(c, end) < negligible * horizontal(all[order[0]], end)) break;
-    std::vector<std::string> row{escaped(c.name), number_text(horizontal(c, end) / length.size)};
+    if (horizontal_rms(c, end) < negligible * horizontal_rms(all[order[0]], end)) break;
+    std::vector<std::string> row{escaped(c.name), number_text(horizontal_rms(c, end) / length.size)};
     for (Eigen::Index q = 0; q < budget_quantities; ++q)
       row.push_back(
           number_text(std::hypot(c.fixed(q, end), c.sigma(q, end)) / (q < 3 ? length.size : error_quantities()[static_cast<std::size_t>(q)].size)));
@@ -97,10 +81,10 @@ constexpr const char* rough_text = "Linear: fixed errors and one sigma of drawn 
 
 Verdict budget_verdict(const BudgetReport& r) {
   const ErrorBudget& b = r.summary.budget;
-  const bool rough = large_angles(b).has_value(), sampled = r.summary.monte_carlo.has_value();
+  const bool rough = large_angles(b).has_value(), sampled = r.summary.monte_carlo && r.summary.monte_carlo->mean.cols() > 0;
   Verdict v{.tone = Tone::neutral,
             .word = fmt::format("{}{} after {} min", rough && !sampled ? "roughly " : "",
-                                length_text(rough && sampled ? sampled_total(*r.summary.monte_carlo) : horizontal_total(b)),
+                                length_text(rough && sampled ? horizontal_rms(*r.summary.monte_carlo) : horizontal_rms(b, b.time.size() - 1)),
                                 number_text(b.time.back() / 60)),
             .meaning = fmt::format("Horizontal position error, {}, vertical channel {}.",
                                    rough && sampled ? fmt::format("root mean square of {} Monte Carlo runs", r.summary.runs)
@@ -121,7 +105,7 @@ Verdict budget_verdict(const BudgetReport& r) {
 }  // namespace
 
 std::string sources_section(const ErrorBudget& b) {
-  const LengthUnit length = length_unit(horizontal_total(b));
+  const LengthUnit length = length_unit(horizontal_rms(b, b.time.size() - 1));
   Table sources{.head = heads(length), .rows = contribution_rows(b.groups, 100, length)},
       coefficients{.head = heads(length), .rows = contribution_rows(b.coefficients, 15, length)};
   std::string content = share_figure(b) + table(sources);

@@ -38,8 +38,6 @@ inline constexpr PlotSize small_plot{240, 160};
 
 enum class Anchor { start, middle, end };
 
-enum class Anchor;
-
 /// One chart. Points that are not finite, or not on the axes, are left out.
 class Plot {
  public:

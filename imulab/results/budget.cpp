@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -130,14 +131,25 @@ std::string monte_carlo_rows(const ErrorRows& block, const ErrorDistribution& d)
 
 }  // namespace
 
+double horizontal_rms(const ErrorBudget& b, std::size_t at) {
+  return std::sqrt(b.mean.col(static_cast<Eigen::Index>(at)).head<2>().squaredNorm() + b.covariance[at](0, 0) + b.covariance[at](1, 1));
+}
+
+double horizontal_rms(const Contribution& source, Eigen::Index at) {
+  return std::hypot(source.fixed.col(at).head<2>().norm(), source.sigma.col(at).head<2>().norm());
+}
+
+double horizontal_rms(const ErrorDistribution& runs) {
+  if (runs.mean.cols() == 0) return std::numeric_limits<double>::quiet_NaN();  // of a file without its history
+  const Eigen::Index end = runs.mean.cols() - 1;
+  return std::hypot(runs.mean(budget_quantities, end), runs.sigma(budget_quantities, end));
+}
+
 std::string budget_headline(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
-  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  const Eigen::VectorXd sigma = total_sigma(b).col(end);
-  double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
-  const bool rough = large_angles(b).has_value(), sampled = rough && monte_carlo && monte_carlo->mean.cols() > 0;
-  if (sampled) rms = std::hypot(monte_carlo->mean.rightCols(1)(budget_quantities), monte_carlo->sigma.rightCols(1)(budget_quantities));
+  const bool rough = large_angles(b).has_value(), sampled = rough && monte_carlo;
   return fmt::format("after {:g} s: horizontal position error {}{} m RMS{}, {}", b.time.back(), rough && !sampled ? "roughly " : "",
-                     text::number(rms), sampled ? " of the Monte Carlo" : "", vertical_text(b.vertical));
+                     text::number(sampled ? horizontal_rms(*monte_carlo) : horizontal_rms(b, b.time.size() - 1)),
+                     sampled ? " of the Monte Carlo" : "", vertical_text(b.vertical));
 }
 
 std::optional<std::string> large_angles(const ErrorBudget& b) {

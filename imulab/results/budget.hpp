@@ -28,6 +28,11 @@ std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDist
 /// and the Monte Carlo.
 std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, bool details = false);
 
+/// Root of the mean square horizontal position error, fixed and drawn together [m]: at an output, of one source, and of a Monte Carlo's runs at the
+/// end.
+double horizontal_rms(const ErrorBudget& budget, std::size_t at);
+double horizontal_rms(const Contribution& source, Eigen::Index at);
+double horizontal_rms(const ErrorDistribution& runs);
 /// "after 5400 s: horizontal position error 1360 m RMS, height fixed"
 /// Where the linear figures are rough, that of the Monte Carlo.
 std::string budget_headline(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo = std::nullopt);

@@ -17,12 +17,6 @@
 namespace imulab {
 namespace {
 
-/// The day of a stamp that counts from 1970; empty for any other clock.
-std::string day_of_stamp(double stamp) {
-  constexpr double first = 946684800, last = 4102444800;  // years 2000 to 2100
-  return stamp >= first && stamp < last ? time_text(std::floor(stamp)).substr(0, 10) : "";
-}
-
 /// The difference as its tolerance counts it, SI.
 double size_of_difference(const CoefficientDifference& d) {
   for (const UserUnit& unit : user_units(coefficient(d.index)))
@@ -41,8 +35,9 @@ std::string limit_and_reached(const RequirementResult& r) {
   const std::string unit = r.text.substr(std::min(r.text.size(), r.text.find_last_of(' ') + 1));
   for (const UserUnit& each : user_units(coefficient(coefficient_index(r.coefficient))))
     if (each.name == unit)
-      return std::isfinite(r.reached) ? fmt::format("{} differs by {} {}", r.coefficient, text::number(r.reached / each.size), unit)
-                                      : r.coefficient + " is not determined in both";
+      return (std::isfinite(r.reached) ? fmt::format("{} differs by {} {}", r.coefficient, text::number(r.reached / each.size), unit)
+                                       : r.coefficient + " is not determined in both") +
+             (r.note.empty() ? "" : " (" + r.note + ")");
   return std::string(r.coefficient);
 }
 
@@ -52,7 +47,7 @@ ComparedCalibration compared_calibration(const NamedCalibration& named) {
   const Calibration& c = named.calibration;
   ComparedCalibration out{.name = named.name, .imu = c.imu, .serial = c.serial, .method = c.method, .frame = c.frame, .date = {}, .dated = {}};
   out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == "doubtful";
-  const std::string recorded = c.sources.empty() ? "" : day_of_stamp(c.sources.front().first_s);
+  const std::string recorded = c.sources.empty() ? "" : date_text(c.sources.front().first_s);
   for (const auto& [text, what] : {std::pair{c.measured, "measured"}, {recorded, "recorded"}, {c.created, "calibrated"}})
     if (out.date.empty() && time_of(text)) out.date = text.substr(0, 10), out.dated = what;
   return out;
@@ -83,6 +78,7 @@ RequirementResult assess(const ComparisonSummary& summary, const Requirement& to
       if (!(size > out.reached)) continue;
       out.reached = size, out.coefficient = coefficient(index).name;
     }
+  if (std::ranges::all_of(tolerance.coefficients, zero_by_frame)) out.note = "zero by the definition of the axes";
   out.met = out.reached <= out.limit && !doubtful;
   return out;
 }

@@ -4,6 +4,7 @@
 #include "imulab/core/stated_limit.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/results/noise.hpp"
 
 #include <fmt/format.h>
 
@@ -16,50 +17,48 @@
 namespace imulab {
 namespace {
 
-struct LimitedTerm {
-  const char* name;
-  NoiseCoefficient NoiseFit::*member;
-  std::vector<StatedUnit> gyro, accel, counts;
+/// Units of a term beside its customary one and that of SI.
+struct FurtherUnits {
+  std::vector<StatedUnit> gyro, accel;
 };
 
-const std::array<LimitedTerm, 5>& limited_terms() {
+/// In the order of noise_terms.
+const std::array<FurtherUnits, 5>& further_units() {
   using namespace unit;
-  const double root_hour = std::sqrt(hour);
-  static const std::array<LimitedTerm, 5> all{
-      {{"N",
-        &NoiseFit::N,
-        {{"deg/sqrt(h)", deg_per_sqrt_h}, {"deg/s/sqrt(Hz)", deg}, {"deg/h/sqrt(Hz)", deg_per_h}, {"rad/s/sqrt(Hz)", 1}},
-        {{"ug/sqrt(Hz)", ug_per_sqrt_hz}, {"mg/sqrt(Hz)", 1e3 * ug_per_sqrt_hz}, {"m/s/sqrt(h)", 1 / root_hour}, {"m/s^2/sqrt(Hz)", 1}},
-        {{"count/sqrt(Hz)", 1}}},
-       {"B", &NoiseFit::B, {{"deg/h", deg_per_h}, {"deg/s", deg}, {"rad/s", 1}}, {{"ug", ug}, {"mg", 1e3 * ug}, {"m/s^2", 1}}, {{"count", 1}}},
-       {"K",
-        &NoiseFit::K,
-        {{"deg/h/sqrt(h)", deg_per_h / root_hour}, {"deg/s/sqrt(s)", deg}, {"rad/s/sqrt(s)", 1}},
-        {{"ug/sqrt(h)", ug / root_hour}, {"m/s^2/sqrt(s)", 1}},
-        {{"count/sqrt(s)", 1}}},
-       {"Q", &NoiseFit::Q, {{"arcsec", arcsec}, {"rad", 1}}, {{"um/s", 1e-6}, {"m/s", 1}}, {{"count s", 1}}},
-       {"R", &NoiseFit::R, {{"deg/h/h", deg_per_h / hour}, {"rad/s/s", 1}}, {{"ug/h", ug / hour}, {"m/s^2/s", 1}}, {{"count/s", 1}}}}};
+  static const std::array<FurtherUnits, 5> all{
+      {{{{"deg/s/sqrt(Hz)", deg}, {"deg/h/sqrt(Hz)", deg_per_h}}, {{"mg/sqrt(Hz)", 1e3 * ug_per_sqrt_hz}, {"m/s/sqrt(h)", 1 / std::sqrt(hour)}}},
+       {{{"deg/s", deg}}, {{"mg", 1e3 * ug}}},
+       {{{"deg/s/sqrt(s)", deg}}, {}},
+       {},
+       {}}};
   return all;
 }
 
-const std::vector<StatedUnit>& units_of(const LimitedTerm& term, bool gyro, bool counts) {
-  return counts ? term.counts : gyro ? term.gyro : term.accel;
+std::vector<StatedUnit> units_of(std::size_t term, bool gyro, bool counts) {
+  const NoiseTermText& of = noise_terms()[term];
+  if (counts) return {{of.count.name, of.count.size}};
+  const NoiseUnit& customary = gyro ? of.gyro : of.accel;
+  std::vector<StatedUnit> out{{customary.name, customary.size}};
+  const std::vector<StatedUnit>& further = gyro ? further_units()[term].gyro : further_units()[term].accel;
+  out.insert(out.end(), further.begin(), further.end());
+  out.push_back({customary.si, 1});
+  return out;
 }
 
 /// All that may be limited: of a triad, and of an axis of it.
 struct NoiseFigures {
   std::vector<StatedFigure> stated;
-  std::vector<std::pair<std::string, const LimitedTerm*>> of;  ///< the begin of the axes' names, and the term
+  std::vector<std::pair<std::string, const NoiseTermText*>> of;  ///< the begin of the axes' names, and the term
 };
 
 NoiseFigures noise_figures(bool gyro_counts, bool accel_counts) {
   NoiseFigures out;
   for (const char* axis : {".", ".x", ".y", ".z"})
-    for (const LimitedTerm& term : limited_terms())
+    for (std::size_t k = 0; k < noise_terms().size(); ++k)
       for (const bool gyro : {true, false}) {
+        const NoiseTermText& term = noise_terms()[k];
         const std::string axes = std::string(gyro ? "gyro" : "accel") + axis;
-        out.stated.push_back(
-            {axes.ends_with('.') ? axes + term.name : axes + "." + term.name, units_of(term, gyro, gyro ? gyro_counts : accel_counts)});
+        out.stated.push_back({axes.ends_with('.') ? axes + term.name : axes + "." + term.name, units_of(k, gyro, gyro ? gyro_counts : accel_counts)});
         out.of.emplace_back(axes, &term);
       }
   return out;

@@ -47,18 +47,6 @@ class FigureRows {
 
 constexpr std::array axis_words{"east", "north", "up"};
 
-double rms_of(const Contribution& c, Eigen::Index at) {
-  return std::sqrt(c.fixed.block<2, 1>(0, at).squaredNorm() + c.sigma.block<2, 1>(0, at).squaredNorm());
-}
-
-/// Root mean square of the horizontal error at each time.
-std::vector<double> horizontal_rms(const ErrorBudget& b) {
-  std::vector<double> out;
-  for (std::size_t i = 0; i < b.time.size(); ++i)
-    out.push_back(std::sqrt(b.mean.block<2, 1>(0, static_cast<Eigen::Index>(i)).squaredNorm() + b.covariance[i](0, 0) + b.covariance[i](1, 1)));
-  return out;
-}
-
 std::vector<double> since_first(std::vector<double> time) {
   const double first = time.empty() ? 0 : time.front();
   for (double& t : time) t -= first;
@@ -68,11 +56,10 @@ std::vector<double> since_first(std::vector<double> time) {
 void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const BudgetSummary& s) {
   const ErrorBudget& b = s.budget;
   const auto last = static_cast<Eigen::Index>(b.time.size()) - 1;
-  const std::vector<double> horizontal = horizontal_rms(b);
+  std::vector<double> horizontal;
+  for (std::size_t i = 0; i < b.time.size(); ++i) horizontal.push_back(horizontal_rms(b, i));
   rows.add(k, large_angles(b) ? "horizontal RMS, linear and rough" : "horizontal RMS", "m", horizontal.back());
-  if (s.monte_carlo)
-    rows.add(k, "horizontal RMS, Monte Carlo", "m",
-             std::hypot(s.monte_carlo->mean.rightCols(1)(budget_quantities), s.monte_carlo->sigma.rightCols(1)(budget_quantities)));
+  if (s.monte_carlo) rows.add(k, "horizontal RMS, Monte Carlo", "m", horizontal_rms(*s.monte_carlo));
   for (Eigen::Index q = 2; q < budget_quantities; ++q) {
     static constexpr std::array what{"position", "velocity", "attitude"}, units{"m", "m/s", "arcsec"};
     const auto part = static_cast<std::size_t>(q / 3);
@@ -83,7 +70,7 @@ void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const Bu
     rows.add(k, "drift CEP, Monte Carlo", "nmi/h", s.monte_carlo->drift_cep / unit::nmi_per_h);
     rows.add(k, "drift 95 %, Monte Carlo", "nmi/h", s.monte_carlo->drift_95 / unit::nmi_per_h);
   }
-  for (const Contribution& c : b.groups) rows.add(k, "by " + c.name, "m", rms_of(c, c.fixed.cols() - 1));
+  for (const Contribution& c : b.groups) rows.add(k, "by " + c.name, "m", horizontal_rms(c, c.fixed.cols() - 1));
   out.curves.push_back({k, "horizontal error, RMS [m]", since_first(b.time), horizontal});
   out.x_label = "time [s]";
 }
@@ -145,7 +132,7 @@ std::string note_of(const SavedResult& result) {
   const auto* budget = std::get_if<BudgetSummary>(&result);
   if (budget == nullptr) return "";
   std::string text = budget->grade.empty() ? "" : "grade " + budget->grade;
-  if (!budget->noise.empty()) text += (text.empty() ? "noise " : ", noise ") + budget->noise;
+  if (!budget->noise.empty()) text += (text.empty() ? "noise of " : ", noise of ") + budget->noise;
   return text;
 }
 

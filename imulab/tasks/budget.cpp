@@ -99,15 +99,12 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
 /// Where the noise of the sensors comes from.
 std::string noise_origin(const ErrorSpecification& s) {
   if (s.noise) return std::filesystem::path(*s.noise).filename().string();
-  return s.grade ? "of the grade" : s.system ? "of the system" : "of the mission";
+  return s.grade ? "the grade" : s.system ? "the system" : "the mission";
 }
 
 /// "flight.toml, grade navigation, noise of the grade"
 std::string titled(const std::string& mission, const MissionBudget& b) {
-  return mission + (b.grade.empty() ? "" : ", grade " + b.grade) +
-         (b.noise.empty()              ? ""
-          : b.noise.starts_with("of ") ? ", noise " + b.noise
-                                       : ", noise of " + b.noise);
+  return mission + (b.grade.empty() ? "" : ", grade " + b.grade) + ", noise of " + b.noise;
 }
 
 std::string page_of(const MissionBudget& b, const std::string& mission, const Conclusion& conclusion) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <sstream>
 #include <utility>
@@ -28,11 +29,13 @@ std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
 
 /// The worst of all.
 Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std::string& headline) {
+  constexpr std::array worst_last{"", "met", "not met", "doubtful"};
+  const auto rank = [&](const std::string& verdict) { return std::find(worst_last.begin(), worst_last.end(), verdict); };
   Conclusion out{"", headline};
   for (const auto& each : budgets) {
     const std::string& verdict = each.conclusion.verdict;
     if (verdict.empty()) continue;
-    if (out.verdict.empty() || verdict == "not met" || verdict == "doubtful") out.verdict = verdict;
+    if (rank(verdict) > rank(out.verdict)) out.verdict = verdict;
     out.headline += fmt::format("; {}: {}", each.data->grade, each.conclusion.headline);
   }
   return out;
@@ -70,7 +73,7 @@ Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const 
     const MissionBudget& b = *answer.data;
     for (const std::string& warning : answer.warnings) warnings.push_back(grade + ": " + warning);
     if (!answer.shortcomings.empty()) missed += (missed.empty() ? "" : "; ") + grade + ": " + answer.shortcomings;
-    results.push_back({grade, BudgetSummary{.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs}, "noise " + b.noise});
+    results.push_back({grade, BudgetSummary{.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs}, "noise of " + b.noise});
   }
   const auto comparison = std::make_shared<const ResultComparison>(compare_results(results));
   const Conclusion conclusion = joint(*budgets, comparison->headline);

@@ -33,9 +33,10 @@ std::vector<RequirementResult> assessed(const std::vector<NoiseAnalysis>& logs, 
 
 /// Doubtful where an axis shows no noise, or the spectrum is not that of the fitted terms.
 Conclusion conclusion_of(const NoiseAnalysis& analysis, const NoiseVerbOptions& o) {
-  const bool good = std::all_of(analysis.axes.begin(), analysis.axes.end(), [](const NoiseAxis& axis) { return axis.fit && axis.fit->accepted(); });
+  bool good = true, fits = true;
+  for (const NoiseAxis& axis : analysis.axes) good = good && axis.fit && axis.fit->accepted(), fits = fits && (!axis.fit || axis.fit->accepted());
   std::string headline = noise_headline(analysis);
-  if (!good) headline += "; the spectrum of some axes is not that of the terms";
+  if (!fits) headline += "; the spectrum of some axes is not that of the terms";
   return conclude(good ? "good" : "doubtful", std::move(headline), assessed({analysis}, o));
 }
 
@@ -45,25 +46,22 @@ std::string either(const std::string& missing, const Conclusion& conclusion) {
   return missing + (missing.empty() || missed.empty() ? "" : "; ") + missed;
 }
 
-using PageOf = std::function<std::string(const Conclusion&)>;
-
-AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& analysis, const NoiseVerbOptions& o, const PageOf& page) {
-  const Conclusion conclusion = conclusion_of(*analysis, o);
-  AnswerOf<NoiseAnalysis> out{{.json = [analysis] { return noise_json(*analysis); },
-                               .table = [analysis](bool) { return noise_text(*analysis); },
-                               .warnings = analysis->warnings,
-                               .shortcomings = either(shortcomings(*analysis), conclusion),
-                               .conclusion = conclusion},
-                              analysis};
-  if (page) out.page = [page, conclusion] { return page(conclusion); };
-  return out;
+AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& analysis, const Conclusion& conclusion,
+                                  std::function<std::string()> page) {
+  return {{.json = [analysis] { return noise_json(*analysis); },
+           .table = [analysis](bool) { return noise_text(*analysis); },
+           .page = std::move(page),
+           .warnings = analysis->warnings,
+           .shortcomings = either(shortcomings(*analysis), conclusion),
+           .conclusion = conclusion},
+          analysis};
 }
 
 AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const NoiseVerbOptions& o, bool with_page) {
   const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options_of(o)));
-  if (!with_page) return answer_of(analysis, o, {});
-  const std::string page = noise_page(*analysis, recording, still.range, conclusion_of(*analysis, o));
-  return answer_of(analysis, o, [page](const Conclusion&) { return page; });
+  const Conclusion conclusion = conclusion_of(*analysis, o);
+  if (!with_page) return answer_of(analysis, conclusion, {});
+  return answer_of(analysis, conclusion, [page = noise_page(*analysis, recording, still.range, conclusion)] { return page; });
 }
 
 }  // namespace
@@ -111,8 +109,8 @@ AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& 
   const NoiseOptions options = options_of(o);
   const auto still = std::make_shared<const StillPart>(still_part(recording, session));
   const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(still->recording, *still, options));
-  return answer_of(analysis, o,
-                   [still, analysis](const Conclusion& conclusion) { return noise_page(*analysis, still->recording, still->range, conclusion); });
+  const Conclusion conclusion = conclusion_of(*analysis, o);
+  return answer_of(analysis, conclusion, [still, analysis, conclusion] { return noise_page(*analysis, still->recording, still->range, conclusion); });
 }
 
 AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell) {

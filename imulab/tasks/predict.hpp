@@ -30,11 +30,11 @@ PredictionOptions task_of(const PredictOptions& o);
 /// Predicts as the method of that name does, with a checkpoint that names the procedure and the options. `name`: of the procedure, on the page.
 /// Throws OptionError for terms that the method does not know, and as `predict`.
 AnswerOf<Prediction> prediction_answer(std::string_view method, const Session& procedure, const std::string& name, PredictionOptions options);
-/// `details`: first and second order and the Monte Carlo, with more digits.
 /// The worst standard uncertainties, or what is not determined.
 std::string prediction_headline(const Prediction& prediction);
 /// By its requirements; a prediction that leaves coefficients undetermined is doubtful.
 Conclusion conclusion_of(const Prediction& prediction, const std::vector<Requirement>& requirements);
+/// `details`: first and second order and the Monte Carlo, with more digits.
 std::string prediction_text(const Prediction& prediction, const std::vector<Requirement>& requirements, bool details = false);
 /// Why the procedure is not enough. Empty: it is.
 std::string shortcomings(const Prediction& prediction);
