@@ -120,20 +120,22 @@ void JsonRows::add_row(std::string_view element, std::string& out) {
   const std::size_t begin = out.size();
   const bool named = element.front() == '{' && !names_.empty();
   std::vector<JsonScalar> values(named ? names_.size() : 0);
-  std::size_t next = 0, count = 0;
+  std::vector<JsonField> fields;
+  std::size_t next = 0;
   const bool whole = for_json_scalars(element, [&](std::string_view path, const JsonScalar& value) {
     if (!named) {
-      if (count++ > 0) out.push_back(',');
-      return append_json_field(value, out);
+      fields.push_back({value, values.size()});
+      return values.push_back(value);
     }
     if (next == names_.size() || names_[next] != path) {
       const auto found = places_.find(std::string(path));
       if (found == places_.end()) {
         if (unknown_.empty()) unknown_ = path, unknown_at_ = elements_ + 1;
-        return;
+        return fields.push_back({value, std::nullopt});
       }
       next = found->second;
     }
+    fields.push_back({value, next});
     values[next++] = value;
   });
   ++elements_;
@@ -148,6 +150,25 @@ void JsonRows::add_row(std::string_view element, std::string& out) {
     if (i > 0) out.push_back(',');
     append_json_field(values[i], out);
   }
+  remember_pattern(element, fields);
+}
+
+/// Of rows that lie on one line; those of a few kinds may alternate, as a gyro's and an accelerometer's do.
+void JsonRows::remember_pattern(std::string_view element, const std::vector<JsonField>& fields) {
+  constexpr std::size_t most = 4;
+  if (element.find('\n') != std::string_view::npos) return;
+  const std::size_t columns = element.front() == '{' && !names_.empty() ? names_.size() : fields.size();
+  auto pattern = JsonPattern::of(element, fields, columns);
+  if (!pattern) return;
+  if (patterns_.size() < most) return patterns_.push_back(*std::move(pattern));
+  patterns_[replaced_++ % most] = *std::move(pattern);
+}
+
+/// Appends a row that begins a text, if it is written as one before; returns its length, else 0.
+std::size_t JsonRows::add_known_row(std::string_view text, std::string& out) {
+  for (const JsonPattern& pattern : patterns_)
+    if (const std::size_t length = pattern.add_row(text, out)) return ++elements_, length;
+  return 0;
 }
 
 /// A line that is no JSON stays, for the reader of rows to judge; in an array it is an error. Returns its end.
@@ -180,6 +201,13 @@ std::size_t JsonRows::add_elements(std::string_view text, bool last, std::string
       ended_ = true;
       break;
     }
+    if (!row_on_line_)
+      if (const std::size_t length = add_known_row(text.substr(at), out)) {
+        at += length;
+        row_on_line_ = !counts_elements();
+        if (counts_elements()) out.push_back('\n');
+        continue;
+      }
     const JsonExtent extent = begins_row(text, at) ? skip_json(text, at) : JsonExtent{};
     if (extent.how == JsonEnd::cut && !last) return at;
     if (extent.how == JsonEnd::cut && counts_elements()) return cut_ = true, text.size();
@@ -224,6 +252,7 @@ void JsonRows::add(std::string_view text, bool last, std::string& out) {
     if (last) add_columns(rest_, out);
     return;
   }
+  out.reserve(out.size() + text.size());
   const std::size_t skipped = std::min(skip_, text.size());
   text.remove_prefix(skipped), skip_ -= skipped;
   std::string joined;

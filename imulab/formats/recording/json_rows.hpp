@@ -1,6 +1,8 @@
 // Rows in JSON -> lines of plain text: JSON lines, an array of rows (arrays or objects), such an array in an object, an object of columns.
 #pragma once
 
+#include "imulab/formats/recording/json_pattern.hpp"
+
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -44,6 +46,8 @@ class JsonRows {
   std::size_t add_elements(std::string_view text, bool last, std::string& out);
   std::size_t add_other_text(std::string_view text, std::size_t at, std::string& out);
   void add_row(std::string_view element, std::string& out);
+  void remember_pattern(std::string_view element, const std::vector<JsonField>& fields);
+  std::size_t add_known_row(std::string_view text, std::string& out);
 
   std::string file_;
   Shape shape_ = Shape::none;
@@ -55,6 +59,8 @@ class JsonRows {
   std::vector<std::string> names_;
   std::unordered_map<std::string, std::size_t> places_;  ///< of the names
   std::string rest_;                                     ///< an element that is not complete
+  std::vector<JsonPattern> patterns_;                    ///< of the last elements
+  std::size_t replaced_ = 0;                             ///< of the patterns, so far
   std::string unknown_;                                  ///< the first key that no column has
   std::size_t unknown_at_ = 0;
 };

@@ -3,6 +3,7 @@
 #include "imulab/formats/recording/number_form.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 namespace imulab::recording_io {
@@ -39,33 +40,37 @@ bool append_number(std::string_view field, char decimal, char thousands, std::st
   return true;
 }
 
-/// Appends a line of nothing but numbers without signs between thousands, as nearly all lines are; false, with nothing appended, for another.
-bool append_numbers(std::string_view line, const Dialect& dialect, std::string& out) {
-  const std::size_t begin = out.size();
-  out.resize(begin + line.size());
-  std::size_t to = begin;
+/// Appends the first line, if it is nothing but numbers without signs between thousands, as nearly all lines are, and returns its length; else 0.
+std::size_t append_numbers(std::string_view lines, const Dialect& dialect, std::string& out) {
+  constexpr std::size_t longest = 4096;
+  std::array<char, longest> line;
+  char* to = line.data();
+  const std::size_t size = std::min(lines.size(), longest);
   bool at_first = true, marked = false, quoted = false;  // of the field
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
+  std::size_t i = 0;
+  for (; i < size && lines[i] != '\n'; ++i) {
+    const char c = lines[i];
     if (is_a_digit(c)) {
-      out[to++] = c, at_first = false;
+      *to++ = c, at_first = false;
     } else if (c == dialect.delimiter && !quoted) {
-      out[to++] = c, at_first = true, marked = false;
+      *to++ = c, at_first = true, marked = false;
     } else if (c == dialect.decimal && !marked) {
-      out[to++] = '.', at_first = false, marked = true;
+      *to++ = '.', at_first = false, marked = true;
     } else if (c == '-' || c == '+' || (!at_first && (c == 'e' || c == 'E'))) {
-      out[to++] = c, at_first = false;
+      *to++ = c, at_first = false;
     } else if (c == '"' && dialect.quotes && at_first && !quoted) {
       quoted = true;
-    } else if (c == '"' && quoted && (i + 1 == line.size() || line[i + 1] == dialect.delimiter)) {
+    } else if (c == '"' && quoted && (i + 1 == lines.size() || lines[i + 1] == dialect.delimiter || lines[i + 1] == '\r' || lines[i + 1] == '\n')) {
       quoted = false;
+    } else if (c == '\r' && (i + 1 == lines.size() || lines[i + 1] == '\n')) {
+      continue;
     } else {
-      return out.resize(begin), false;
+      return 0;
     }
   }
-  if (quoted) return out.resize(begin), false;
-  out.resize(to);
-  return true;
+  if (quoted || (i == longest && i < lines.size())) return 0;
+  out.append(line.data(), to);
+  return i;
 }
 
 }  // namespace
@@ -167,10 +172,13 @@ void LineRewriter::add(std::string_view lines, std::string& out) {
   out.reserve(out.size() + lines.size() + lines.size() / 8);
   const bool only_numbers = dialect_.uses.empty() && dialect_.delimiter != ' ';
   while (!lines.empty()) {
-    const std::size_t end = std::min(lines.find('\n'), lines.size());
-    std::string_view line = lines.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (!only_numbers || !append_numbers(line, dialect_, out)) add_line(line, out);
+    std::size_t end = only_numbers ? append_numbers(lines, dialect_, out) : 0;
+    if (end == 0) {
+      end = std::min(lines.find('\n'), lines.size());
+      std::string_view line = lines.substr(0, end);
+      if (line.ends_with('\r')) line.remove_suffix(1);
+      add_line(line, out);
+    }
     if (end < lines.size()) out.push_back('\n');
     lines.remove_prefix(std::min(end + 1, lines.size()));
   }

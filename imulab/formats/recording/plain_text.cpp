@@ -112,14 +112,17 @@ void TextRewriter::set_hints() {
 
 void TextRewriter::rewrite_lines(std::string_view lines, std::string& out) {
   constexpr std::size_t worth_it = std::size_t{1} << 20;  // bytes
-  const std::size_t count = std::min<std::size_t>(parallel_threads(), lines.size() / worth_it);
+  const std::size_t text_size = lines.size(), count = std::min<std::size_t>(parallel_threads(), text_size / worth_it);
   if (count < 2 || !lines_->is_independent()) return lines_->add(lines, out);
   std::vector<std::string_view> parts;
   for (std::size_t left = count; left > 1; --left) parts.push_back(take_lines(lines, lines.size() / left));
   parts.push_back(lines);
   std::vector<std::string> rewritten(parts.size());
+  rewritten.front() = std::move(out);
+  rewritten.front().reserve(rewritten.front().size() + text_size + text_size / 8);  // the others follow it
   parallel_for(parts.size(), [&](std::size_t p) { LineRewriter(*lines_).add(parts[p], rewritten[p]); });
-  for (std::string& part : rewritten) out.append(part), part = {};
+  out = std::move(rewritten.front());
+  for (std::size_t p = 1; p < rewritten.size(); ++p) out.append(rewritten[p]), rewritten[p] = {};
 }
 
 void TextRewriter::add(std::string_view bytes, bool last, std::string& out) {
