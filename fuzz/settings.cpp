@@ -46,6 +46,7 @@ std::string page_of(const Calibration& c) {
   return calibration_page(report);
 }
 std::string page_of(const ComparisonSummary& s) { return comparison_page(s); }
+std::string page_of(const ResultComparison& c) { return result_comparison_page(c); }
 std::string page_of(const PredictionSummary& s) { return prediction_page({.procedure = "fuzzed", .summary = s}); }
 std::string page_of(const PlanSummary& s) { return plan_page(s); }
 std::string page_of(const BudgetSummary& s) { return budget_page({.mission = "fuzzed", .summary = s}); }

@@ -144,13 +144,8 @@ void bind_calibration(py::module_& module) {
       .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
       .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
       .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
-      .def("expect_usable",
-           [](const CalibrationObject& c, const std::string& name, bool allowed) {
-             std::vector<std::string> warnings;
-             expect_usable(
-                 c.calibration(), name, allowed, [&](const std::string& text) { warnings.push_back(text); }, "allow_undetermined=True");
-             return warnings;
-           })
+      .def("expect_usable", [](const CalibrationObject& c, const std::string& name,
+                               bool allowed) { return expect_usable(c.calibration(), name, allowed, "allow_undetermined=True"); })
       .def_property_readonly("thermal_units",
                              [](const CalibrationObject& c) {
                                const SensorModel& m = c.calibration().model;

@@ -108,7 +108,7 @@ void bind_outcome(py::module_& module) {
       .def_property_readonly("text", [](const Outcome& o) { return o.text(false); })
       .def_property_readonly("headline", [](const Outcome& o) { return o.headline(); })
       .def_property_readonly("shortcomings", [](const Outcome& o) { return o.shortcomings; })
-      .def_property_readonly("warnings", [](const Outcome& o) { return o.warnings; })
+      .def_property_readonly("warnings", [](const Outcome& o) { return o.all_warnings(); })
       .def_readonly("arrays", &Outcome::arrays)
       .def("page", [](const Outcome& o) {
         if (!o.page) throw Error("this answer has no page; expected one of a verb with --report");

@@ -69,9 +69,12 @@ py::tuple flown(const std::string& mission, const py::dict& keywords, const std:
 }
 
 std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,
-                                                        std::shared_ptr<Session> session, std::shared_ptr<Recording> recording,
-                                                        const py::dict& keywords, std::shared_ptr<Solution> truth) {
+                                                        const std::string& calibration_name, std::shared_ptr<Session> session,
+                                                        std::shared_ptr<Recording> recording, const py::dict& keywords,
+                                                        std::shared_ptr<Solution> truth) {
   const auto answer = run(py::none(), [=, o = options_from<NavigateVerbOptions>(keywords)](const auto&) {
+    std::vector<std::string> told;
+    if (calibration) told = expect_usable(calibration->calibration(), calibration_name, o.allow_undetermined, "allow_undetermined=True");
     const NavigateOptions options = navigate_options(o, *session);
     std::optional<TrueMotion> reference;
     if (truth)
@@ -80,7 +83,8 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
       reference = o.truth.empty() ? session_truth(*session) : read_truth(o.truth);
     if (calibration) check_thermal_units(calibration->calibration(), session->source_of(name));
     return navigation_answer(
-        {navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true)}, o);
+        {navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true)}, o,
+        told);
   });
   Outcome out{answer};
   const auto sessions = std::const_pointer_cast<std::vector<NavigatedSession>>(answer.data);  // Python reads alone
@@ -93,11 +97,10 @@ Outcome budgeted(const std::string& mission, const py::dict& keywords, const py:
   auto o = options_from<BudgetVerbOptions>(keywords);
   o.mission = mission;
   return {run(progress, [o](const std::function<void(double)>& report) {
-    std::vector<std::string> doubts;
-    auto answer = budget_answer(
-        read_mission(o.mission), o, [&](const std::string& text) { doubts.push_back(text); }, report, "allow_undetermined=True");
-    answer.warnings.insert(answer.warnings.begin(), doubts.begin(), doubts.end());
-    return answer;
+    const MissionFile file = read_mission(o.mission);
+    const auto tell = [](const std::string&) {};  // the answer has them
+    if (!several_grades(o).empty()) return grades_answer(file, o, tell, report);
+    return Answer(budget_answer(file, o, tell, report, "allow_undetermined=True"));
   })};
 }
 

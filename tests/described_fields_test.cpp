@@ -135,6 +135,7 @@ TEST(DescribedFields, AreDocumented) {
   EXPECT_THAT(undocumented<BatchCoefficient>("noise.md"), IsEmpty());
   EXPECT_THAT(undocumented<CoefficientDifference>("formats.md"), IsEmpty());
   EXPECT_THAT(undocumented<NamedComparison>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<ResultComparison>("formats.md"), IsEmpty());
   EXPECT_THAT(undocumented<Agreement>("formats.md"), IsEmpty());
   EXPECT_THAT(undocumented<PredictedCoefficient>("formats.md"), IsEmpty());
   EXPECT_THAT(undocumented<PlanSummary>("formats.md"), IsEmpty());

@@ -55,8 +55,29 @@ function unread() {
       return Array.from(s.querySelectorAll('.' + axis + 'ticks text')).filter(function (t) { return t.textContent && t.textContent !== '0'; }).length;
     };
     var several = Number(s.getAttribute('data-series')) > 1, named = s.querySelector('.on') || (s.closest('section') || document).querySelector('.key');
-    return ticks('x') < 2 || ticks('y') < 2 || !s.querySelector('.x') || !s.querySelector('.y') || (several && !named);
+    var mixed = ['x', 'y'].some(function (axis) {  // powers of ten beside plain numbers
+      var texts = Array.from(s.querySelectorAll('.' + axis + 'ticks text')).map(function (t) { return t.textContent; });
+      var raised = texts.filter(function (t) { return /[⁰¹²³⁴⁵⁶⁷⁸⁹]$/.test(t); }).length;
+      return raised > 0 && raised < texts.filter(function (t) { return t !== '0'; }).length;
+    });
+    return mixed || ticks('x') < 2 || ticks('y') < 2 || !s.querySelector('.x') || !s.querySelector('.y') || (several && !named);
   }).map(function (s) { return s.getAttribute('aria-label'); });
+}
+function broken() {
+  var out = [];
+  document.querySelectorAll('td,th').forEach(function (cell) {
+    if (!cell.getClientRects().length || cell.querySelector('.hash,code')) return;
+    var walk = document.createTreeWalker(cell, NodeFilter.SHOW_TEXT);
+    while (walk.nextNode()) {
+      var node = walk.currentNode, word, words = /(^|[\s\/-])([^\s\/-]{2,40})(?=[\s\/-]|$)/g, range = document.createRange();
+      while ((word = words.exec(node.textContent)) !== null) {
+        range.setStart(node, word.index + word[1].length), range.setEnd(node, word.index + word[0].length);
+        var lines = Array.from(range.getClientRects()).map(function (r) { return Math.round(r.top); });
+        if (new Set(lines).size > 1) out.push(word[2]);
+      }
+    }
+  });
+  return out;
 }
 window.addEventListener('load', function () {
   var text = function (id) { var e = document.getElementById(id); return e ? e.textContent : ''; };
@@ -75,7 +96,7 @@ window.addEventListener('load', function () {
   var flat = pictures.filter(function (s) { var b = s.getBBox(); return !(b.width > 50 && b.height > 20) || s.querySelectorAll('polyline,polygon,rect,circle,path').length == 0; });
   parent.postMessage([document.currentName, 'charts=' + charts.length + ' empty=' + empty + ' pictures=' + pictures.length + ' flat=' + flat.length,
     'requests=' + performance.getEntriesByType('resource').length, 'problems=' + window.problems.join('/'), 'ran=' + (window.ran || 0),
-    'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'unread=' + unread().join('/'), 'faint=' + faint().join('/'),
+    'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'unread=' + unread().join('/'), 'faint=' + faint().join('/'), 'broken=' + broken().join('/'),
     'verdict=' + text('verdict'), 'because=' + text('because')].join('|'), '*');
 });
 </script>)";
@@ -193,6 +214,28 @@ void make_hostile_page(const TemporaryFolder& folder) {
   EXPECT_TRUE(says("[U+202E][U+0007][U+0000][U+200F]"));
 }
 
+/// Calibrations with uncertainties of 60 coefficients, which differ in each; and a comparison in which nothing is tested.
+void make_large_and_empty_pages(const TemporaryFolder& folder) {
+  Calibration c;
+  c.imu = "sixty", c.method = "whole-unit", c.frame = "rig";
+  for (TriadModel* triad : {&c.model.accel, &c.model.gyro}) triad->temperature = ThermalReading{.unit = "K", .reference = 300, .range = {280, 320}};
+  const auto all = coefficient_indices();
+  c.estimated.assign(all.begin(), all.begin() + 60);
+  c.covariance = Eigen::VectorXd::Constant(60, 1e-12).asDiagonal();
+  c.quality.verdict = "good";
+  folder.write("sixty.json", calibration_text(c));
+  for (std::size_t k = 0; k < 60; ++k)
+    set_coefficient(c.model, c.estimated[k], coefficient_value(c.model, c.estimated[k]) + 1e-6 * static_cast<double>(k));
+  folder.write("other.json", calibration_text(c));
+  folder.write("exact.json", calibration_text(Calibration{}));
+  for (const char* command :
+       {"report sixty.json -o sixty.html", "compare sixty.json other.json --report sixty_compared.html",
+        "compare sixty.json other.json hand.json --report several.html", "compare exact.json hand/truth.json --report untested.html"}) {
+    const CommandResult result = run_imulab(folder, command);
+    EXPECT_EQ(result.exit_code, 0) << command << result.errors;
+  }
+}
+
 /// A requirement that is missed, values without uncertainties, and stamps of 2026 in nanoseconds.
 void make_awkward_pages(const TemporaryFolder& folder) {
   EXPECT_EQ(run_imulab(folder, "calibrate hand --method handheld --require 'gyro.offset <= 0.0001 deg/h' --report missed.html").exit_code, 1);
@@ -221,9 +264,11 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   make_results(folder);
   make_hostile_page(folder);
   make_awkward_pages(folder);
-  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction",  "compensation", "navigation",
-                                       "budget",      "plan",      "inspection", "noise",       "fleet",        "hostile",
-                                       "missed",      "none",      "stamped",    "saved_noise", "two_logs",     "grades"};
+  make_large_and_empty_pages(folder);
+  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction",    "compensation", "navigation",
+                                       "budget",      "plan",      "inspection", "noise",         "fleet",        "hostile",
+                                       "missed",      "none",      "stamped",    "saved_noise",   "two_logs",     "grades",
+                                       "sixty",       "several",   "untested",   "sixty_compared"};
   const Browsed browsed = browse(folder, pages);
   ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
   EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));
@@ -231,8 +276,9 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   for (const std::string& page : pages)
     for (const std::string width : {"-1280", "-390", "-dark"}) {
       const std::string said = browsed.pages.contains(page + width) ? browsed.pages.at(page + width) : "nothing";
-      EXPECT_THAT(said, testing::MatchesRegex(
-                            "charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|unread=\\|faint=\\|.*"))
+      EXPECT_THAT(said,
+                  testing::MatchesRegex(
+                      "charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|unread=\\|faint=\\|broken=\\|.*"))
           << page << width;
     }
   EXPECT_THAT(browsed.pages.at("calibration-1280"), HasSubstr("charts=2 empty=0"));

@@ -242,7 +242,7 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
     verb.option(names, value, help).of_command().inherited = true;
     return std::prev(verb.options.end());
   };
-  verb.options.splice(verb.options.begin(), verb.options, inherit("-h,--help", o.help, "Print this help message and exit"));
+  verb.options.splice(verb.options.begin(), verb.options, inherit("-h,--help", o.help, "print this help and exit"));
   if (top) inherit("--version", o.version, "print the version, and what imulab was built with");
   inherit("--threads N", o.threads, "work on at most this many processors; the results do not depend on it");
   const auto is_verbose = [](const VerbOption& row) { return row.names.ends_with("--verbose"); };

@@ -40,8 +40,8 @@ struct CompensateOptions : ShowOptions {
 };
 
 /// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures", with the outliers if they are rejected; or as JSON.
-void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
-  if (options.json) return print_json(with_conclusion(compensation_json(summary), conclusion_of(summary), {}));
+void print_counts(const CompensateOptions& options, const CompensationSummary& summary, const std::vector<std::string>& warnings) {
+  if (options.json) return print_json(with_conclusion(compensation_json(summary), conclusion_of(summary), warnings));
   for (const CompensatedFile& c : summary.files)
     print(text::wrapped(
         "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,
@@ -102,7 +102,7 @@ CompensatedFile summary_of(const fs::path& file, const CompensatedRecording& c, 
 void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
-  const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
+  const auto [calibration, warnings] = read_usable(options.calibration, options.allow_undetermined);
   const Session session = open_session(options.session, {options.declarations, options.topics});
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
@@ -119,7 +119,7 @@ void compensate_files(const CompensateOptions& options) {
     write_compensated(files[i], session, session.recordings[i], recordings[i]);
     summary.files.push_back(summary_of(files[i], recordings[i], options.json || !options.report.empty()));
   }
-  if (files[0] != "-") print_counts(options, summary);
+  if (files[0] != "-") print_counts(options, summary, warnings);
   if (!options.report.empty()) write_whole(options.report, compensation_page(summary));
 }
 
@@ -165,7 +165,7 @@ void compensate_stream(const CompensateOptions& options) {
   if (!options.report.empty()) throw Error("--report: belongs to recordings in files; expected a session in place of -");
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
-  const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
+  const auto [calibration, warnings] = read_usable(options.calibration, options.allow_undetermined);
   will_write("-o", options.output);
   const Session session = session_at(options.stream_session);
   const RecordingSource& source = named_recording(session, options.recording);
@@ -185,7 +185,7 @@ void compensate_stream(const CompensateOptions& options) {
   warn_each(stream.warnings());
   if (const auto n = rows.counts().out_of_range; n > 0)
     warn(fmt::format("standard input: {} of {} samples are outside the calibrated temperatures", n, rows.counts().samples));
-  if (options.output != "-") print_counts(options, {options.calibration, calibration.imu, calibration.quality, {rows.counts()}});
+  if (options.output != "-") print_counts(options, {options.calibration, calibration.imu, calibration.quality, {rows.counts()}}, warnings);
 }
 
 }  // namespace

@@ -177,7 +177,7 @@ std::vector<PlannedExport> planned_exports(const ExportInput& input, const Optio
 }
 
 /// Every target that this calibration and this noise allow; the others are named.
-void write_all(const ExportInput& input, const Options& o) {
+void write_all(const ExportInput& input, const Options& o, const std::vector<std::string>& warnings) {
   if (o.output == "-") throw Error("--to all: writes several files; expected -o FOLDER");
   if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
   const std::vector<PlannedExport> all = planned_exports(input, o);
@@ -196,7 +196,7 @@ void write_all(const ExportInput& input, const Options& o) {
     }
   }
   if (written.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
-  if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output});
+  if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output}, warnings);
   for (const JsonFields& file : written)
     if (!o.json) print(std::get<std::string>(file.fields[1].second.is) + "\n");
   if (!failed.empty())
@@ -207,15 +207,15 @@ void write_all(const ExportInput& input, const Options& o) {
 void run(const Options& o) {
   check_options(o);
   if (o.target != all_targets) will_write("-o", o.output);
-  const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
+  const auto [calibration, warnings] = read_usable(o.calibration, o.allow_undetermined);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);
   ExportInput input{calibration, noise ? &*noise : nullptr, o.choices};
   input.options.axes = o.axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
-  if (o.target == all_targets) return write_all(input, o);
+  if (o.target == all_targets) return write_all(input, o, warnings);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   const JsonFields written = write_target(export_target(o.target), input, o, o.output);
-  if (o.json) print_json(written, {"", "written: " + o.output});
+  if (o.json) print_json(written, {"", "written: " + o.output}, warnings);
 }
 
 }  // namespace

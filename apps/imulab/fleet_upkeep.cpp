@@ -102,7 +102,7 @@ Verb& upkeep(Verb& fleet, const char* name, const char* summary, const std::shar
 void add_fleet_upkeep(Verb& fleet) {
   const auto checked = std::make_shared<Options>(), merged = std::make_shared<Options>(), exported = std::make_shared<Options>(),
              removed = std::make_shared<Options>();
-  Verb& checking = upkeep(fleet, "check", "Is the store whole, and are the files of its sessions what they were?", checked, check);
+  Verb& checking = upkeep(fleet, "check", "Check that the store is whole, and the files of its sessions are what they were", checked, check);
   json_option(checking, checked->json);
   checking.example("imulab fleet check --store fleet.db");
 

@@ -20,14 +20,14 @@ namespace imulab::command {
 namespace {
 
 /// The word none: an IMU whose recordings are in SI already.
-Calibration calibration_of(const std::string& name, bool allow_undetermined) {
-  if (name != "none") {
-    Calibration calibration = read_usable(name, allow_undetermined);
-    if (calibration.estimated.empty() && calibration.method != "truth")
-      warn(name + ": states no uncertainties; those of the solution take it as exact");
-    return calibration;
+UsableCalibration calibration_of(const std::string& name, bool allow_undetermined) {
+  if (name == "none") return {no_calibration(), {}};
+  UsableCalibration usable = read_usable(name, allow_undetermined);
+  if (usable.calibration.estimated.empty() && usable.calibration.method != "truth") {
+    usable.warnings.push_back(name + ": states no uncertainties; those of the solution take it as exact");
+    warn(usable.warnings.back());
   }
-  return no_calibration();
+  return usable;
 }
 
 void check(const NavigateVerbOptions& o) {
@@ -56,7 +56,7 @@ NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& 
 void run(const NavigateVerbOptions& o) {
   check(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
-  const Calibration calibration = calibration_of(o.calibration, o.allow_undetermined);
+  const auto [calibration, warnings] = calibration_of(o.calibration, o.allow_undetermined);
   std::vector<Session> opened;  // all of them before the first is navigated
   std::vector<NavigateOptions> options;
   for (const std::string& name : o.sessions) {
@@ -72,7 +72,7 @@ void run(const NavigateVerbOptions& o) {
   std::vector<NavigatedSession> sessions;
   for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(o, options[i], calibration, o.sessions[i], opened[i]));
   if (file) file->commit();
-  show(navigation_answer(std::move(sessions), o), o, file ? fmt::format("{}: {} states\n", o.output, file->states()) : "");
+  show(navigation_answer(std::move(sessions), o, warnings), o, file ? fmt::format("{}: {} states\n", o.output, file->states()) : "");
 }
 
 }  // namespace

@@ -169,6 +169,12 @@ TEST_F(PredictCommand, JsonHasTheDocumentedShape) {
   EXPECT_NEAR(json["coefficients"]["accel.matrix.xx"]["budget"]["gravity"].get<double>(), 3e-4 / 9.806, 1e-7);  // WGS-84: 9.8062
   EXPECT_EQ(json["monte_carlo_runs"], 1000);
   EXPECT_EQ(json["undetermined"], Json::array());
+  ASSERT_EQ(json["requirements"].size(), 2u);
+  EXPECT_EQ(json["requirements"][0]["requirement"], "gyro.matrix <= 500 ppm");
+  EXPECT_EQ(json["requirements"][0]["met"], true);
+  EXPECT_EQ(json["requirements"][1]["met"], false);
+  EXPECT_EQ(json["requirements"][1]["limit"], 6e-6);
+  EXPECT_GT(json["requirements"][1]["reached"].get<double>(), 6e-6);
   ASSERT_EQ(json["not_met"].size(), 1u);
   EXPECT_EQ(json["not_met"][0]["selector"], "accel.matrix.diagonal");
   EXPECT_EQ(json["not_met"][0]["source"], "gravity");

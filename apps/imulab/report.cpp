@@ -101,18 +101,20 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
 
 // Pages say what the JSON of an earlier version, or of a stream, lacks.
 
-std::string saved_budget(const std::string& name, BudgetSummary summary, const Conclusion& conclusion) {
+std::string saved_budget(const std::string& name, BudgetSummary summary, const SavedAnswer& saved) {
   std::vector<std::string> missing;
   if (summary.budget.time.size() < 2)
     missing.emplace_back("Errors and shares over time: the JSON has the end alone; imulab budget --report draws them.");
-  return budget_page({.mission = name, .summary = std::move(summary), .missing = std::move(missing), .conclusion = conclusion});
+  return budget_page(
+      {.mission = name, .summary = std::move(summary), .missing = std::move(missing), .warnings = saved.warnings, .conclusion = saved.conclusion});
 }
 
-std::string saved_navigation(NavigationSummary sessions, const Conclusion& conclusion) {
+std::string saved_navigation(NavigationSummary sessions, const SavedAnswer& saved) {
   const bool all = std::all_of(sessions.begin(), sessions.end(), [](const NavigatedSession& s) { return s.navigated.track.size() > 1; });
   std::vector<std::string> missing;
   if (!all) missing.emplace_back("Track and errors over time: the JSON has the end alone; imulab navigate --report draws them.");
-  return navigation_page({.sessions = std::move(sessions), .missing = std::move(missing), .conclusion = conclusion});
+  return navigation_page(
+      {.sessions = std::move(sessions), .missing = std::move(missing), .warnings = saved.warnings, .conclusion = saved.conclusion});
 }
 
 std::string saved_compensation(const CompensationSummary& summary) {
@@ -131,12 +133,13 @@ std::string page_of(SavedAnswer saved, const Options& o) {
           const CalibrationReport report = saved_calibration(std::move(result), o);
           return errors_at(name, [&] { return calibration_page(report); });
         }
-        if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
+        if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result, saved.warnings);
+        if constexpr (std::is_same_v<Result, ResultComparison>) return result_comparison_page(result, conclusion, saved.warnings);
         if constexpr (std::is_same_v<Result, PredictionSummary>)
           return prediction_page({.procedure = name, .summary = std::move(result), .conclusion = conclusion});
         if constexpr (std::is_same_v<Result, PlanSummary>) return plan_page(result, conclusion);
-        if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result), conclusion);
-        if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result), conclusion);
+        if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result), saved);
+        if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result), saved);
         if constexpr (std::is_same_v<Result, CompensationSummary>) return saved_compensation(result);
         if constexpr (std::is_same_v<Result, NoiseAnalysis> || std::is_same_v<Result, NoiseBatch>) return noise_page(result, conclusion);
       },

@@ -132,7 +132,10 @@ grade = "tactical"
         found.push_back(page.substr(at, std::string(tag) == "<section id=\"" ? page.find('>', at) - at : 8));
     return found;
   };
-  for (const char* verb : {"plan --require \"gyro.offset <= 0.05 deg/h\"", "compensate hand.json hand -o compensated.csv",
+  for (const std::string grade : {"navigation", "tactical"})
+    folder_->write(grade + ".json", run("budget drive.toml --runs 20 --json --grade " + grade).output);
+  for (const char* verb : {"budget drive.toml --runs 20 --grade navigation,mems", "compare navigation.json tactical.json",
+                           "plan --require \"gyro.offset <= 0.05 deg/h\"", "compensate hand.json hand -o compensated.csv",
                            "budget drive.toml --runs 20", "navigate none drive --vertical fixed"}) {
     const CommandResult fresh = run(std::string(verb) + " --json --report own.html");
     ASSERT_EQ(fresh.exit_code, 0) << verb << fresh.errors;
@@ -140,6 +143,8 @@ grade = "tactical"
     const CommandResult saved = run("report saved.json -o saved.html");
     ASSERT_EQ(saved.exit_code, 0) << verb << saved.errors;
     EXPECT_EQ(parts("saved.html"), parts("own.html")) << verb;
+    const bool compares = std::string(verb).starts_with("compare") || std::string(verb).find(',') != std::string::npos;
+    EXPECT_TRUE(!compares || text("saved.html") == text("own.html")) << verb << ": figures, warnings and curves, too";
     EXPECT_FALSE(parts("saved.html").empty()) << verb;
   }
 }
@@ -200,6 +205,11 @@ sed -i -e '1a warm_up = "45 min"' -e 's/^\[imu\]/[imu]\nfirmware = "2.1"/' )" +
   EXPECT_TRUE(says("declared.html",
                    "Traceable as the session declares it, by certificates that imulab does not check: acceleration. Not traceable: angle "
                    "and rate, time."));
+  page_of("early", "-e '/^\\[site\\]/a gravity_mps2 = 9.8062' -e '1a measured = \"2026-02-10\"'");
+  EXPECT_TRUE(says("early.html", "not used: dated after the measurement of 2026-02-10, for which it says nothing"));
+  EXPECT_TRUE(says("early.html", "Not traceable: no declared certificate is of what this calibration uses"));
+  ASSERT_EQ(run("report early.json --certificate -o early_certificate.html").exit_code, 0);
+  EXPECT_TRUE(says("early_certificate.html", "<strong>not traceable</strong>: gravimeter &lt;7&gt;, certificate G 17 of 2026-02-11"));
   EXPECT_TRUE(says("declared.html", "gravimeter &lt;7&gt;"));
   EXPECT_TRUE(says("declared.html", "45 min"));
   EXPECT_TRUE(says("declared.html", "2.1"));

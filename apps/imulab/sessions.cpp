@@ -186,10 +186,11 @@ Recording read_for(const Calibration& calibration, const Session& session, const
   return std::move(reading.recording);
 }
 
-Calibration read_usable(const std::string& file, bool allow_undetermined) {
+UsableCalibration read_usable(const std::string& file, bool allow_undetermined) {
   Calibration calibration = read_calibration(file);
-  expect_usable(calibration, file, allow_undetermined, warn);
-  return calibration;
+  std::vector<std::string> warnings = expect_usable(calibration, file, allow_undetermined);
+  warn_each(warnings);
+  return {std::move(calibration), std::move(warnings)};
 }
 
 }  // namespace imulab::command

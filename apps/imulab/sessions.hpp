@@ -39,7 +39,11 @@ const RecordingSource& named_recording(const Session& session, const std::string
 /// calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 
+struct UsableCalibration {
+  Calibration calibration;
+  std::vector<std::string> warnings;  ///< about it, which are printed
+};
 /// Reads a calibration that may be applied, and prints the warnings about it. Throws as expect_usable.
-Calibration read_usable(const std::string& file, bool allow_undetermined);
+UsableCalibration read_usable(const std::string& file, bool allow_undetermined);
 
 }  // namespace imulab::command

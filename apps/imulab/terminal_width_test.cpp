@@ -27,6 +27,8 @@ TEST(TerminalWidth, NoLineOfAResultIsLongerThanEightyColumns) {
       "calibrate path --method hybrid -o c.json --verbose",
       "compare a.json hand/truth.json",
       "compare a.json b.json hand/truth.json --verbose",
+      "compare a.json b.json c.json d1.json d2.json d3.json d4.json d5.json hand/truth.json --verbose",
+      "budget m.toml --runs 20 --grade strategic,navigation,tactical,mems,mems-30g --verbose",
       "verify a.json",
       "compensate a.json hand -o compensated.csv --reject-outliers",
       "predict zhang.toml --runs 0 --verbose",
@@ -39,7 +41,12 @@ TEST(TerminalWidth, NoLineOfAResultIsLongerThanEightyColumns) {
       "fleet list --store fleet.db",
       "fleet stats --store fleet.db",
   };
+  folder.write("m.toml",
+               "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
+               "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 60\n");
   for (const std::string& command : commands) {
+    if (command.starts_with("compare a.json b.json c.json"))
+      for (const std::string name : {"d1", "d2", "d3", "d4", "d5"}) folder.write(name + ".json", read_text(folder / "b.json"));
     const CommandResult result = run_imulab(folder, command);
     EXPECT_LE(result.exit_code, 1) << command << "\n" << result.errors;
     std::istringstream lines(result.output);

@@ -6,6 +6,7 @@
 
 #include "tests/recorded_session.hpp"
 #include "tests/still_log.hpp"
+#include <regex>
 
 namespace imulab {
 namespace {
@@ -135,6 +136,50 @@ TEST(Verdict, OfAPredictionAndAPlan) {
   expect_verdict(folder, "predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 1000 ppm'", "met", 0);
   expect_verdict(folder, "predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 0.1 ppm'", "not met", 1);
   expect_verdict(folder, "plan --require 'gyro.matrix.off_diagonal <= 4 arcsec' --axes 2 --time 600", "met", 0);
+}
+
+/// One with uncertainties of two coefficients that is doubtful, as its file.
+std::string doubtful_calibration() {
+  Calibration c;
+  c.method = "static", c.estimated = {coefficient_index("accel.offset.x"), coefficient_index("gyro.offset.x")};
+  c.model.gyro.raw_unit = "rad/s", c.model.accel.raw_unit = "m/s^2";
+  c.covariance = Eigen::Vector2d(1e-8, 1e-14).asDiagonal();
+  c.quality.verdict = "doubtful", c.quality.because = {"a reason of its own"};
+  return calibration_text(c);
+}
+
+std::size_t times(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(Verdict, OfADoubtfulCalibrationEveryVerbWarnsOnce) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", drift_mission);
+  folder.write("c.json", doubtful_calibration());
+  folder.write("with.toml", std::regex_replace(drift_mission, std::regex("grade = \"navigation\""), "calibration = \"c.json\""));
+  folder.write("exact.json", calibration_text(Calibration{}));
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml -o flight").exit_code, 0);
+  const std::string warning = "c.json: the calibration is doubtful; its errors may be larger than it states";
+  for (const auto& [command, has_page] : {std::pair{"compensate c.json flight -o out.csv", false},
+                                          {"export c.json --to csv -o out.txt", false},
+                                          {"navigate c.json flight", true},
+                                          {"budget m.toml --calibration c.json --runs 0", true},
+                                          {"budget with.toml --runs 0", true},
+                                          {"compare c.json exact.json", true},
+                                          {"trajectory with.toml --errors -o erring", false}}) {
+    const std::string line = command;
+    const CommandResult result = run_imulab(folder, line + " --json" + (has_page ? " --report page.html" : ""));
+    EXPECT_LE(result.exit_code, 1) << line << result.errors;
+    EXPECT_EQ(times(result.errors, warning), 1u) << line << result.errors;
+    const OrderedJson json = OrderedJson::parse(result.output);
+    EXPECT_THAT(json["warnings"].get<std::vector<std::string>>(), testing::Contains(warning)) << line;
+    if (!has_page) continue;
+    folder.write("saved.json", result.output);
+    EXPECT_EQ(run_imulab(folder, "report saved.json -o saved.html").exit_code, 0) << line;
+    for (const char* page : {"page.html", "saved.html"}) EXPECT_EQ(times(read_text(folder / page), warning), 1u) << line << page;
+  }
 }
 
 TEST(Mission, ItsVerticalChannelAndBarometerReachTheNavigation) {

@@ -17,9 +17,10 @@ std::string reached_text(const RequirementResult& r) {
     const StatedLimit stated = parse_limits(r.text, "", "").front();
     const double reached = r.reached * stated.number / r.limit;
     std::string text;
+    const auto rounded = [](double value, int digits) { return fmt::format("{:.9g}", std::stod(fmt::format("{:.{}g}", value, digits))); };
     for (int digits = 3; digits <= 9; ++digits) {  // as many as tell it from the limit
-      text = fmt::format("{:.{}g}", reached, digits);
-      if (reached == stated.number || text != fmt::format("{:.{}g}", stated.number, digits)) break;
+      text = rounded(reached, digits);
+      if (reached == stated.number || text != rounded(stated.number, digits)) break;
     }
     return text + " " + stated.unit;
   } catch (const Error&) {  // a text that no program of ours wrote

@@ -98,10 +98,11 @@ std::string traceability_section(const CalibrationReport& report) {
   for (const Origin& origin : origins_of(report)) {
     const auto r = std::find_if(references.begin(), references.end(), [&](const Reference& own) { return own.quantity == origin.quantity; });
     const bool declared = r != references.end();
-    std::string& names = declared && origin.unused.empty() ? with : without;
+    const std::string unused = declared ? why_unused(origin, *r, report.result.calibration) : "";
+    std::string& names = declared && unused.empty() ? with : without;
     names += fmt::format("{}{}", names.empty() ? "" : ", ", origin.name);
     t.rows.push_back({std::string(origin.name), escaped(origin.from), declared ? escaped(shortened(r->instrument, 1000)) : "",
-                      declared ? certificate_text(*r, origin.unused) : "none on record"});
+                      declared ? certificate_text(*r, unused) : "none on record"});
   }
   return section("traceability", "Traceability", traceability_text(with, without, !references.empty()), table(t));
 }

@@ -3,6 +3,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/report/html.hpp"
 
 #include <fmt/format.h>
@@ -144,6 +145,32 @@ std::vector<Origin> origins_of(const CalibrationReport& report) {
       {"time", "time", "the recorder's clock, as its stamps say", ""}};
   if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
   return out;
+}
+
+std::array<std::string, 2> measured_days(const Calibration& c) {
+  if (!c.measured.empty()) return {c.measured.substr(0, 10), c.measured.substr(0, 10)};
+  std::string first, last;
+  for (const SourceFile& source : c.sources) {
+    const std::string begin = date_text(source.first_s).substr(0, 10), end = date_text(source.last_s).substr(0, 10);
+    if (begin.empty() || end.empty()) return {};
+    if (first.empty() || begin < first) first = begin;
+    last = std::max(last, end);
+  }
+  return {first, last};
+}
+
+std::string measured_text(const Calibration& c) {
+  if (!c.measured.empty()) return c.measured;
+  const auto [first, last] = measured_days(c);
+  return first == last ? first : first + " to " + last;
+}
+
+std::string why_unused(const Origin& origin, const Reference& reference, const Calibration& c) {
+  if (!origin.unused.empty()) return std::string(origin.unused);
+  const std::string last = measured_days(c)[1];
+  const auto issued = time_of(reference.date), measured = time_of(last);
+  if (!issued || !measured || *issued <= *measured) return "";
+  return fmt::format("not used: dated after the measurement of {}, for which it says nothing", last);
 }
 
 std::string certificate_text(const Reference& r, std::string_view unused) {

@@ -3,6 +3,7 @@
 
 #include "imulab/report/calibration_page.hpp"
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +30,11 @@ std::string model_equation(const Calibration& calibration);
 /// One that imulab made: of others it is not known what they come from.
 bool calibrated_here(const Calibration& calibration);
 
+/// The first and the last day of the measurement, YYYY-MM-DD; empty where neither session nor stamps say it.
+std::array<std::string, 2> measured_days(const Calibration& calibration);
+/// The day on which the item was measured, as the session declares it, or the days of the stamps.
+std::string measured_text(const Calibration& calibration);
+
 /// A quantity of the calibration: what its scale comes from.
 struct Origin {
   std::string_view quantity, name;
@@ -37,6 +43,8 @@ struct Origin {
 };
 std::vector<Origin> origins_of(const CalibrationReport& report);
 
+/// The origin's own reason why the reference does not count, or that its certificate is dated after the measurement; empty: it counts.
+std::string why_unused(const Origin& origin, const Reference& reference, const Calibration& calibration);
 /// HTML: number, date and statement of a reference's certificate, and why it is not used.
 std::string certificate_text(const Reference& reference, std::string_view unused);
 /// It claims no more than the session declares: nobody has checked it. `with`, `without`: names of quantities; `any`: there are references.

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/text/decimal.hpp"
 #include "imulab/report/assets.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/certificate_parts.hpp"
@@ -171,18 +170,6 @@ void Statements::add_html(std::string_view name, const std::string& html) {
   rows_ += fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", escaped(name), html);
 }
 
-std::string measured_text(const Calibration& c) {
-  if (!c.measured.empty()) return c.measured;
-  std::string first, last;
-  for (const SourceFile& source : c.sources) {
-    const std::string begin = date_text(source.first_s).substr(0, 10), end = date_text(source.last_s).substr(0, 10);
-    if (begin.empty() || end.empty()) return "";
-    if (first.empty() || begin < first) first = begin;
-    last = std::max(last, end);
-  }
-  return first == last ? first : first + " to " + last;
-}
-
 }  // namespace imulab::report
 
 namespace imulab {
@@ -192,9 +179,8 @@ std::string certificate_page(const Certificate& c) {
   const Calibration& calibration = c.report.result.calibration;
   if (calibration.estimated.empty())
     throw Unsupported("the calibration has no uncertainties; a certificate states results with their uncertainties; expected one that imulab made");
-  if (const std::string measured = measured_text(calibration), &issued = c.laboratory.issued;
-      !measured.empty() && !issued.empty() && issued < measured.substr(0, 10))
-    throw Error(fmt::format("issued: {} is before the day of the measurement, {}", issued, measured));
+  if (const std::string first = measured_days(calibration)[0], &issued = c.laboratory.issued; !issued.empty() && issued < first)
+    throw Error(fmt::format("issued: {} is before the day of the measurement, {}", issued, measured_text(calibration)));
   std::string out = certificate_head(c) + "<body><main>\n";
   out += "<section class=\"sheet\">" + running_line(c) + head_part(c) + doubt_part(calibration.quality) + item_part(c) + conditions_part(c) +
          procedure_part(c) + traceability_part(c) + "</section>\n";

@@ -24,8 +24,6 @@ class Statements {
 
 /// Text, or a line to fill in.
 std::string or_line(const std::string& text);
-/// The day on which the item was measured, or the days; empty where neither session nor stamps say it.
-std::string measured_text(const Calibration& calibration);
 
 // certificate_results.cpp
 std::string results_part(const Certificate& certificate);

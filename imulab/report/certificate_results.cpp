@@ -102,15 +102,17 @@ std::string conformity_part(const Calibration& c) {
 }
 
 std::string traceability_part(const Certificate& certificate) {
-  const std::vector<Reference>& references = certificate.report.result.calibration.references;
+  const Calibration& calibration = certificate.report.result.calibration;
+  const std::vector<Reference>& references = calibration.references;
   std::string rows;
   for (const Origin& origin : origins_of(certificate.report)) {
     const auto r = std::ranges::find_if(references, [&](const Reference& own) { return own.quantity == origin.quantity; });
     const bool declared = r != references.end();
+    const std::string unused = declared ? why_unused(origin, *r, calibration) : "";
     rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(origin.name),
                         escaped(origin.from.substr(0, origin.from.find(": "))),  // the conditions have the value
-                        declared ? fmt::format("{}{}, certificate {}", origin.unused.empty() ? "" : "<strong>not traceable</strong>: ",
-                                               escaped(shortened(r->instrument, 120)), certificate_text(*r, origin.unused))
+                        declared ? fmt::format("{}{}, certificate {}", unused.empty() ? "" : "<strong>not traceable</strong>: ",
+                                               escaped(shortened(r->instrument, 120)), certificate_text(*r, unused))
                                  : "<strong>not traceable</strong>: no reference is declared");
   }
   const std::string& own = certificate.laboratory.traceability;

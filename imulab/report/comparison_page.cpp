@@ -16,28 +16,12 @@ namespace imulab {
 namespace report {
 namespace {
 
-/// Coefficients that both determined, and those of them that differ significantly.
-struct Tested {
-  std::size_t compared = 0;
-  double limit = 0;  ///< sigmas
-  std::vector<std::string> different;
-};
-
-Tested tested(const Comparison& comparison, double limit) {
-  Tested t;
-  for (const CoefficientDifference& d : comparison.coefficients) t.compared += d.user_sigmas().has_value();
-  t.limit = limit;
-  for (const CoefficientDifference& d : comparison.coefficients)
-    if (const auto sigmas = d.user_sigmas(); sigmas && std::abs(*sigmas) > t.limit) t.different.emplace_back(coefficient(d.index).name);
-  return t;
-}
-
-constexpr double improbable = 1e-3;
+std::string probability_of(const Consistency& c) { return c.p_value < 1e-99 ? "< 10⁻⁹⁹" : number_text(c.p_value, 2); }
 
 std::string consistency_text(const Consistency& c) {
   if (c.degrees_of_freedom == 0) return "no coefficient has an uncertainty in both: nothing is tested";
-  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number_text(c.chi2), c.degrees_of_freedom,
-                     number_text(c.p_value, 2));
+  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number_text(c.chi2, 4), c.degrees_of_freedom,
+                     probability_of(c));
 }
 
 Verdict comparison_verdict(const ComparisonSummary& summary) {
@@ -46,17 +30,14 @@ Verdict comparison_verdict(const ComparisonSummary& summary) {
             .meaning = "The differences are as large as the stated uncertainties say.",
             .because = {},
             .actions = {}};
-  bool any = false;
-  for (std::size_t k = 0; k < summary.comparisons.size(); ++k) {
-    const Comparison& c = summary.comparisons[k];
-    const Tested t = tested(c, significant_from(summary));
-    any = any || c.consistency.degrees_of_freedom > 0;
-    const std::string who = summary.comparisons.size() > 1 ? summary.names[k + 1] + ": " : "";
-    v.because.push_back(fmt::format("{}{} of {} coefficients differ significantly (beyond {} sigma: 1 % for all together)", who, t.different.size(),
-                                    t.compared, fmt::format("{:.1f}", t.limit)));
-    v.because.push_back(who + consistency_text(c.consistency));
-    if (!t.different.empty() || (c.consistency.degrees_of_freedom > 0 && c.consistency.p_value < improbable)) v.tone = Tone::doubtful;
-  }
+  const std::vector<PairTest> pairs = ranked_pairs(summary);
+  const double limit = significant_from(summary);
+  const RankedRows ranked = ranked_rows(summary.comparisons, limit);
+  const bool any = ranked.tested > 0;
+  v.because.push_back(fmt::format("{} of {} coefficients differ significantly{} (beyond {:.1f} sigma: 1 % for all together)", ranked.significant,
+                                  ranked.tested, pairs.size() > 1 ? " in one pair at least" : "", limit));
+  if (pairs.size() == 1) v.because.push_back(consistency_text(pairs.front().together));
+  if (ranked.significant > 0 || std::ranges::any_of(pairs, [](const PairTest& p) { return p.differences == "larger"; })) v.tone = Tone::doubtful;
   if (v.tone == Tone::doubtful) {
     v.word = "different";
     v.meaning = "The calibrations differ by more than their stated uncertainties explain.";
@@ -152,6 +133,22 @@ std::string calibrations_section(const std::vector<ComparedCalibration>& calibra
   return t.rows.empty() ? "" : section("calibrations", "Calibrations", "", table(t));
 }
 
+/// A row a pair, where there are several.
+std::string pairs_section(const ComparisonSummary& summary) {
+  if (summary.comparisons.size() < 2) return "";
+  Table t{.head = {"with the first", "differences", "differ", "tested", "chi-square", "degrees of freedom", "probability"}, .rows = {}, .left = {1}};
+  for (const PairTest& pair : ranked_pairs(summary)) {
+    const bool none = pair.differences.empty();
+    t.rows.push_back({escaped(shortened(summary.names[pair.k + 1], 40)), none ? "nothing to test" : pair.differences, std::to_string(pair.differing),
+                      std::to_string(pair.tested), none ? "" : number_text(pair.together.chi2, 4),
+                      none ? "" : std::to_string(pair.together.degrees_of_freedom), none ? "" : escaped(probability_of(pair.together))});
+  }
+  return section("pairs", "Each with the first",
+                 "How many coefficients differ significantly, and all of a pair together against the stated uncertainties: the probability of "
+                 "differences that are larger, if these are right; the least probable first.",
+                 table(t));
+}
+
 std::string tolerance_section(const std::vector<RequirementResult>& requirements) {
   Table t{.head = {"tolerance", "largest difference, of", "reached", ""}, .rows = {}, .text_columns = true};
   for (const RequirementResult& r : requirements) {
@@ -175,13 +172,13 @@ std::string agreement_section(const Agreement& agreement) {
   return section("agreement", "All calibrations together",
                  fmt::format("{} calibrations against one truth: {}. {}", agreement.calibrations, consistency_text(agreement.consistency),
                              differing.empty() ? "No coefficient differs significantly." : "These differ significantly:"),
-                 list(differing));
+                 differing.size() > most_drawn ? folded(fmt::format("{} coefficients", differing.size()), list(differing)) : list(differing));
 }
 
 }  // namespace
 }  // namespace report
 
-std::string comparison_page(const ComparisonSummary& summary) {
+std::string comparison_page(const ComparisonSummary& summary, const std::vector<std::string>& warnings) {
   using namespace report;
   Page page;
   page.kind = "Comparison of calibrations";
@@ -190,9 +187,10 @@ std::string comparison_page(const ComparisonSummary& summary) {
   page.subtitle = "Errors of different calibrations are taken as independent.";
   page.verdict = comparison_verdict(summary);
   take_conclusion(page.verdict, conclusion_about(summary));
-  page.body = calibrations_section(summary.calibrations) + tolerance_section(summary.requirements);
-  for (std::size_t k = 0; k < summary.comparisons.size(); ++k) page.body += comparison_section(summary, k);
+  page.body = (warnings.empty() ? "" : section("warnings", "Warnings", "", list(warnings))) + calibrations_section(summary.calibrations) +
+              tolerance_section(summary.requirements) + pairs_section(summary);
   if (summary.agreement) page.body += agreement_section(*summary.agreement);
+  for (std::size_t k = 0; k < summary.comparisons.size(); ++k) page.body += comparison_section(summary, k);
   return page_text(page);
 }
 

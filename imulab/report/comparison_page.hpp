@@ -10,7 +10,7 @@
 namespace imulab {
 
 /// HTML, self-contained: each difference in its sigmas, and whether all agree with the stated uncertainties.
-std::string comparison_page(const ComparisonSummary& summary);
+std::string comparison_page(const ComparisonSummary& summary, const std::vector<std::string>& warnings = {});
 
 /// HTML, self-contained: one figure with the curves of all results, one table.
 std::string result_comparison_page(const ResultComparison& comparison, const Conclusion& conclusion = {},

@@ -102,15 +102,19 @@ std::string relative_url(std::string_view path) {
 
 std::string number_text(double value, int digits) { return std::isfinite(value) ? with_minus_sign(text::number(value, digits)) : "not determined"; }
 
-std::string tick_text(double value) {
+bool are_raised(const std::vector<double>& ticks) {
+  return std::ranges::any_of(ticks, [](double v) { return v != 0 && (std::abs(v) < 1e-3 || std::abs(v) >= 1e5); });
+}
+
+std::string tick_text(double value, bool raised) {
   const double size = std::abs(value);
-  if (size == 0 || (size >= 1e-3 && size < 1e5)) return with_minus_sign(fmt::format("{:.6g}", value));
+  if (size == 0 || !(raised || are_raised({value}))) return with_minus_sign(fmt::format("{:.6g}", value));
   const int exponent = static_cast<int>(std::floor(std::log10(size) + 1e-9));
   constexpr std::string_view digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string raised = exponent < 0 ? "⁻" : "";
-  for (const char c : fmt::format("{}", std::abs(exponent))) raised += digits[c - '0'];
+  std::string power = exponent < 0 ? "⁻" : "";
+  for (const char c : fmt::format("{}", std::abs(exponent))) power += digits[c - '0'];
   const double mantissa = value / std::pow(10.0, exponent);
-  return (std::abs(mantissa - 1) < 1e-6 ? "10" : with_minus_sign(fmt::format("{:.3g}·10", mantissa))) + raised;
+  return (std::abs(mantissa - 1) < 1e-6 ? "10" : with_minus_sign(fmt::format("{:.3g}·10", mantissa))) + power;
 }
 
 std::string rounded_to(double value, double uncertainty) { return with_minus_sign(text::to_digits_of(uncertainty, value)); }

@@ -18,8 +18,10 @@ std::string relative_url(std::string_view path);
 
 /// Three significant digits, with a true minus sign; "not determined" where it is not finite.
 std::string number_text(double value, int digits = 3);
-/// A round value beside an axis; powers of ten as such where they are long.
-std::string tick_text(double value);
+/// A round value beside an axis; powers of ten as such where they are long, or all of an axis are to be `raised`.
+std::string tick_text(double value, bool raised = false);
+/// True where one of an axis's values is written as a power of ten: then all are.
+bool are_raised(const std::vector<double>& ticks);
 /// To the second significant digit of its uncertainty: 34303 for 34303.4 +- 32.
 std::string rounded_to(double value, double uncertainty);
 /// Two significant digits, as an uncertainty is stated.

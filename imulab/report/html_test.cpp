@@ -58,6 +58,10 @@ TEST(Html, TicksAreReadable) {
   EXPECT_EQ(tick_text(-0.25), "−0.25");
   EXPECT_EQ(tick_text(1e-6), "10⁻⁶");
   EXPECT_EQ(tick_text(-2.5e7), "−2.5·10⁷");
+  EXPECT_FALSE(are_raised({0, 0.001, 10000}));
+  EXPECT_TRUE(are_raised({0, 10000, 1e6}));
+  EXPECT_EQ(tick_text(10000, true), "10⁴") << "all of an axis in one form";
+  EXPECT_EQ(tick_text(0, true), "0");
 }
 
 TEST(Plot, TicksAreRound) {

@@ -67,13 +67,15 @@ std::string bands_text(const NavigatedSession& s) {
 
 /// Those of the solution and of its comparison.
 std::vector<std::string> warnings_of(const NavigationReport& report) {
-  std::vector<std::string> out;
+  std::vector<std::string> out = report.warnings;
   for (const NavigatedSession& s : report.sessions) {
     std::vector<std::string> all = s.navigated.warnings;
     if (s.errors) all.insert(all.end(), s.errors->warnings.begin(), s.errors->warnings.end());
     if (s.explained)
       if (const auto rough = large_angles(*s.explained)) all.push_back(*rough);
-    for (const std::string& text : all) out.push_back((report.sessions.size() > 1 ? s.session + ": " : "") + text);
+    for (const std::string& text : all)
+      if (std::string named = (report.sessions.size() > 1 ? s.session + ": " : "") + text; std::ranges::find(out, named) == out.end())
+        out.push_back(std::move(named));  // those of a saved answer have those of its sessions
   }
   return out;
 }

@@ -10,7 +10,8 @@ namespace imulab {
 
 struct NavigationReport {
   NavigationSummary sessions;
-  std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
+  std::vector<std::string> missing = {};   ///< pictures that could not be drawn, and why
+  std::vector<std::string> warnings = {};  ///< besides those of the sessions
   Conclusion conclusion = {};
 };
 

@@ -76,9 +76,10 @@ std::string interval_rows(const std::vector<Interval>& rows, std::string_view un
   const double bottom = top + step * static_cast<double>(rows.size());
   const auto at = [&](double v) { return left + (v - axis.low) / (axis.high - axis.low) * (right - left); };
   std::string out;
-  for (const double v : ticks(axis, 3)) {
+  const std::vector<double> values = ticks(axis, 3);
+  for (const double v : values) {
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : color::grid, v == 0 ? 1.4 : 1);
-    out += text_at(at(v), bottom + 16, tick_text(v), Anchor::middle);
+    out += text_at(at(v), bottom + 16, tick_text(v, are_raised(values)), Anchor::middle);
   }
   if (limit) out += line_between(at(*limit), top, at(*limit), bottom, color::vermilion, 1.4, true);
   for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -119,7 +119,8 @@ std::string standalone(std::string svg) {
 Plot::Plot(Axis x, Axis y, std::string description, PlotSize size)
     : x_(std::move(x)), y_(std::move(y)), description_(std::move(description)), size_(size), small_(size.width < 300) {
   double longest = 0;
-  for (const double v : ticks(y_, small_ ? 3 : 5)) longest = std::max(longest, character * length_of(tick_text(v)));
+  const std::vector<double> values = ticks(y_, small_ ? 3 : 5);
+  for (const double v : values) longest = std::max(longest, character * length_of(tick_text(v, are_raised(values))));
   left_ = small_ ? std::max(44.0, longest + 10) : std::max(64.0, longest + 32);
   right_ = size.width - size.margin, top_ = small_ ? 24 : 8, bottom_ = size.height - (small_ ? 36 : 42);
 }
@@ -253,7 +254,7 @@ std::vector<double> Plot::x_ticks() const {
     double end = -1e9;
     bool fits = true;
     for (const double v : out) {
-      const double half = 0.5 * character * length_of(tick_text(v));
+      const double half = 0.5 * character * length_of(tick_text(v, are_raised(out)));
       fits = fits && at_x(v) - half > end;
       end = at_x(v) + half + 4;
     }
@@ -263,16 +264,18 @@ std::vector<double> Plot::x_ticks() const {
 
 std::string Plot::axes() const {
   std::string out = "<g class=\"yticks\">";
-  for (const double v : ticks(y_, small_ ? 3 : 5)) {
+  const std::vector<double> beside = ticks(y_, small_ ? 3 : 5), below = x_ticks();
+  for (const double v : beside) {
     const double y = at_y(v);
     out += line_between(left_, y, right_, y, color::grid);
-    out += text_at(left_ - 6, y + 4, tick_text(v), Anchor::end);
+    out += text_at(left_ - 6, y + 4, tick_text(v, are_raised(beside)), Anchor::end);
   }
   out += "</g><g class=\"xticks\">";
-  for (const double v : x_ticks()) {
-    const double x = at_x(v), half = 0.5 * character * length_of(tick_text(v));
+  for (const double v : below) {
+    const std::string text = tick_text(v, are_raised(below));
+    const double x = at_x(v), half = 0.5 * character * length_of(text);
     out += line_between(x, bottom_, x, bottom_ + 4, color::gray);
-    out += text_at(std::min(x, size_.width - half), bottom_ + 18, tick_text(v), Anchor::middle);
+    out += text_at(std::min(x, size_.width - half), bottom_ + 18, text, Anchor::middle);
   }
   out += "</g>" + line_between(left_, bottom_, right_, bottom_, color::gray);
   if (!x_.label.empty()) out += text_at(0.5 * (left_ + right_), size_.height - 4, x_.label, Anchor::middle, "class=\"x\"");

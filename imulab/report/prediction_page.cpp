@@ -106,7 +106,8 @@ Verdict prediction_verdict(const PredictionReport& report) {
             .actions = {}};
   if (!missed.empty()) v.tone = Tone::doubtful;
   take_conclusion(v, report.conclusion);
-  for (const Shortfall& shortfall : missed) v.because.push_back(shortfall_line(shortfall));
+  if (report.conclusion.requirements.empty())  // of a saved prediction of an earlier version
+    for (const Shortfall& shortfall : missed) v.because.push_back(shortfall_line(shortfall));
   for (const CoefficientIndex index : s.undetermined) v.because.push_back(std::string(coefficient(index).name) + " is not determined");
   if (s.advice) v.actions = s.advice->turns;
   for (const Shortfall& shortfall : missed)

@@ -41,9 +41,15 @@ std::string panel_plot(const ResultComparison& c, const std::string& panel, bool
     std::erase_if(y, [most](double v) { return v < 1e-5 * most; });  // errors begin at zero
   else
     y.push_back(0);
-  Plot plot(axis_over(c.x_label, x, c.logarithmic), axis_over(panel, y, decades), panel, wide ? PlotSize{960, 330} : PlotSize{});
-  for (const ComparedCurve& curve : c.curves)
-    if (curve.panel == panel) plot.line(curve.x, curve.y, color::series(curve.result), 2);
+  const Axis beside = axis_over(panel, y, decades);
+  Plot plot(axis_over(c.x_label, x, c.logarithmic), beside, panel, wide ? PlotSize{960, 330} : PlotSize{});
+  for (const ComparedCurve& curve : c.curves) {
+    if (curve.panel != panel) continue;
+    std::vector<double> shown = curve.y;
+    for (double& v : shown)
+      if (v < beside.low) v = NAN;  // it would lie on the axis, as if it were constant
+    plot.line(curve.x, shown, color::series(curve.result), 2);
+  }
   return figure(plot.svg(), "", wide);
 }
 
@@ -89,7 +95,7 @@ std::string compared_figure(const ResultComparison& c) {
 std::string compared_table(const ResultComparison& c, std::size_t from, std::size_t to) {
   Table t{.head = {"figure", ""}, .rows = {}, .left = {1}};
   for (const std::string& name : c.names) t.head.push_back(escaped(shortened(name, 30)));
-  for (std::size_t k = 1; k < c.names.size(); ++k) t.head.push_back((c.in_sigmas ? "sigmas, " : "change, ") + escaped(shortened(c.names[k], 30)));
+  for (std::size_t k = 1; k < c.names.size(); ++k) t.head.push_back((c.in_sigmas() ? "sigmas, " : "change, ") + escaped(shortened(c.names[k], 30)));
   for (std::size_t i = from; i < to; ++i) {
     const ComparedFigure& f = c.figures[i];
     std::vector<std::string> row{escaped(f.name), escaped(readable_unit(f.unit))};
@@ -119,7 +125,7 @@ std::string result_comparison_page(const ResultComparison& c, const Conclusion& 
   take_conclusion(page.verdict, conclusion);
   page.body = (warnings.empty() ? "" : section("warnings", "Warnings", "", list(warnings))) +
               section("figure", "All results", "", compared_figure(c)) +
-              section("figures", "Figures", c.in_sigmas ? "The most significant difference first." : "The largest change first.",
+              section("figures", "Figures", c.in_sigmas() ? "The most significant difference first." : "The largest change first.",
                       compared_table(c, 0, shown) + (rest.empty() ? "" : folded(fmt::format("{} more figures", c.figures.size() - shown), rest)));
   return page_text(page);
 }

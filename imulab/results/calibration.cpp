@@ -109,15 +109,12 @@ std::string term_test_text(const TermTest& test) {
 std::string requirements_text(const Calibration& calibration) {
   std::string text;
   for (const RequirementResult& r : calibration.quality.requirements) {
-    const CoefficientIndex index = coefficient_index(r.coefficient);
-    const UserUnit unit = user_unit(coefficient(index), r.limit);
-    const std::string reached = std::isfinite(r.reached) ? fmt::format("{:.3g} {}", r.reached / unit.size, unit.name) : "not determined";
     text += wrapped(text.empty() ? "  required        " : "                  ",
                     fmt::format("{}: {} ({}: {})", r.text,
-                                r.met                  ? "reached"
+                                r.met                  ? "met"
                                 : r.reached <= r.limit ? "not met, since the result is doubtful"
-                                                       : "not reached",
-                                r.coefficient, reached));
+                                                       : "not met",
+                                r.coefficient, reached_text(r)));
   }
   return text;
 }

@@ -4,6 +4,7 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_value.hpp"
+#include "imulab/results/result_comparison.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +13,6 @@
 
 namespace imulab {
 namespace {
-
-std::string letter(std::size_t k) { return k < 26 ? std::string(1, static_cast<char>('A' + k)) : fmt::format("#{}", k + 1); }
 
 std::string origin(const ComparedCalibration& c) {
   const std::string frame = c.frame == "rig" ? "the rig's frame" : "the accelerometers' frame";
@@ -32,12 +31,15 @@ std::string or_dash(const std::optional<double>& value, const char* format) { re
 
 bool significant(const CoefficientDifference& d, double mark_from) { return std::abs(d.user_sigmas().value_or(0)) > mark_from; }
 
+constexpr std::size_t most_pairs_beside = 6;  // of comparisons, in the width of a terminal
+
 /// With one comparison: the difference, its uncertainty, and both in sigmas; per year where the dates are far enough apart. With several: each in
-/// sigmas.
+/// sigmas; with more than fit, the largest.
 std::string heading(std::size_t comparisons, bool yearly) {
   std::string text = fmt::format("{:<21}", "coefficient");
   if (comparisons == 1) return text + fmt::format(" {:>12} {:>10} {:<15} {:>8}{}\n", "B - A", "u", "unit", "sigmas", yearly ? "  per year" : "");
-  for (std::size_t k = 1; k <= comparisons; ++k) text += fmt::format(" {:>7}", letter(k) + " - A");
+  if (comparisons > most_pairs_beside) return text + "    largest  in        pairs that differ\n";
+  for (std::size_t k = 1; k <= comparisons; ++k) text += fmt::format(" {:>7}", letter_of(k) + " - A");
   return text + "  sigmas\n";
 }
 
@@ -50,8 +52,14 @@ std::string coefficient_row(const std::vector<Comparison>& comparisons, std::siz
     text += fmt::format(" {:>12} {:>10} {:<15} {:>9}", text::to_digits_of(sigma, first.user_difference), sigma > 0 ? text::two_digits(sigma) : "-",
                         first.user_unit, sigmas(first));
     if (years) text += fmt::format(" {:>8}", text::to_digits_of(sigma / std::abs(*years), first.user_difference / *years));
-  } else {
+  } else if (comparisons.size() <= most_pairs_beside) {
     for (const auto& c : comparisons) text += fmt::format(" {:>7}", sigmas(c.coefficients[row]));
+  } else {
+    const auto size = [&](const Comparison& c) { return std::abs(c.coefficients[row].user_sigmas().value_or(-1)); };
+    const auto largest = std::ranges::max_element(comparisons, {}, size);
+    const auto differing = std::ranges::count_if(comparisons, [&](const Comparison& c) { return significant(c.coefficients[row], mark_from); });
+    text += fmt::format(" {:>10}  {:<8} {:>3} of {}", sigmas(largest->coefficients[row]),
+                        letter_of(static_cast<std::size_t>(largest - comparisons.begin()) + 1) + " - A", differing, comparisons.size());
   }
   return text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
 }
@@ -62,36 +70,63 @@ std::string tolerance_text(const RequirementResult& r) {
   return text::wrapped("  tolerance  ", fmt::format("{}: {} ({}: {})", r.text, r.met ? "met" : "not met", r.coefficient, reached));
 }
 
-/// The values themselves, in SI.
+/// The values themselves, in SI, three calibrations beside each other.
 std::string value_rows(const std::vector<Comparison>& comparisons) {
-  std::string text = fmt::format("\n{:<21} {:>16}", "coefficient, SI", "A");
-  for (std::size_t k = 1; k <= comparisons.size(); ++k) text += fmt::format(" {:>16}", letter(k));
-  text += "\n";
-  for (std::size_t row = 0; row < comparisons[0].coefficients.size(); ++row) {
-    const CoefficientDifference& first = comparisons[0].coefficients[row];
-    text += fmt::format("{:<21} {:>16.9g}", coefficient(first.index).name, first.a);
-    for (const auto& c : comparisons) text += fmt::format(" {:>16.9g}", c.coefficients[row].b);
+  constexpr std::size_t beside = 3;  // in the width of a terminal
+  std::string text;
+  for (std::size_t from = 0; from <= comparisons.size(); from += beside) {
+    const std::size_t to = std::min(from + beside, comparisons.size() + 1);
+    text += fmt::format("\n{:<21}", "coefficient, SI");
+    for (std::size_t k = from; k < to; ++k) text += fmt::format(" {:>16}", letter_of(k));
     text += "\n";
+    for (std::size_t row = 0; row < comparisons[0].coefficients.size(); ++row) {
+      const CoefficientDifference& first = comparisons[0].coefficients[row];
+      text += fmt::format("{:<21}", coefficient(first.index).name);
+      for (std::size_t k = from; k < to; ++k) text += fmt::format(" {:>16.9g}", k == 0 ? first.a : comparisons[k - 1].coefficients[row].b);
+      text += "\n";
+    }
   }
   return text;
 }
 
+std::string probability_text(double p) { return p < 1e-99 ? "< 1e-99" : fmt::format("{:.2g}", p); }
+
 /// A chi-square of differences, judged against the stated uncertainties.
 std::string verdict(const Consistency& c) {
   const char* size = c.p_value < 0.001 ? "larger than" : c.p_value > 0.999 ? "smaller than" : "as large as";
-  return fmt::format("chi2 = {:.1f}, probability of more {:.2g}: the differences are {} the stated uncertainties say", c.chi2, c.p_value, size);
+  const std::string chi2 = c.chi2 < 1e4 ? fmt::format("{:.1f}", c.chi2) : text::number(c.chi2, 4);
+  return fmt::format("chi2 = {}, probability of more {}: the differences are {} the stated uncertainties say", chi2, probability_text(c.p_value),
+                     size);
 }
 
-std::string test_text(const std::string& who, const Comparison& comparison, double mark_from) {
-  const auto& rows = comparison.coefficients;
-  const auto marked = std::count_if(rows.begin(), rows.end(), [&](const auto& d) { return significant(d, mark_from); });
-  const auto tested = std::count_if(rows.begin(), rows.end(), [](const auto& d) { return d.user_sigmas().has_value(); });
-  const Consistency& c = comparison.consistency;
-  if (c.degrees_of_freedom == 0)
-    return text::wrapped(who, "nothing to test: no coefficient has an uncertainty on one side and a value to compare it with on the other");
-  return text::wrapped(who, fmt::format("{} of {} coefficients differ significantly (* beyond {:.1f} sigma: 1 % for all together)", marked, tested,
-                                        mark_from)) +
-         text::wrapped(std::string(who.size(), ' '), fmt::format("{} coefficients together: {}", c.degrees_of_freedom, verdict(c)));
+std::string count_text(std::size_t marked, std::size_t tested, double mark_from) {
+  if (tested == 0) return "nothing to test: no coefficient has an uncertainty on one side and a value to compare it with on the other\n";
+  return text::wrapped(
+      "", fmt::format("{} of {} coefficients differ significantly (* beyond {:.1f} sigma: 1 % for all together)", marked, tested, mark_from));
+}
+
+/// A row a pair, the least probable first.
+std::string pair_rows(const ComparisonSummary& summary) {
+  std::string out =
+      fmt::format("\n{:<8} {:>6} {:>6} {:>10} {:>7} {:>11}  {}\n", "pair", "differ", "tested", "chi2", "freedom", "probability", "differences");
+  for (const PairTest& pair : ranked_pairs(summary)) {
+    out += fmt::format("{:<8} ", letter_of(pair.k + 1) + " - A");
+    if (pair.differences.empty())
+      out += "nothing to test\n";
+    else
+      out += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>11}  {}\n", pair.differing, pair.tested, text::number(pair.together.chi2, 4),
+                         pair.together.degrees_of_freedom, probability_text(pair.together.p_value), pair.differences);
+  }
+  return out + text::wrapped("", "Probability: of differences that are larger together, if the stated uncertainties are right.");
+}
+
+/// One pair in words, several as rows.
+std::string tests_text(const ComparisonSummary& summary, const RankedRows& ranked, double mark_from) {
+  const std::string count = count_text(ranked.significant, ranked.tested, mark_from);
+  if (summary.comparisons.size() > 1) return count + pair_rows(summary);
+  const Consistency& c = summary.comparisons.front().consistency;
+  if (c.degrees_of_freedom == 0) return count;
+  return count + text::wrapped("", fmt::format("{} coefficients together: {}", c.degrees_of_freedom, verdict(c)));
 }
 
 /// The unit that was mounted elsewhere.
@@ -105,9 +140,12 @@ std::string translation_text(const std::optional<Vector3d>& translation) {
 std::string agreement_text(const Agreement& agreement) {
   if (agreement.consistency.degrees_of_freedom == 0)
     return fmt::format("The {} calibrations have no coefficient in common: nothing to test.\n", agreement.calibrations);
+  constexpr std::size_t named = 6;  // the rows below have all that differ from the first
   std::string differing;
+  std::size_t count = 0;
   for (const auto& c : agreement.coefficients)
-    if (c.differs) differing += fmt::format("{}{}", differing.empty() ? "" : ", ", coefficient(c.index).name);
+    if (c.differs && ++count <= named) differing += fmt::format("{}{}", differing.empty() ? "" : ", ", coefficient(c.index).name);
+  if (count > named) differing += fmt::format(" and {} more", count - named);
   return text::wrapped("", fmt::format("All {} calibrations about their weighted mean, {} degrees of freedom: {}", agreement.calibrations,
                                        agreement.consistency.degrees_of_freedom, verdict(agreement.consistency))) +
          text::wrapped("", "Coefficients that differ among them: " + (differing.empty() ? "none" : differing));
@@ -123,14 +161,14 @@ std::string comparison_table(const ComparisonSummary& summary, bool details) {
   std::string out;
   if (const Conclusion about = conclusion_about(summary); !about.verdict.empty()) out += text::wrapped("", about.verdict + ": " + about.headline);
   for (const RequirementResult& r : summary.requirements) out += tolerance_text(r);
-  for (std::size_t k = 0; k < comparisons.size(); ++k) out += test_text(pair ? "" : letter(k + 1) + " - A: ", comparisons[k], mark_from);
-  if (summary.agreement) out += agreement_text(*summary.agreement);
+  const RankedRows ranked = ranked_rows(comparisons, mark_from);
+  out += tests_text(summary, ranked, mark_from);
+  if (summary.agreement) out += "\n" + agreement_text(*summary.agreement);
   out += "\n";
-  for (std::size_t k = 0; k < summary.calibrations.size(); ++k) out += text::wrapped(letter(k) + "  ", origin(summary.calibrations[k]));
+  for (std::size_t k = 0; k < summary.calibrations.size(); ++k) out += text::wrapped(letter_of(k) + "  ", origin(summary.calibrations[k]));
   if (years) out += text::wrapped("", fmt::format("{:.2f} years from A to B.", *years));
   out += text::wrapped("", fmt::format("{} in the accelerometers' frame; quadratic and cubic terms are compared unrotated.", pair ? "Both" : "All"));
   for (const auto& c : comparisons) out += translation_text(c.translation);
-  const RankedRows ranked = ranked_rows(comparisons, mark_from);
   const std::size_t shown = details || ranked.tested == 0 ? ranked.rows.size() : ranked.significant;
   if (shown > 0) out += "\n" + heading(comparisons.size(), years.has_value());
   for (std::size_t k = 0; k < shown; ++k) out += coefficient_row(comparisons, ranked.rows[k], mark_from, years);

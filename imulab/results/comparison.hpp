@@ -55,6 +55,15 @@ struct RankedRows {
 };
 RankedRows ranked_rows(const std::vector<Comparison>& comparisons, double from);
 
+/// A pair's tests: of the k-th of the others and the first.
+struct PairTest {
+  std::size_t k = 0, differing = 0, tested = 0;  ///< coefficients that differ significantly, of those with an uncertainty
+  Consistency together;
+  std::string differences;  ///< against the stated uncertainties: "larger", "as stated", "smaller"; empty: nothing is tested
+};
+/// The pairs with the least probable differences first.
+std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary);
+
 /// One comparison as an object {"a", "b", "frame", "coefficients", "consistency"}; several as {"comparisons": [such objects], "agreement": {...} or
 /// null}; then "calibrations", and "requirements" where there are any. SI, and user units beside.
 std::string comparison_json(const ComparisonSummary& summary);

@@ -112,6 +112,23 @@ double significant_from(const ComparisonSummary& summary) {
   return significant_sigmas(std::max<std::size_t>(1, tests));
 }
 
+std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary) {
+  const double from = significant_from(summary);
+  std::vector<PairTest> out;
+  for (const Comparison& c : summary.comparisons) {
+    PairTest& pair = out.emplace_back(PairTest{.k = out.size(), .together = c.consistency, .differences = {}});
+    for (const CoefficientDifference& d : c.coefficients)
+      if (const auto sigmas = d.user_sigmas()) ++pair.tested, pair.differing += std::abs(*sigmas) > from;
+    constexpr double improbable = 0.001;
+    if (c.consistency.degrees_of_freedom == 0) continue;
+    pair.differences = c.consistency.p_value < improbable ? "larger" : c.consistency.p_value > 1 - improbable ? "smaller" : "as stated";
+  }
+  std::ranges::stable_sort(out, [](const PairTest& a, const PairTest& b) {
+    return a.together.p_value != b.together.p_value ? a.together.p_value < b.together.p_value : a.together.chi2 > b.together.chi2;
+  });
+  return out;
+}
+
 RankedRows ranked_rows(const std::vector<Comparison>& comparisons, double from) {
   RankedRows out;
   if (comparisons.empty()) return out;

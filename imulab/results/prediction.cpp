@@ -222,7 +222,7 @@ std::string requirement_text(const Shortfall& s) {
   const std::string required = fmt::format("{} <= {:g} {}", s.requirement.selector, s.requirement.limit / unit.size, unit.name);
   const auto name = coefficient(s.coefficient).name;
   if (!std::isfinite(s.sigma)) return fmt::format("{}: the procedure does not determine {}", required, name);
-  return fmt::format("{}: {} has {:.3g} {}, most of it from {}", required, name, s.sigma / unit.size, unit.name, s.source);
+  return fmt::format("{}: {} has {} {}, most of it from {}", required, name, text::number(s.sigma / unit.size), unit.name, s.source);
 }
 
 std::string table_text(const ErrorSizes& s) {

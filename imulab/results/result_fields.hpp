@@ -81,6 +81,37 @@ void describe(Fields& f, Agreement& agreement) {
   fields::via(f, "differing", names, mark, fields::optional);
 }
 
+// ---- comparisons of other results
+
+template <class Fields>
+void describe(Fields& f, ComparedFigure& c) {
+  f("unit", c.unit), f("values", c.values, fields::or_nan), f("standard_uncertainties", c.uncertainties, fields::or_nan);
+  f("bounds", c.bounds, fields::or_nan);
+  if constexpr (Fields::reads) return;
+  const double most = c.significance();
+  fields::derived(f, c.in_sigmas() ? "sigmas" : "relative_change", most < 0 ? std::optional<double>() : std::optional(most));
+}
+
+template <class Fields>
+void describe(Fields& f, ComparedCurve& c) {
+  f("result", c.result), f("panel", c.panel), f("x", c.x, {.digits = 6}), f("y", c.y, {.digits = 6});
+  fields::check(f, c.x.size() == c.y.size(), "y", "expected as many numbers as in x");
+}
+
+template <class Fields>
+void describe(Fields& f, ResultComparison& c) {
+  f("kind", c.kind), f("results", c.names), f("notes", c.notes);
+  fields::check(f, c.names.size() > 1, "results", "expected two names or more");
+  fields::check(f, c.notes.size() == c.names.size(), "notes", "expected as many texts as in results");
+  describe_by_name(f, "figures", c.figures);
+  for (const ComparedFigure& figure : c.figures)
+    for (const auto* list : {&figure.values, &figure.uncertainties, &figure.bounds})
+      fields::check(f, list->size() == c.names.size(), "figures", figure.name + ": expected lists of as many numbers as in results");
+  f("x_label", c.x_label, fields::optional), f("logarithmic", c.logarithmic, fields::optional), f("curves", c.curves, fields::optional);
+  for (const ComparedCurve& curve : c.curves)
+    fields::check(f, curve.result < c.names.size(), "curves", "expected each result as a place in results, from 0");
+}
+
 // ---- predictions
 
 template <class Fields>

@@ -6,6 +6,7 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/model/calibration_fields.hpp"
 #include "imulab/noise/noise_fields.hpp"
+#include "imulab/results/compare_results.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/conclusion.hpp"
 #include "imulab/results/over_time.hpp"
@@ -147,6 +148,11 @@ SavedResult result_of(const Field& root, std::string_view text, const std::strin
   }
   if (root.has("format")) return parse_calibration(text, file);
   if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
+  if (root.has("budgets")) {
+    if (root["budgets"].size() < 2) root["budgets"].fail("has less than two budgets; expected several");
+    return compare_grades(root["budgets"].list(result_io::budget_of));
+  }
+  if (root.has("figures") && root.has("results")) return result_comparison_of(root);
   if (root.has("sessions") || root.has("position_error")) return result_io::navigation_of(root);
   if (root.has("total") && root.has("sources")) return result_io::budget_of(root);
   if (root.has("files") && root.has("calibration")) return result_io::compensation_of(root);
@@ -165,7 +171,9 @@ SavedAnswer parse_answer(std::string_view text, const std::string& file) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
   const JsonValue json = json_io::parse_json(text, file, expected_result);
   const Field root(json, file, "");
-  return {result_of(root, text, file), conclusion_of(root)};
+  SavedAnswer out{result_of(root, text, file), conclusion_of(root), {}};
+  if (!root.has("format") && root.has("warnings")) out.warnings = root["warnings"].texts();
+  return out;
 }
 
 SavedResult parse_result(std::string_view text, const std::string& file) { return parse_answer(text, file).result; }

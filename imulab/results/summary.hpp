@@ -12,6 +12,7 @@
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/navigation.hpp"
 #include "imulab/results/prediction.hpp"
+#include "imulab/results/result_comparison.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -75,15 +76,16 @@ struct BudgetSummary {
 using NavigationSummary = std::vector<NavigatedSession>;
 
 using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, BudgetSummary,
-                                 CompensationSummary, NoiseAnalysis, NoiseBatch>;
+                                 CompensationSummary, NoiseAnalysis, NoiseBatch, ResultComparison>;
 
 struct SavedAnswer {
   SavedResult result;
-  Conclusion conclusion;  ///< of a calibration: its own fields have it
+  Conclusion conclusion;              ///< of a calibration: its own fields have it
+  std::vector<std::string> warnings;  ///< as those of the answer; of a calibration: its own fields have them
 };
 
-/// Reads calibration.json, noise.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json. Throws Error that
-/// names the file and what was expected.
+/// Reads calibration.json, noise.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json; the budgets of
+/// several grades as their comparison. Throws Error that names the file and what was expected.
 SavedAnswer read_answer(const std::filesystem::path& path);
 /// Reads the text of such a file; `file` is its name in messages.
 SavedAnswer parse_answer(std::string_view text, const std::string& file);

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -107,11 +108,12 @@ std::string titled(const std::string& mission, const MissionBudget& b) {
   return mission + (b.grade.empty() ? "" : ", grade " + b.grade) + ", noise of " + b.noise;
 }
 
-std::string page_of(const MissionBudget& b, const std::string& mission, const Conclusion& conclusion) {
+std::string page_of(const MissionBudget& b, const std::string& mission, std::vector<std::string> warnings, const Conclusion& conclusion) {
+  warnings.insert(warnings.end(), b.warnings.begin(), b.warnings.end());
   return budget_page(
       BudgetReport{.mission = titled(mission, b),
                    .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)},
-                   .warnings = b.warnings,
+                   .warnings = std::move(warnings),
                    .conclusion = conclusion});
 }
 
@@ -155,12 +157,13 @@ AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbO
   if (o.require) errors_of_option("require", [&] { expect_budget_limits(*o.require); });
   const ErrorSpecification specification = specification_of(o, file);
   bool doubtful_calibration = false;
+  std::vector<std::string> told;
   if (const auto& name = specification.calibration) {
     const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
     const Calibration calibration = read_calibration(path);
-    expect_usable(calibration, path.string(), o.allow_undetermined, tell, allow);
-    doubtful_calibration = calibration.quality.verdict == "doubtful";
-    if (doubtful_calibration) tell(path.string() + ": the calibration is doubtful; its errors may be larger than it states");
+    told = expect_usable(calibration, o.calibration.value_or(path.string()), o.allow_undetermined, allow);
+    std::ranges::for_each(told, tell);
+    doubtful_calibration = !doubt_about(calibration, "").empty();
   }
   const auto made = std::make_shared<MissionBudget>(mission_budget(file, specification, o, std::move(checkpoint), progress));
   made->grade = specification.grade.value_or(specification.system.value_or("")), made->noise = noise_origin(specification);
@@ -171,8 +174,10 @@ AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbO
   const Conclusion conclusion = conclude(b->doubtful ? "doubtful" : "", budget_headline(b->budget, b->monte_carlo), required);
   return {{.json = [b] { return budget_json(b->budget, b->monte_carlo, b->motion.states, b->grade, b->noise); },
            .table = [b](bool details) { return budget_table(b->budget, b->monte_carlo, details); },
-           .page = [b, mission = std::filesystem::path(o.mission).filename().string(), conclusion] { return page_of(*b, mission, conclusion); },
+           .page = [b, mission = std::filesystem::path(o.mission).filename().string(), conclusion,
+                    told] { return page_of(*b, mission, told, conclusion); },
            .warnings = b->warnings,
+           .told = told,
            .shortcomings = missed_requirements(conclusion),
            .conclusion = conclusion},
           b};

@@ -37,9 +37,9 @@ struct MissionBudget {
   std::string grade, noise;  ///< of the sensors: a grade's or a system's name, and where the noise comes from
 };
 
-/// The mission's budget with the options' own sensors in place of the mission's. `tell` gets the warnings about the calibration that these name.
-/// `progress` is called with the fraction done, 0 to 1, from any thread. Throws Error where there are no errors of sensors, and as
-/// read_error_sources, trajectory_of, error_budget and error_monte_carlo do; as expect_usable for the calibration.
+/// The mission's budget with the options' own sensors in place of the mission's. `tell` gets the warnings about the calibration that these name at
+/// once; the answer has them as told. `progress` is called with the fraction done, 0 to 1, from any thread. Throws Error where there are no errors of
+/// sensors, and as read_error_sources, trajectory_of, error_budget and error_monte_carlo do; as expect_usable for the calibration.
 AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
                                       const std::function<void(double)>& progress, const std::string& allow = "--allow-undetermined");
 /// The names of `--grade` where it lists several; else empty.

@@ -2,7 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/report/comparison_page.hpp"
-#include "imulab/results/result_comparison.hpp"
+#include "imulab/results/compare_results.hpp"
 #include "imulab/tasks/budget.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const 
   if (!o.output.empty()) throw OptionError("output", "takes the files of one grade; expected one --grade, or --json and --report for several");
   if (!o.shared.checkpoint.empty()) throw OptionError("checkpoint", "belongs to the budget of one grade");
   const auto budgets = std::make_shared<std::vector<AnswerOf<MissionBudget>>>();
-  std::vector<NamedResult> results;
+  std::vector<BudgetSummary> results;
   std::vector<std::string> warnings;
   std::string missed;
   for (const std::string& grade : grades) {
@@ -73,9 +73,9 @@ Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const 
     const MissionBudget& b = *answer.data;
     for (const std::string& warning : answer.warnings) warnings.push_back(grade + ": " + warning);
     if (!answer.shortcomings.empty()) missed += (missed.empty() ? "" : "; ") + grade + ": " + answer.shortcomings;
-    results.push_back({grade, BudgetSummary{.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs}, "noise of " + b.noise});
+    results.push_back({.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .grade = b.grade, .noise = b.noise});
   }
-  const auto comparison = std::make_shared<const ResultComparison>(compare_results(results));
+  const auto comparison = std::make_shared<const ResultComparison>(compare_grades(std::move(results)));
   const Conclusion conclusion = joint(*budgets, comparison->headline);
   return {.json = [budgets] { return budgets_text(*budgets); },
           .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },

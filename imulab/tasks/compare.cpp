@@ -83,7 +83,7 @@ AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> cali
       check_same_raw_units(inputs[i], input);
       if (!different_imus) check_same_imu(inputs[i], input);
     }
-    for (std::string& text : open_frame(input)) warnings.push_back(std::move(text));
+    for (auto& texts : {open_frame(input), doubt_about(input.calibration, input.name)}) warnings.insert(warnings.end(), texts.begin(), texts.end());
     summary->names.push_back(input.name);
     summary->calibrations.push_back(compared_calibration(input));
     all.push_back(input.calibration);
@@ -96,8 +96,8 @@ AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> cali
   const bool missed = conclusion.verdict == "not met" || conclusion.verdict == "doubtful";
   return {{.json = [summary] { return comparison_json(*summary); },
            .table = [summary](bool details) { return comparison_table(*summary, details); },
-           .page = [summary] { return comparison_page(*summary); },
-           .warnings = std::move(warnings),
+           .page = [summary, warnings] { return comparison_page(*summary, warnings); },
+           .warnings = warnings,
            .shortcomings = missed ? conclusion.verdict + ": " + conclusion.headline : "",
            .conclusion = conclusion},
           summary};

@@ -1,8 +1,8 @@
 // Calibrations that may be compared, and their comparison.
 #pragma once
 
+#include "imulab/results/compare_results.hpp"
 #include "imulab/results/comparison.hpp"
-#include "imulab/results/result_comparison.hpp"
 #include "imulab/results/summary.hpp"
 #include "imulab/tasks/verb.hpp"
 

@@ -122,7 +122,8 @@ std::vector<std::string> warnings_of(const NavigatedSession& session) {
 
 }  // namespace
 
-AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o) {
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o,
+                                                          const std::vector<std::string>& told) {
   const auto all = std::make_shared<const std::vector<NavigatedSession>>(std::move(sessions));
   const auto required = o.require ? errors_of_option("require", [&] { return assess(*all, *o.require); }) : std::vector<RequirementResult>();
   const bool doubtful = std::any_of(all->begin(), all->end(), [](const NavigatedSession& s) { return s.navigated.doubtful; });
@@ -132,8 +133,9 @@ AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedS
     for (const std::string& text : warnings_of(one)) warnings.push_back((all->size() > 1 ? one.session + ": " : "") + text);
   return {{.json = [all] { return navigation_json(*all); },
            .table = [all](bool) { return navigation_table(*all); },
-           .page = [all, conclusion] { return navigation_page({.sessions = *all, .conclusion = conclusion}); },
+           .page = [all, conclusion, told] { return navigation_page({.sessions = *all, .warnings = told, .conclusion = conclusion}); },
            .warnings = std::move(warnings),
+           .told = told,
            .shortcomings = missed_requirements(conclusion),
            .conclusion = conclusion},
           all};

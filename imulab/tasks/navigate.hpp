@@ -43,7 +43,9 @@ std::optional<TrueMotion> session_truth(const Session& session);
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);
 
-/// The warnings are those of the sessions, with their names in front where there are several.
-AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o);
+/// The warnings are those of the sessions, with their names in front where there are several; `told`: those about the calibration, which were shown
+/// before.
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions, const NavigateVerbOptions& o,
+                                                          const std::vector<std::string>& told);
 
 }  // namespace imulab

@@ -91,8 +91,7 @@ std::string prediction_headline(const Prediction& p) {
 }
 
 Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& requirements) {
-  const Conclusion about = conclude(p.undetermined.empty() ? "" : "doubtful", prediction_headline(p), assess(p, requirements));
-  return {about.verdict, about.headline};  // "not_met" has the requirements
+  return conclude(p.undetermined.empty() ? "" : "doubtful", prediction_headline(p), assess(p, requirements));
 }
 
 AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {
@@ -118,7 +117,6 @@ std::string prediction_text(const Prediction& p, const std::vector<Requirement>&
   std::string text = prediction_table(p, requirements, details);
   if (p.tolerances) return tolerance_table(*p.tolerances, p.missed) + "\n" + text;
   if (p.advice) text += "\n" + advice_text(*p.advice);
-  for (const Shortfall& s : p.missed) text += text::wrapped("", shortfall_text(s));
   return text;
 }
 

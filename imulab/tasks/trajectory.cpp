@@ -1,6 +1,7 @@
 #include "imulab/tasks/trajectory.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -10,6 +11,7 @@
 #include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/results/navigation.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
@@ -85,6 +87,10 @@ Session session_of(const Mission& mission, const Recording& recording, const Nav
 
 ErrorSources mission_errors(const MissionFile& file, const std::string& mission, std::vector<std::string>& warnings) {
   ErrorSourcesReading reading = read_error_sources(*file.errors, mission);
+  if (const auto& name = file.errors->calibration) {
+    const std::filesystem::path path = std::filesystem::path(mission).parent_path() / *name;
+    for (std::string& doubt : doubt_about(read_calibration(path), path.string())) reading.warnings.push_back(std::move(doubt));
+  }
   warnings.insert(warnings.end(), reading.warnings.begin(), reading.warnings.end());
   return std::move(reading.sources);
 }

@@ -29,20 +29,27 @@ void expect_sizes(const Calibration& calibration, const std::string& name) {
       throw Error(fmt::format("{}: {} is {}; expected a number from {} to {}", name, coefficient(index).name, value, -largest, largest));
 }
 
-void expect_usable(const Calibration& calibration, const std::string& name, bool allowed, const Tell& tell, const std::string& allow) {
+std::vector<std::string> doubt_about(const Calibration& calibration, const std::string& name) {
+  if (calibration.quality.verdict != "doubtful") return {};
+  return {name + ": the calibration is doubtful; its errors may be larger than it states"};
+}
+
+std::vector<std::string> expect_usable(const Calibration& calibration, const std::string& name, bool allowed, const std::string& allow) {
   expect_sizes(calibration, name);
+  std::vector<std::string> warnings = doubt_about(calibration, name);
   const auto estimated = [&](const char* selector) {
     const std::vector<CoefficientIndex> of = select_coefficients(selector);
     return std::any_of(of.begin(), of.end(), [&](CoefficientIndex i) { return contains(calibration.estimated, i); });
   };
   for (const auto& [triad, matrix] : {std::pair{"accelerometers", "accel.matrix"}, std::pair{"gyros", "gyro.matrix"}})
     if (!calibration.estimated.empty() && !estimated(matrix))
-      tell(fmt::format("{}: the {}' scales and axes were not calibrated: taken as declared, and as exactly known", name, triad));
+      warnings.push_back(fmt::format("{}: the {}' scales and axes were not calibrated: taken as declared, and as exactly known", name, triad));
   const std::vector<std::string> names = unusable(calibration);
-  if (names.empty()) return;
+  if (names.empty()) return warnings;
   const std::string text = fmt::format("{}: the data did not determine {}: starting values, which compensate nothing", name, fmt::join(names, ", "));
   if (!allowed) throw Unsupported(fmt::format("{}; expected a calibration from more data, or {}", text, allow));
-  tell(text);
+  warnings.push_back(text);
+  return warnings;
 }
 
 const RecordingSource& choose_recording(const Session& session, const std::string& name) {

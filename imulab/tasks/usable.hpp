@@ -3,20 +3,23 @@
 
 #include "imulab/model/calibration.hpp"
 #include "imulab/recording/session.hpp"
-#include "imulab/tasks/verb.hpp"
 
 #include <string>
+#include <vector>
 
 namespace imulab {
 
 /// Throws Error, with `name` in front, where a coefficient is beyond any size with which one can compute.
 void expect_sizes(const Calibration& calibration, const std::string& name);
 
-/// Expects a calibration that may be applied. `tell` gets the warnings, with `name` in front: triads taken as declared; where it is `allowed`, also
-/// offsets or matrices that the data did not determine, which keep starting values that compensate nothing. Throws Unsupported with these where they
-/// are not allowed; `allow` says how to allow them. Throws Error as expect_sizes.
-void expect_usable(const Calibration& calibration, const std::string& name, bool allowed, const Tell& tell,
-                   const std::string& allow = "--allow-undetermined");
+/// The warning of a doubtful calibration, with `name` in front; of any other nothing.
+std::vector<std::string> doubt_about(const Calibration& calibration, const std::string& name);
+
+/// Expects a calibration that may be applied. Returns the warnings, with `name` in front: doubt_about; triads taken as declared; where it is
+/// `allowed`, also offsets or matrices that the data did not determine, which keep starting values that compensate nothing. Throws Unsupported with
+/// these where they are not allowed; `allow` says how to allow them. Throws Error as expect_sizes.
+std::vector<std::string> expect_usable(const Calibration& calibration, const std::string& name, bool allowed,
+                                       const std::string& allow = "--allow-undetermined");
 
 /// The recording named `name`, or the only one. Throws Error that lists them.
 const RecordingSource& choose_recording(const Session& session, const std::string& name = "");

@@ -93,11 +93,17 @@ std::string Answer::headline() const {
   return "";
 }
 
+std::vector<std::string> Answer::all_warnings() const {
+  std::vector<std::string> all = told;
+  all.insert(all.end(), warnings.begin(), warnings.end());
+  return all;
+}
+
 std::string Answer::document() const {
   if (printed) return printed();
   Conclusion whole = conclusion;
   whole.headline = headline();
-  return with_conclusion(json(), whole, warnings);
+  return with_conclusion(json(), whole, all_warnings());
 }
 
 std::string Answer::text(bool details) const {
@@ -105,6 +111,7 @@ std::string Answer::text(bool details) const {
   if (conclusion.verdict.empty()) return own;
   std::string begin = text::wrapped("", conclusion_text(conclusion));
   if (own.starts_with(begin)) return own;
+  if (conclusion.requirements.size() == 1) return begin + "\n" + own;  // the headline says it
   for (const RequirementResult& r : conclusion.requirements)
     begin += text::wrapped(
         &r == &conclusion.requirements.front() ? "  required        " : "                  ",

@@ -154,12 +154,14 @@ struct Answer {
   std::function<std::string(bool details)> table;  ///< for a terminal
   std::function<std::string()> page = {};          ///< HTML with pictures; empty: there is none
   std::vector<std::string> warnings = {};
-  std::string shortcomings = {};  ///< why it is not what was asked for; empty: it is
+  std::vector<std::string> told = {};  ///< warnings that were shown while it was made; its JSON has them first
+  std::string shortcomings = {};       ///< why it is not what was asked for; empty: it is
   Conclusion conclusion = {};
   std::function<std::string()> printed = {};  ///< what --json prints where that is not the data with the conclusion at its begin
 
   /// Of its conclusion; without one, the first line of its table.
   std::string headline() const;
+  std::vector<std::string> all_warnings() const;
   /// What --json prints: the data with verdict, headline and warnings. Lists stay as they are.
   std::string document() const;
   /// What a terminal shows: the verdict with its headline and the requirements, then the table; without a verdict the table, which begins with its

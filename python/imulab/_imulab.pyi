@@ -216,7 +216,14 @@ def trajectory(
     mission: str, options: _Options, unit: Calibration | None, folder: str, progress: _Progress, /
 ) -> tuple[Session, Recording, Solution, list[str]]: ...
 def navigate(
-    name: str, calibration: Calibration | None, session: Session, recording: Recording, options: _Options, truth: Solution | None, /
+    name: str,
+    calibration: Calibration | None,
+    calibration_name: str,
+    session: Session,
+    recording: Recording,
+    options: _Options,
+    truth: Solution | None,
+    /,
 ) -> tuple[Outcome, Solution]: ...
 def budget(mission: str, options: _Options, progress: _Progress, /) -> Outcome: ...
 def fleet_add(store: str, files: list[str], unit: str, station: str, operator: str, time: str, /) -> list[str]: ...

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -107,6 +108,18 @@ def _horizontal(part: Mapping[str, Any]) -> FloatArray:
         return np.asarray(part["ph"]["sigma"], dtype=float)
     east, north = (np.asarray(part[axis]["sigma"], dtype=float) for axis in ("pe", "pn"))
     return np.sqrt(east**2 + north**2)
+
+
+def grades(histories: Mapping[str, Mapping[str, Any]]) -> Any:
+    """The horizontal error of each grade over time."""
+    figure, place = pyplot().subplots(layout="constrained", figsize=(7, 4))
+    for color, (grade, history) in zip(itertools.cycle(COLORS), histories.items()):
+        place.plot(np.asarray(history["time_s"], dtype=float) / 60, _horizontal(history["total"]), color=color, label=grade)
+    place.set_yscale("log")  # the worst grade would hide the others
+    place.set_xlabel("time, min")
+    place.set_ylabel("horizontal error, one sigma, m")
+    place.legend()
+    return figure
 
 
 def budget(history: Mapping[str, Any]) -> Any:

@@ -309,11 +309,20 @@ class Navigation(Result):
 
 
 class Budget(Result):
-    """Navigation errors of a mission by source."""
+    """Navigation errors of a mission by source; of several grades their comparison."""
+
+    @property
+    def budgets(self) -> dict[str, dict[str, Any]]:
+        """The data of each grade; of sensors without one under an empty name."""
+        return {each.get("grade", ""): each for each in self.data.get("budgets", [self.data])}
 
     def _tables(self) -> list[str]:
-        if "sources" not in self.data:  # several grades
-            return []
+        if "budgets" in self.data:
+            compared = []
+            for grade, each in self.budgets.items():
+                total = each["total"]["position_m"]
+                compared.append((grade, math.hypot(*(part[k] for part in (total["fixed"], total["sigma"]) for k in (0, 1))), each["noise"]))
+            return [_tables.table(("grade", "horizontal RMS at the end, m", "noise of"), compared)]
         parts = sorted(self["sources"].items(), key=lambda item: -math.hypot(*map(float, item[1]["position_m"]["sigma"][:2])))
         rows = [(name, *part["position_m"]["sigma"], *part["velocity_mps"]["sigma"], *part["attitude_arcsec"]["sigma"])
                 for name, part in [("total", self["total"]), *parts]]
@@ -321,5 +330,7 @@ class Budget(Result):
         return [_tables.table(("one sigma at the end", *head), rows)]
 
     def plot(self) -> Any:
-        """The horizontal error over time and its largest sources, as a figure of matplotlib."""
+        """The horizontal error over time and its largest sources, of several grades each grade's, as a figure of matplotlib."""
+        if "budgets" in self.data:
+            return _plots.grades({grade: each["history"] for grade, each in self.budgets.items()})
         return _plots.budget(self["history"])

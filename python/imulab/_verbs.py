@@ -304,7 +304,6 @@ def navigate(
     *,
     recording: str = "",
     refuse_gaps: bool = False,
-    allow_undetermined: bool = False,
     **options: Any,
 ) -> Navigation:
     """Aligns, and integrates a session to position, velocity and attitude; with the errors against its truth.
@@ -316,23 +315,29 @@ def navigate(
         session, found = data.session, data.recording
     else:
         session, found = _one_recording(data, None, recording)
-    if calibration is not None:
-        calibration._expect_usable(allow_undetermined)
     own = data.truth._solution if isinstance(data, Flight) and options.get("truth") is None else None
     _expect("refuse_gaps", refuse_gaps, bool)
     if refuse_gaps:
         if options.get("gaps") not in (None, "refuse"):
             raise Error("gaps and refuse_gaps contradict each other; expected one")
         options["gaps"] = "refuse"
-    answer = None if calibration is None else calibration._answer
-    outcome, solution = _imulab.navigate(found.name, answer, session._session, found._recording, options, own)
+    answer, name = (None, "") if calibration is None else (calibration._answer, calibration.name)
+    outcome, solution = _imulab.navigate(found.name, answer, name, session._session, found._recording, options, own)
     warn(outcome.warnings)
     return Navigation(outcome, solution)
 
 
 @_options("budget")
-def budget(mission: PathLike, *, progress: Progress | None = None, **options: Any) -> Budget:
-    """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo."""
+def budget(mission: PathLike, *, grade: str | Sequence[str] | None = None, progress: Progress | None = None, **options: Any) -> Budget:
+    """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo.
+
+    grade: sensors of this grade, in place of the mission's; several, as a list or with commas, are compared (`Budget.budgets`).
+    """
+    if grade is not None:
+        names = [grade] if isinstance(grade, str) else grade
+        if not isinstance(names, Sequence) or not names or not all(isinstance(name, str) for name in names):
+            raise TypeError(f"grade: expected a name or a list of names, got {grade!r}")
+        options["grade"] = ",".join(names)
     outcome = _imulab.budget(path("mission", mission), options, _callback(progress))
     warn(outcome.warnings)
     return Budget(outcome)

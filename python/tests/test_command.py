@@ -108,6 +108,12 @@ def test_trajectory_navigate_and_budget(command, tmp_path):
     assert made == printed
     budget = imulab.budget(tmp_path / "mission.toml", grade="navigation", runs=10)
     assert budget.data == command("budget", tmp_path / "mission.toml", "--grade", "navigation", "--runs", "10", "--json")
+    grades = imulab.budget(tmp_path / "mission.toml", grade=["navigation", "tactical"], runs=0)
+    assert grades.data == command("budget", tmp_path / "mission.toml", "--grade", "navigation,tactical", "--runs", "0", "--json")
+    assert list(grades.budgets) == ["navigation", "tactical"] and str(grades).startswith("horizontal RMS: navigation ")
+    assert budget.budgets == {"navigation": budget.data}
+    with pytest.raises(TypeError, match="grade: expected a name or a list of names, got 3"):
+        imulab.budget(tmp_path / "mission.toml", grade=3)
 
 
 def test_requirements(rest_log, tmp_path):

@@ -51,6 +51,7 @@ def results(calibration, by_hand, hand_session, tmp_path_factory):
         "noise": imulab.noise(still),
         "navigation": imulab.navigate(None, flight),
         "budget": imulab.budget(folder / "mission.toml", grade="navigation", runs=5),
+        "grades": imulab.budget(folder / "mission.toml", grade="navigation,tactical,mems", runs=0),
         "inspection": imulab.inspect(hand_session / "recording.csv", declare={"latitude_deg": "45"}),
         "fleet": fleet.statistics(),
         "recording": still,
@@ -58,7 +59,8 @@ def results(calibration, by_hand, hand_session, tmp_path_factory):
     }
 
 
-KINDS = ["calibration", "comparison", "comparison of three", "prediction", "plan", "noise", "navigation", "budget", "inspection", "fleet"]
+KINDS = ["calibration", "comparison", "comparison of three", "prediction", "plan", "noise", "navigation", "budget", "grades", "inspection",
+         "fleet"]
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "units"])
@@ -75,7 +77,7 @@ def test_figures(results, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         figure = results[kind].plot()
-        if kind in ("noise", "budget"):  # what only drawing shows: scales that have no place for their data
+        if kind in ("noise", "budget", "grades"):  # what only drawing shows: scales that have no place for their data
             figure.canvas.draw()
     shown = [axes for axes in figure.axes if axes.get_visible()]
     assert shown and all(axes.get_xlabel() or axes.get_ylabel() for axes in shown)

@@ -43,6 +43,8 @@ def test_a_program_is_checked(tmp_path):
         "imulab.predict('p.toml', colour=3)\n"
         "imulab.navigate(None, 'x', vertical=3)\n"
         "imulab.plan('gyro.offset <= 1 deg/h', latitude_deg=47.4).report('plan.html')\n"
+        "imulab.budget('m.toml', grade=['navigation', 'tactical']).budgets['tactical']\n"
+        "imulab.budget('m.toml', grade=3)\n"
     )
     environment = dict(os.environ, MYPYPATH=str(pathlib.Path(imulab.__file__).parent.parent))  # as it is built: the hints of options are written then
     environment.pop("LD_PRELOAD", None)
@@ -50,7 +52,7 @@ def test_a_program_is_checked(tmp_path):
         [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path / "cache"), str(program)], capture_output=True, text=True, check=False, env=environment
     )
     wrong = sorted(int(line.split(":")[1]) for line in done.stdout.splitlines() if "error" in line and "program.py" in line)
-    assert wrong == [5, 6, 7, 8, 9], done.stdout
+    assert wrong == [5, 6, 7, 8, 9, 12], done.stdout
 
 
 def test_everything_public_says_what_it_is():

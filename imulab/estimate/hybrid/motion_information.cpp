@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::hybrid {
 
@@ -30,16 +31,15 @@ MotionInformation block_information(const InformationModel& m, const AttitudeAt&
   return white.transpose() * white;
 }
 
-/// Without three of the unknowns, which begin at `at`, whatever they are.
-MatrixXd without(const MatrixXd& information, Index at) {
-  const Index rest = information.rows() - at - 3;
-  MatrixXd across(information.rows() - 3, 3), out(information.rows() - 3, information.rows() - 3);
-  across << information.block(0, at, at, 3), information.block(at + 3, at, rest, 3);
-  out << information.topLeftCorner(at, at), information.topRightCorner(at, rest), information.bottomLeftCorner(rest, at),
-      information.bottomRightCorner(rest, rest);
-  const Matrix3d inverse = information.block<3, 3>(at, at).inverse();
-  out.noalias() -= across * (inverse * across.transpose());
-  return out;
+/// Columns of three unknowns, and a row each other unknown.
+using Across = Eigen::Matrix<double, Eigen::Dynamic, 3>;
+
+/// The information about the other unknowns, whatever the three are: `others` with their part taken off (Schur complement). A search spends most of
+/// its time here; columns are faster than a product of matrices whose inner size is three.
+MatrixXd without(const Matrix3d& three, const Across& across, MatrixXd others) {
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> part = three.inverse() * across.transpose();
+  for (Index j = 0; j < others.cols(); ++j) others.col(j) -= across.col(0) * part(0, j) + across.col(1) * part(1, j) + across.col(2) * part(2, j);
+  return others;
 }
 
 }  // namespace
@@ -80,13 +80,15 @@ MotionInformation turn_information(const InformationModel& model, const Matrix3d
 
 MotionInformation joined(const MotionInformation& first, const MotionInformation& second) {
   const Index n = first.rows() - 6;
-  MatrixXd both = MatrixXd::Zero(n + 9, n + 9);
-  both.topLeftCorner(n + 6, n + 6) = first;
-  both.topLeftCorner(n, n) += second.topLeftCorner(n, n);
-  both.topRightCorner(n, 6) += second.topRightCorner(n, 6);
-  both.bottomLeftCorner(6, n) += second.bottomLeftCorner(6, n);
-  both.bottomRightCorner<6, 6>() += second.bottomRightCorner<6, 6>();
-  return without(both, n + 3);
+  MatrixXd others(n + 6, n + 6);  // constants, attitude at the first one's begin, attitude at the second one's end
+  others.topLeftCorner(n, n) = first.topLeftCorner(n, n) + second.topLeftCorner(n, n);
+  others.block(0, n, n, 3) = first.block(0, n, n, 3), others.block(n, 0, 3, n) = first.block(n, 0, 3, n);
+  others.topRightCorner(n, 3) = second.topRightCorner(n, 3), others.bottomLeftCorner(3, n) = second.bottomLeftCorner(3, n);
+  others.block<3, 3>(n, n) = first.block<3, 3>(n, n), others.bottomRightCorner<3, 3>() = second.bottomRightCorner<3, 3>();
+  others.block<3, 3>(n, n + 3).setZero(), others.block<3, 3>(n + 3, n).setZero();
+  Across across(n + 6, 3);
+  across << first.topRightCorner(n, 3) + second.block(0, n, n, 3), first.block<3, 3>(n, n + 3), second.block<3, 3>(n + 3, n);
+  return without(first.bottomRightCorner<3, 3>() + second.block<3, 3>(n, n), across, std::move(others));
 }
 
 Knowledge prior_knowledge(const InformationModel& model) {
@@ -106,9 +108,13 @@ Knowledge knowledge_of(const InformationModel& model, const FilterPrediction& pr
 
 Knowledge after(const Knowledge& before, const MotionInformation& motion) {
   const Index n = before.rows() - 3;
-  MatrixXd both = motion;
-  both.topLeftCorner(n + 3, n + 3) += before;
-  return without(both, n);
+  MatrixXd others(n + 3, n + 3);  // constants, attitude at the end
+  others.topLeftCorner(n, n) = motion.topLeftCorner(n, n) + before.topLeftCorner(n, n);
+  others.topRightCorner(n, 3) = motion.topRightCorner(n, 3), others.bottomLeftCorner(3, n) = motion.bottomLeftCorner(3, n);
+  others.bottomRightCorner<3, 3>() = motion.bottomRightCorner<3, 3>();
+  Across across(n + 3, 3);
+  across << motion.block(0, n, n, 3) + before.topRightCorner(n, 3), motion.block<3, 3>(n + 3, n);
+  return without(motion.block<3, 3>(n, n) + before.bottomRightCorner<3, 3>(), across, std::move(others));
 }
 
 VectorXd sigma_of(const Knowledge& knowledge) {
