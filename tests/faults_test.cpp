@@ -80,6 +80,7 @@ struct Faults : testing::Test {
       }
       const FolderContents now = folder_contents(trial.place);
       expect_each_old_or_new(before, after, now, what);
+      if (outputs.front().ends_with('/')) expect_whole_or_absent(before, after, now, outputs.front(), what);
       if (command.ends_with(".db3") && result.exit_code == 0) {
         EXPECT_EQ(now, after) << what;
         return;

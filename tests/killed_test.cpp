@@ -13,10 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names that WholeFile and NewFolder make: "out.4fGh2x", "out.part-4fGh2x/...". Those that a killed command leaves take room and block nothing.
+/// Names that WholeFile and NewFolder make: "out.4fGh2x", "out.part-4fGh2x/...", "out/new.part-4fGh2x/...". Those that a killed command leaves take
+/// room and block nothing.
 bool is_temporary(const std::string& name) {
-  const std::string first = name.substr(0, name.find('/'));
-  if (first.find(".part-") != std::string::npos) return true;
+  if (name.find(".part-") != std::string::npos) return true;
   const std::string last = fs::path(name).extension().string();
   return last.size() == 7 && last.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789", 1) == std::string::npos;
 }
@@ -51,6 +51,7 @@ struct Killed : testing::Test {
       FolderContents now = folder_contents(place);
       std::erase_if(now, [&](const auto& file) { return !after.contains(file.first) && !before.contains(file.first) && is_temporary(file.first); });
       expect_each_old_or_new(before, after, now, arguments);
+      if (outputs.front().ends_with('/')) expect_whole_or_absent(before, after, now, outputs.front(), arguments);
       const bool made = outputs.front().find('/') != std::string::npos && fs::exists(place / outputs.front());
       if (made) continue;  // a folder that is there whole is not made again
       const CommandResult next = run_shell(work, command(arguments));
@@ -96,6 +97,8 @@ TEST_F(Killed, AllOfAFolderOrNothing) {
   expect_old_or_new("simulate p.toml -o out", {"out/"});
   expect_old_or_new("trajectory m.toml -o out", {"out/"});
   expect_old_or_new("budget m.toml --runs 0 -o out", {"out/"});
+  expect_old_or_new("compensate c.json S --allow-undetermined -o out", {"out/"});
+  expect_old_or_new("export c.json --allow-undetermined --to all -o out", {"out/"});
 }
 
 TEST_F(Killed, TheNextRunGoesOn) {

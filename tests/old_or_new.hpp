@@ -40,6 +40,20 @@ inline void expect_each_old_or_new(const FolderContents& before, const FolderCon
   for (const auto& [name, text] : before) EXPECT_TRUE(now.contains(name)) << what << ": " << name << " is gone";
 }
 
+/// Of a folder ("out/") all files are there that are there when nothing stops the command, or those of before.
+inline void expect_whole_or_absent(const FolderContents& before, const FolderContents& after, const FolderContents& now, const std::string& folder,
+                                   const std::string& what) {
+  const auto names = [&](const FolderContents& all) {
+    std::vector<std::string> out;
+    for (const auto& [name, text] : all)
+      if (name.starts_with(folder)) out.push_back(name);
+    return out;
+  };
+  if (names(now) != names(before)) {
+    EXPECT_EQ(names(now), names(after)) << what;
+  }
+}
+
 /// Inputs of the verbs: a session S, its calibration c.json, a procedure p.toml, a mission m.toml and its session T, and a fleet's store have.db.
 inline void write_inputs_of_all_verbs(const TemporaryFolder& inputs) {
   inputs.write("m.toml",

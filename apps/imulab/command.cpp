@@ -319,7 +319,9 @@ void show(const Answer& answer, const ShowOptions& o, const std::string& closing
   if (!answer.shortcomings.empty()) throw Unsupported(answer.shortcomings);
 }
 
-std::string written_text(const std::string& output, const std::string& otherwise) { return output.empty() ? otherwise : "written: " + output; }
+std::string written_text(const std::string& output, const std::string& otherwise) {
+  return output.empty() ? otherwise : "written: " + one_line(output);
+}
 
 int run(std::vector<std::string> arguments) {
   try {

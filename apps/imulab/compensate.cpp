@@ -9,6 +9,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/recording_page.hpp"
@@ -23,6 +24,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <unistd.h>
 
 namespace imulab::command {
@@ -44,8 +46,8 @@ void print_counts(const CompensateOptions& options, const CompensationSummary& s
   if (options.json) return print_json(with_conclusion(compensation_json(summary), conclusion_of(summary), warnings));
   for (const CompensatedFile& c : summary.files)
     print(text::wrapped(
-        "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,
-                        options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
+        "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", one_line(c.file), c.samples, c.saturated,
+                        c.out_of_range, options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
 }
 
 CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source, Outliers outliers) {
@@ -55,9 +57,13 @@ CompensatedRecording compensated(const Calibration& calibration, const Session& 
   return out;
 }
 
+bool is_one_file(const fs::path& output) {
+  return output.extension() == ".csv" || output.extension() == ".npz" || output == "-" || is_bag_name(output);
+}
+
 /// The output file of each recording: a .csv or .npz file or a bag for one, else files named like the recordings in a folder.
 std::vector<fs::path> output_files(const Session& session, const fs::path& output) {
-  const bool one_file = output.extension() == ".csv" || output.extension() == ".npz" || output == "-" || is_bag_name(output);
+  const bool one_file = is_one_file(output);
   for (const char* other : {".mat", ".h5", ".hdf5", ".npy", ".ulg", ".bin", ".txt"})
     if (output.extension() == other)
       throw Error(fmt::format("-o {}: {} files are not written; expected .csv, .npz, a bag or a folder", output.string(), other));
@@ -109,16 +115,20 @@ void compensate_files(const CompensateOptions& options) {
   for (const fs::path& file : files) will_write("-o", file);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
-  if (files[0].has_parent_path()) {
+  std::optional<NewFolder> folder;
+  if (!is_one_file(options.output)) {
+    folder.emplace(options.output, NewFolder::Existing::add);
+  } else if (files[0].has_parent_path()) {
     std::error_code failure;
     fs::create_directories(files[0].parent_path(), failure);
     if (failure) throw Error(fmt::format("-o {}: the folder cannot be created: {}", options.output, failure.message()));
   }
   CompensationSummary summary{.calibration_file = options.calibration, .imu = calibration.imu, .quality = calibration.quality, .files = {}};
   for (std::size_t i = 0; i < files.size(); ++i) {
-    write_compensated(files[i], session, session.recordings[i], recordings[i]);
+    write_compensated(folder ? folder->path() / files[i].filename() : files[i], session, session.recordings[i], recordings[i]);
     summary.files.push_back(summary_of(files[i], recordings[i], options.json || !options.report.empty()));
   }
+  if (folder) folder->commit();
   if (files[0] != "-") print_counts(options, summary, warnings);
   if (!options.report.empty()) write_whole(options.report, compensation_page(summary));
 }

@@ -21,6 +21,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace imulab::command {
@@ -137,9 +138,14 @@ std::string text_of(const ExportTarget& target, const ExportInput& input, const 
   return c_header(input.calibration, options);
 }
 
-/// Writes one target's file, whole or not at all, after its warnings.
-JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
-  const std::string text = errors_at(input_name(o.calibration), [&] { return text_of(target, input, o); });
+struct ExportedFile {
+  std::string file, text;
+  JsonFields stated;
+};
+
+/// One target's file, after its warnings.
+ExportedFile exported(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
+  std::string text = errors_at(input_name(o.calibration), [&] { return text_of(target, input, o); });
   const std::vector<std::string> lost = target.left_out(input);
   const std::string place = o.target == all_targets ? fmt::format("{}: {}", input_name(o.calibration), target.name) : input_name(o.calibration);
   if (o.target == all_targets && !lost.empty())
@@ -148,8 +154,7 @@ JsonFields write_target(const ExportTarget& target, const ExportInput& input, co
     for (const std::string& sentence : lost) warn(fmt::format("{}: not held by {}: {}", place, target.name, sentence));
   if (target.warnings != nullptr && (o.target != all_targets || !target.needs_noise))  // of all targets the noise is spoken of once
     for (const std::string& warning : target.warnings(input)) warn(place + ": " + warning);
-  write_whole(output, text);
-  return {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}};
+  return {output, std::move(text), {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}}};
 }
 
 bool given(const Options& o, std::string_view name) {
@@ -181,24 +186,28 @@ void write_all(const ExportInput& input, const Options& o, const std::vector<std
   if (o.output == "-") throw Error("--to all: writes several files; expected -o FOLDER");
   if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
   const std::vector<PlannedExport> all = planned_exports(input, o);
-  fs::create_directories(o.output);
   for (const std::string& warning : export_target("kalibr").warnings(input)) warn(input_name(o.calibration) + ": " + warning);
-  std::vector<JsonFields> written;
+  std::vector<ExportedFile> files;
   std::vector<std::string_view> failed;
   for (const PlannedExport& planned : all) {
     ExportInput of_target = input;
     of_target.options.imu_model = planned.imu_model;
     try {
-      written.push_back(write_target(*planned.target, of_target, o, planned.file));
+      files.push_back(exported(*planned.target, of_target, o, planned.file));
     } catch (const Error& e) {
       warn(fmt::format("{} is not written: {}", planned.target->name, e.what()));
       failed.push_back(planned.target->name);
     }
   }
-  if (written.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
+  if (files.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
+  NewFolder folder(o.output, NewFolder::Existing::add);
+  for (const ExportedFile& file : files) write_whole(folder.path() / fs::path(file.file).filename(), file.text);
+  folder.commit();
+  std::vector<JsonFields> written;
+  for (const ExportedFile& file : files) written.push_back(file.stated);
   if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output}, warnings);
-  for (const JsonFields& file : written)
-    if (!o.json) print(std::get<std::string>(file.fields[1].second.is) + "\n");
+  for (const ExportedFile& file : files)
+    if (!o.json) print(one_line(file.file) + "\n");
   if (!failed.empty())
     throw Unsupported(
         fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), all.size(), fmt::join(failed, ", ")));
@@ -214,8 +223,9 @@ void run(const Options& o) {
   input.options.axes = o.axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
   if (o.target == all_targets) return write_all(input, o, warnings);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
-  const JsonFields written = write_target(export_target(o.target), input, o, o.output);
-  if (o.json) print_json(written, {"", "written: " + o.output}, warnings);
+  const ExportedFile file = exported(export_target(o.target), input, o, o.output);
+  write_whole(o.output, file.text);
+  if (o.json) print_json(file.stated, {"", "written: " + o.output}, warnings);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/html.hpp"
@@ -52,7 +53,7 @@ void add(const Options& o) {
   for (const std::string& file : o.files) try {
       const std::string what = add_to_fleet(file, o.unit, o.declared, store);
       added.push_back({{{"file", file}, {"added", what}}});
-      if (!o.json) print(fmt::format("{}: {}\n", file, what));
+      if (!o.json) print(fmt::format("{}: {}\n", one_line(file), what));
     } catch (const Error& e) {
       wrong.emplace_back(e.what());
     }
@@ -71,6 +72,13 @@ void add_add(Verb& fleet) {
   verb.option("--json", o->json, "print what was added as JSON");
   verb.example("imulab fleet add calibration.json --store fleet.db --station 2");
   verb.does = [o] { add(*o); };
+}
+
+/// Its further lines are no rows of a list.
+std::string indented(const std::string& message) {
+  std::string out;
+  for (const char c : message) out += c == '\n' ? std::string("\n  ") : std::string(1, c);
+  return out;
 }
 
 std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures) {
@@ -97,7 +105,7 @@ void calibrate_all(const Options& o) {
     n = calibrate_fleet(sessions, task, store);
   }
   if (o.shared.silent()) return;
-  for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", f.file, f.message));
+  for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", one_line(f.file), indented(f.message)));
   warn_each(store.clock_problems());
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
   if (o.json)
@@ -135,7 +143,8 @@ void list_failures(const Options& o, FleetStore& store) {
   const std::vector<FleetFailure> failures = store.failures();
   if (o.json) return print_json({{{"failures", failures_json(failures)}}}, {"", fmt::format("{} sessions failed", failures.size())});
   std::string text;
-  for (const FleetFailure& f : failures) text += fmt::format("{} ({} {}): {}\n", f.file, f.method, f.options, f.message);
+  for (const FleetFailure& f : failures)
+    text += fmt::format("{} ({} {}): {}\n", one_line(f.file), one_line(f.method), one_line(f.options), indented(f.message));
   print(text.empty() ? "no session has failed\n" : text);
 }
 
@@ -159,11 +168,15 @@ void list(const Options& o) {
     return print_json({{{"units", rows}}}, {"", fmt::format("{} units", rows.size())});
   }
   std::size_t serial = 6, name = 4;
-  for (const FleetUnit& u : units) serial = std::max(serial, u.serial.size()), name = std::max(name, std::min<std::size_t>(u.name.size(), 30));
+  std::vector<std::pair<std::string, std::string>> shown;
+  for (const FleetUnit& u : units) {
+    shown.emplace_back(one_line(u.serial), one_line(u.name));
+    serial = std::max(serial, shown.back().first.size()), name = std::max(name, std::min<std::size_t>(shown.back().second.size(), 30));
+  }
   std::string text = fmt::format("{:<{}}  {:<{}}  calibrations  last                  verdict   station\n", "serial", serial, "name", name);
-  for (const FleetUnit& u : units)
-    text += fmt::format("{:<{}}  {:<{}}  {:>12}  {:<20}  {:<8}  {}\n", u.serial, serial, u.name, name, u.calibrations,
-                        u.calibrations > 0 ? time_text(u.last) : "-", u.verdict, u.station);
+  for (std::size_t k = 0; k < units.size(); ++k)
+    text += fmt::format("{:<{}}  {:<{}}  {:>12}  {:<20}  {:<8}  {}\n", shown[k].first, serial, shown[k].second, name, units[k].calibrations,
+                        units[k].calibrations > 0 ? time_text(units[k].last) : "-", one_line(units[k].verdict), one_line(units[k].station));
   const std::size_t failed = store.failures().size();
   print(text + fmt::format("{} units{}\n", units.size(), failed > 0 ? fmt::format("; {} sessions failed (--failures)", failed) : ""));
 }
@@ -183,7 +196,7 @@ void show(const Options& o) {
   const FleetUnit unit = store.unit(o.unit);
   const std::vector<FleetRecord> records = store.records(unit.id, true);
   std::vector<JsonFields> rows;
-  std::string text = fmt::format("{} {}: {} calibrations\n", unit.name, unit.serial, unit.calibrations);
+  std::string text = fmt::format("{} {}: {} calibrations\n", one_line(unit.name), one_line(unit.serial), unit.calibrations);
   for (const FleetRecord& r : records) {
     rows.push_back({{{"calibration", static_cast<std::uint64_t>(r.id)},
                      {"time", time_text(r.occasion.time)},
@@ -199,10 +212,11 @@ void show(const Options& o) {
                      {"added", time_text(r.added)},
                      {"removed", r.removed ? time_text(*r.removed) : ""},
                      {"reason", r.reason}}});
-    text += fmt::format("  {:>6}  {} ({})  {} {}  {}{}{}{}\n", r.id, time_text(r.occasion.time), r.occasion.time_from, r.method, r.options, r.verdict,
-                        r.occasion.station.empty() ? "" : "  station " + r.occasion.station,
-                        r.occasion.operated_by.empty() ? "" : "  by " + r.occasion.operated_by,
-                        r.removed ? fmt::format("  removed {}{}", time_text(*r.removed), r.reason.empty() ? "" : ": " + r.reason) : "");
+    text += one_line(fmt::format("  {:>6}  {} ({})  {} {}  {}{}{}{}", r.id, time_text(r.occasion.time), r.occasion.time_from, r.method, r.options,
+                                 r.verdict, r.occasion.station.empty() ? "" : "  station " + r.occasion.station,
+                                 r.occasion.operated_by.empty() ? "" : "  by " + r.occasion.operated_by,
+                                 r.removed ? fmt::format("  removed {}{}", time_text(*r.removed), r.reason.empty() ? "" : ": " + r.reason) : "")) +
+            "\n";
   }
   if (!o.json) return print(text);
   print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {"", fmt::format("{} calibrations", rows.size())});

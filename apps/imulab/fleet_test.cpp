@@ -10,6 +10,7 @@
 #include "tests/run_command.hpp"
 #include <cstdlib>
 #include <filesystem>
+#include <unistd.h>
 
 namespace imulab {
 namespace {
@@ -262,6 +263,30 @@ TEST_F(FleetCommand, BadInput) {
   EXPECT_THAT(run("fleet check").errors, HasSubstr("before the one ahead of them: a clock was set back"));
   { FleetStore(folder / "fleet.db", fleet::Access::write).database().run("PRAGMA user_version = 2"); }
   EXPECT_THAT(run("fleet list", 2).errors, HasSubstr("a newer imulab wrote it"));
+}
+
+TEST_F(FleetCommand, ReadsAStoreInAFolderThatCannotBeWritten) {
+  draw(2, 1);
+  namespace fs = std::filesystem;
+  // Nobody's rights, or ours where we are not root: the folder may be read, and no more.
+  const std::string reader = (geteuid() == 0 ? "setpriv --reuid 65534 --regid 65534 --clear-groups '" : "'") + command_path() + "' ";
+  const auto shut = [&](const std::string& name, bool log) {
+    fs::create_directories(folder / name);
+    fs::copy(folder / "fleet.db", folder / (name + "/fleet.db"));
+    if (log) fs::copy(folder / "fleet.db-wal", folder / (name + "/fleet.db-wal"));
+    fs::permissions(folder / name, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+  };
+  shut("whole", false);
+  const CommandResult read = run_shell(folder, reader + "fleet list --store whole/fleet.db");
+  EXPECT_EQ(read.exit_code, 0) << read.errors;
+  EXPECT_THAT(read.output, HasSubstr("2 units"));
+  const FleetStore open(folder / "fleet.db", fleet::Access::write);  // while it is open its changes are in the log
+  run("fleet remove 1001");
+  shut("behind", true);
+  const CommandResult behind = run_shell(folder, reader + "fleet list --store behind/fleet.db");
+  EXPECT_EQ(behind.exit_code, 2);
+  EXPECT_THAT(behind.errors, HasSubstr("behind/fleet.db: its last changes are in fleet.db-wal"));
+  for (const char* name : {"whole", "behind"}) fs::permissions(folder / name, fs::perms::owner_all);
 }
 
 }  // namespace

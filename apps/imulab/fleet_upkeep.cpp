@@ -6,6 +6,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 
 #include <fmt/format.h>
@@ -54,7 +55,7 @@ void merge(const Options& o) {
   FleetStore store(o.store, Access::write);
   const std::int64_t added = store.merge(o.other);
   if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
-  print(fmt::format("{}: {} calibrations added from {}\n", o.store, added, o.other));
+  print(fmt::format("{}: {} calibrations added from {}\n", one_line(o.store), added, one_line(o.other)));
 }
 
 std::int64_t calibration_number(const std::string& text) {

@@ -10,6 +10,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/certificate.hpp"
 #include "imulab/report/comparison_page.hpp"
@@ -164,7 +165,7 @@ void run(const Options& o) {
   if (!o.certificate && !o.laboratory.empty()) throw Error("--laboratory: belongs to a certificate; expected --certificate");
   write_whole(o.output, o.certificate ? certificate_of(o) : page_of(read_answer(o.result), o));
   if (o.json) print_json({{{"file", o.output}}}, {"", "written: " + o.output});
-  if (!o.json && o.output != "-") print(fmt::format("written: {}\n", o.output));
+  if (!o.json && o.output != "-") print(fmt::format("written: {}\n", one_line(o.output)));
 }
 
 }  // namespace

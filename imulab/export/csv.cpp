@@ -3,6 +3,7 @@
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/formats/text/csv_field.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 namespace imulab::export_io {
 
@@ -71,6 +73,19 @@ std::string temperature_rows(const TriadModel& m, const char* triad) {
                      exact_number(m.temperature->reference), exact_number(m.temperature->range[0]), exact_number(m.temperature->range[1]), unit);
 }
 
+/// Spreadsheets split comments, too: names in them open no cell that is run.
+std::string with_plain_cells(const std::string& text) {
+  std::string out;
+  bool comment = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (i == 0 || text[i - 1] == '\n') comment = text[i] == '#';
+    const bool opens = comment && i > 0 && (text[i - 1] == ',' || text[i - 1] == ';');
+    if (opens && std::string_view("=+-@").find(text[i]) != std::string_view::npos) out += '\'';
+    out += text[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string csv_text(const ExportInput& input) {
@@ -95,10 +110,12 @@ std::string csv_text(const ExportInput& input) {
     text += fmt::format("{},{},{},{}\n", coefficient(index).name, exact_number(coefficient_value(c.model, index)),
                         sigma ? (std::isfinite(*sigma) ? exact_number(*sigma) : "inf") : "", coefficient(index).unit);
   }
-  text += fmt::format("accel.readings,{},,\ngyro.readings,{},,\n", raw(c.model.accel, "m/s^2"), raw(c.model.gyro, "rad/s"));
+  text += fmt::format("accel.readings,{},,\ngyro.readings,{},,\n", text::csv_field(raw(c.model.accel, "m/s^2")),
+                      text::csv_field(raw(c.model.gyro, "rad/s")));
   text += recorded_rows(c.recorded_accel, "accel") + recorded_rows(c.recorded_gyro, "gyro");
   text += temperature_rows(c.model.accel, "accel") + temperature_rows(c.model.gyro, "gyro");
-  return input.noise == nullptr ? text : text + noise_rows(noise_values(input, "csv")) + axis_noise_rows(*input.noise);
+  if (input.noise != nullptr) text += noise_rows(noise_values(input, "csv")) + axis_noise_rows(*input.noise);
+  return with_plain_cells(text);
 }
 
 }  // namespace imulab::export_io

@@ -1,4 +1,5 @@
 // Curves over time: their data for dygraphs, and the picture for print and for pages without scripts.
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/report/start.hpp"
@@ -22,7 +23,7 @@ std::string json_string(std::string_view text) {
     else
       out += c;
   }
-  return out + "\"";
+  return with_escapes(out) + "\"";
 }
 
 template <class Values, class Text>

@@ -4,6 +4,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -37,8 +38,8 @@ std::string inspection_text(const Inspection& inspection) {
   std::string out = text::wrapped(headline.substr(0, word), headline.substr(word));
   for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", problem);
   for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", question);
-  out += fmt::format("\n{}\n", inspection.file);
-  out += text::wrapped("  ", fmt::format("{}; {} rows{}", inspection.format, inspection.rows,
+  out += fmt::format("\n{}\n", one_line(inspection.file));
+  out += text::wrapped("  ", fmt::format("{}; {} rows{}", one_line(inspection.format), inspection.rows,
                                          inspection.rate_hz ? fmt::format(", {:.6g} s", inspection.duration_s) : ""));
   for (const std::string& line : inspection.evidence) out += text::wrapped("  ", line);
   std::string unused;

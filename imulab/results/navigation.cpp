@@ -3,6 +3,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/navigation/integration/strapdown.hpp"
 
 #include <fmt/format.h>
@@ -69,7 +70,7 @@ std::string one_session(const NavigatedSession& s) {
   const Solution& solution = s.navigated.solution;
   const double zero = origin_of_times(s), begin = solution.time.front() - zero, end = solution.time.back() - zero;
   std::string text = s.errors ? text::wrapped("", headline(*s.errors)) + "\n" : "";
-  text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, begin, end, end - begin,
+  text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", one_line(s.session), begin, end, end - begin,
                       to_string(s.navigated.vertical));
   if (zero != 0) text += fmt::format("times from {}\n", date_text(zero));
   text += s.navigated.aligned ? alignment_text(*s.navigated.aligned, zero) : "started as the session says ([initial])\n";
@@ -81,7 +82,7 @@ std::string several_sessions(const std::vector<NavigatedSession>& sessions) {
   std::string text = text::wrapped("", navigation_headline(sessions)) + "\n";
   text += fmt::format("{:<26} {:>9} {:>12} {:>9} {:>10} {:>9}\n", "session", "time, s", "horizontal m", "up, m", "heading as", "nmi/h");
   for (const auto& s : sessions) {
-    text += fmt::format("{:<26} {:>9.1f}", s.session, s.navigated.solution.time.back() - s.navigated.solution.time.front());
+    text += fmt::format("{:<26} {:>9.1f}", one_line(s.session), s.navigated.solution.time.back() - s.navigated.solution.time.front());
     if (!s.errors) {
       text += " no truth\n";
       continue;

@@ -2,6 +2,7 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -157,7 +158,7 @@ std::string noise_headline(const NoiseBatch& batch) {
 }
 
 std::string noise_text(const NoiseAnalysis& analysis) {
-  std::string out = analysis.recording + "\n";
+  std::string out = one_line(analysis.recording) + "\n";
   for (const std::string& note : analysis.notes) out += text::wrapped("  ", note);
   out += "\n  axis     term     value  95 % interval         unit\n";
   for (const NoiseTermText& term : noise_terms())
@@ -174,7 +175,7 @@ std::string noise_text(const NoiseAnalysis& analysis) {
 
 std::string noise_text(const NoiseBatch& batch) {
   std::string out = fmt::format("{} logs\n", batch.logs.size());
-  for (const NoiseAnalysis& log : batch.logs) out += fmt::format("  {}: {:.6g} s at rest\n", log.recording, log.end_s - log.begin_s);
+  for (const NoiseAnalysis& log : batch.logs) out += fmt::format("  {}: {:.6g} s at rest\n", one_line(log.recording), log.end_s - log.begin_s);
   out += "\n  axis     term      mean  95 % interval         spread   worst    unit\n";
   for (const NoiseTermText& term : noise_terms())
     for (const BatchAxis& axis : batch.axes) {

@@ -6,6 +6,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/simulate.hpp"
@@ -139,9 +140,9 @@ AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& 
                [=](bool) {
                  std::string files;
                  for (const Recording& r : simulated->recordings)
-                   files += fmt::format("  {:<14} {} samples, {:g} s\n", r.name, r.size(), duration(r));
-                 return fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session should find\n  session.toml\n", folder, task.seed,
-                                    files, "truth.json");
+                   files += fmt::format("  {:<14} {} samples, {:g} s\n", one_line(r.name), r.size(), duration(r));
+                 return fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session should find\n  session.toml\n", one_line(folder),
+                                    task.seed, files, "truth.json");
                }},
           simulated};
 }

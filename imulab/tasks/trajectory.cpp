@@ -7,6 +7,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/results/navigation.hpp"
@@ -191,8 +192,9 @@ AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTa
            .table =
                [=](bool) {
                  const std::string heights = flown->heights ? fmt::format("  barometer.csv  {} heights\n", flown->heights->time.size()) : "";
-                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n{}  session.toml\n{}", folder,
-                                    flown->recording.size(), end, rate, flown->truth.size(), heights, motion_table(flown->recording, flown->truth));
+                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n{}  session.toml\n{}",
+                                    one_line(folder), flown->recording.size(), end, rate, flown->truth.size(), heights,
+                                    motion_table(flown->recording, flown->truth));
                },
            .warnings = flown->warnings},
           flown};

@@ -1,10 +1,12 @@
 #include "imulab/fleet/statistics/outliers.hpp"
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace imulab {
@@ -47,17 +49,36 @@ void take_spread(FleetModel& f, const Eigen::MatrixXd& measurement) {
   f.spread = (e.vectors * e.values.asDiagonal() * e.vectors.transpose()).array() * sizes.array();
 }
 
+/// Mean and scatter in pieces of so many units, each by itself and added up in their order: the same on any number of threads, and little memory.
+constexpr Eigen::Index units_per_piece = 4096;
+
+/// The units that count among those of a piece, as columns.
+Eigen::MatrixXd inside_piece(const OutlierInput& input, const Inside& inside, std::size_t piece) {
+  const Eigen::Index begin = static_cast<Eigen::Index>(piece) * units_per_piece, end = std::min(begin + units_per_piece, input.values.rows());
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = begin; i < end; ++i)
+    if (inside[static_cast<std::size_t>(i)] != 0) rows.push_back(i);
+  return input.values(rows, Eigen::all).transpose();
+}
+
 FleetModel estimate(const OutlierInput& input, const Inside& inside) {
   const Eigen::Index p = input.values.cols();
-  FleetModel f{0, Eigen::VectorXd::Zero(p), Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
-  Eigen::MatrixXd kept(p, static_cast<Eigen::Index>(std::count(inside.begin(), inside.end(), 1)));
-  for (Eigen::Index i = 0, k = 0; i < input.values.rows(); ++i)
-    if (inside[static_cast<std::size_t>(i)] != 0) kept.col(k++) = input.values.row(i).transpose();
-  f.units = static_cast<double>(kept.cols());
+  FleetModel f{static_cast<double>(std::count(inside.begin(), inside.end(), 1)), Eigen::VectorXd::Zero(p), Eigen::MatrixXd::Zero(p, p),
+               Eigen::MatrixXd::Zero(p, p)};
   if (f.units < 2) return f;
-  f.mean = kept.rowwise().mean();
-  kept.colwise() -= f.mean;
-  f.sample = kept * kept.transpose() / (f.units - 1);
+  const auto pieces = static_cast<std::size_t>((input.values.rows() + units_per_piece - 1) / units_per_piece);
+  std::vector<Eigen::VectorXd> sums(pieces);
+  parallel_for(pieces, [&](std::size_t k) { sums[k] = inside_piece(input, inside, k).rowwise().sum(); });
+  for (const Eigen::VectorXd& sum : sums) f.mean += sum;
+  f.mean /= f.units;
+  std::vector<Eigen::MatrixXd> scatters(pieces);
+  parallel_for(pieces, [&](std::size_t k) {
+    Eigen::MatrixXd z = inside_piece(input, inside, k);
+    z.colwise() -= f.mean;
+    scatters[k] = z * z.transpose();
+  });
+  for (const Eigen::MatrixXd& scatter : scatters) f.sample += scatter;
+  f.sample /= f.units - 1;
   take_spread(f, input.mean_covariance);
   return f;
 }
@@ -85,16 +106,22 @@ double limit_of(double level, double p, double n) {
   return low;
 }
 
-/// A unit by the coefficients that it has.
-FleetOutlier judge(const OutlierInput& input, const FleetModel& all, Eigen::Index unit, bool inside) {
+/// The coefficients that a unit has.
+std::vector<Eigen::Index> there_in(const OutlierInput& input, Eigen::Index unit) {
   std::vector<Eigen::Index> there;
   for (Eigen::Index j = 0; j < input.values.cols(); ++j)
     if (std::isfinite(input.values(unit, j))) there.push_back(j);
+  return there;
+}
+
+/// A unit by the coefficients that it has, with the covariance of its measurement.
+FleetOutlier judge(const OutlierInput& input, const FleetModel& all, Eigen::Index unit, bool inside, const Eigen::MatrixXd& covariance) {
+  const std::vector<Eigen::Index> there = there_in(input, unit);
   const auto p = static_cast<Eigen::Index>(there.size());
   FleetOutlier out{.unit = unit, .coefficients = static_cast<int>(p)};
   if (p == 0) return out;
   const FleetModel fleet = inside ? without(all, input, unit) : all;
-  const Eigen::MatrixXd variance = (input.covariance(unit) + fleet.spread)(there, there);
+  const Eigen::MatrixXd variance = (covariance + fleet.spread)(there, there);
   const Eigen::MatrixXd average = (input.mean_covariance + fleet.spread)(there, there);
   const Eigen::VectorXd offset = (input.values.row(unit).transpose() - fleet.mean)(there);
   const double square = squared_norm_in(variance, offset);
@@ -108,20 +135,110 @@ FleetOutlier judge(const OutlierInput& input, const FleetModel& all, Eigen::Inde
   return out;
 }
 
+// Of a large fleet most units are surely none, which is found without the eigenvalues of each fleet less one unit: first by the spread alone, then
+// with the unit's own covariance C and what it changes in mean and spread itself. With z from the mean of n units, V = C + spread and q = z^T V^-1 z,
+//
+//   without the unit  z' = n / (n - 1) z,  V' = V - b z z^T,  b = n / ((n - 1)(n - 2)),  z'^T V'^-1 z' = (n / (n - 1))^2 q / (1 - b q)
+//
+// (Sherman and Morrison 1950, doi:10.1214/aoms/1177729893). V' leaves out that the remaining spread grows by 1/(n - 2) of the sample's covariance,
+// and that it is cut at zero anew: both are small beside the margin of `surely`, and who is not surely inside is judged as in a small fleet.
+constexpr double few = 1000;    // up to so many a unit changes the estimate, and each is judged without itself
+constexpr double surely = 0.7;  // of the squared limit: less than the limit of a unit that is measured better than others
+
 /// Squared distances in the spread alone, which are never less than those with the measurement's covariance: who is near by these is near. NaN where
 /// a coefficient is missing.
 Eigen::ArrayXd upper_bounds(const OutlierInput& input, const FleetModel& fleet) {
-  constexpr double few = 1000;  // then a unit changes the estimate, and each is judged without itself
   if (!fleet.whole || fleet.units < few) return Eigen::ArrayXd::Constant(input.values.rows(), std::numeric_limits<double>::quiet_NaN());
   const Cholesky factor(fleet.spread);
   if (!factor.positive_definite()) return Eigen::ArrayXd::Constant(input.values.rows(), std::numeric_limits<double>::quiet_NaN());
   Eigen::ArrayXd out(input.values.rows());
   constexpr Eigen::Index block = 256;
   const Eigen::MatrixXd whiten = factor.solve_lower(Eigen::MatrixXd(Eigen::MatrixXd::Identity(fleet.spread.rows(), fleet.spread.rows())));
-  for (Eigen::Index begin = 0; begin < out.size(); begin += block) {
-    const Eigen::Index n = std::min(block, out.size() - begin);
+  parallel_for(static_cast<std::size_t>((out.size() + block - 1) / block), [&](std::size_t k) {
+    const Eigen::Index begin = static_cast<Eigen::Index>(k) * block, n = std::min(block, out.size() - begin);
     const Eigen::MatrixXd offsets = (input.values.middleRows(begin, n).rowwise() - fleet.mean.transpose()).transpose();
     out.segment(begin, n) = (whiten * offsets).colwise().squaredNorm().transpose().array();
+  });
+  return out;
+}
+
+/// The squared distance with the unit's own covariance, nearly (above); infinite where it is not known.
+double nearly_square(const OutlierInput& input, const FleetModel& fleet, Eigen::Index unit, bool inside, const Eigen::MatrixXd& covariance) {
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  const std::vector<Eigen::Index> there = there_in(input, unit);
+  const bool complete = std::ssize(there) == input.values.cols();
+  const Eigen::MatrixXd sum = covariance + fleet.spread;
+  const Cholesky factor(complete ? sum : Eigen::MatrixXd(sum(there, there)));
+  if (!factor.positive_definite()) return unknown;
+  const Eigen::VectorXd z = (input.values.row(unit).transpose() - fleet.mean)(there);
+  const double q = factor.solve_lower(z).squaredNorm(), n = fleet.units, larger = n / (n - 1), b = larger / (n - 2);
+  if (!inside) return q;
+  return b * q < 1 ? larger * larger * q / (1 - b * q) : unknown;
+}
+
+/// What is known of each complete unit from the round before: `square`, at least its nearly_square; `share`, the least ratio of its variances to the
+/// average's. NaN where nothing is known.
+struct Screened {
+  FleetModel fleet;
+  Eigen::ArrayXd square, share;
+  Inside inside;
+};
+
+/// The squared distances of the round before, as far as they may have grown with the new estimate. With M = mean covariance + spread and e the
+/// largest eigenvalue of M^-1 (old spread - new spread), V_old <= (1 + e / share) V_new, and the mean has moved by |d|_M / sqrt(share) at most.
+Eigen::ArrayXd grown(const Screened& before, const OutlierInput& input, const FleetModel& fleet, const Inside& inside) {
+  const auto units = static_cast<Eigen::Index>(inside.size());
+  const Cholesky factor(input.mean_covariance + fleet.spread);
+  if (before.inside.empty() || !factor.positive_definite()) return Eigen::ArrayXd::Constant(units, std::numeric_limits<double>::quiet_NaN());
+  const Eigen::MatrixXd half = factor.solve_lower(Eigen::MatrixXd(before.fleet.spread - fleet.spread));
+  const double larger = std::max(0.0, symmetric_eigenvalues(factor.solve_lower(Eigen::MatrixXd(half.transpose()))).maxCoeff());
+  const double moved = factor.solve_lower(Eigen::VectorXd(before.fleet.mean - fleet.mean)).norm();
+  Eigen::ArrayXd out = ((before.square * (1 + larger / before.share)).sqrt() + moved / before.share.sqrt()).square();
+  for (Eigen::Index i = 0; i < units; ++i)
+    if (inside[static_cast<std::size_t>(i)] != before.inside[static_cast<std::size_t>(i)]) out[i] = std::numeric_limits<double>::quiet_NaN();
+  return out;
+}
+
+/// The outliers of one round, in the order of the units. `screened`: of the round before, then of this one.
+std::vector<FleetOutlier> outliers_of(const OutlierInput& input, const FleetModel& fleet, const Inside& inside, double level, Screened& screened) {
+  const auto p = static_cast<std::size_t>(input.values.cols());
+  std::vector<double> near(p + 1, 0);  // surely inside, by the number of coefficients
+  const bool many = fleet.units >= few;
+  for (std::size_t k = 1; k <= p && many; ++k) near[k] = surely * limit_of(level, static_cast<double>(k), fleet.units);
+  const Eigen::ArrayXd bounds = upper_bounds(input, fleet), before = grown(screened, input, fleet, inside);
+  std::vector<Eigen::Index> open;
+  for (Eigen::Index i = 0; i < input.values.rows(); ++i)
+    if (!(many && (bounds[i] <= near[p] || before[i] <= near[p]))) open.push_back(i);
+  screened.fleet = fleet, screened.inside = inside, screened.square = before;
+  std::vector<FleetOutlier> out;
+  constexpr std::size_t block = 512, task = 8;  // covariances in memory, twice; units of one call of a thread
+  std::vector<Eigen::MatrixXd> covariances, following;
+  const auto read_from = [&](std::size_t begin) {
+    following.clear();
+    for (std::size_t k = begin; k < std::min(begin + block, open.size()); ++k) following.push_back(input.covariance(open[k]));
+  };
+  read_from(0);
+  for (std::size_t begin = 0; begin < open.size(); begin += block) {
+    covariances.swap(following);
+    const std::size_t n = covariances.size();
+    std::vector<FleetOutlier> judged(n);
+    parallel_for(1 + (n + task - 1) / task, [&](std::size_t t) {  // one of the calls reads meanwhile
+      if (t == 0) return read_from(begin + block);
+      for (std::size_t k = (t - 1) * task; k < std::min(n, t * task); ++k) {
+        const Eigen::Index unit = open[begin + k];
+        const bool own = inside[static_cast<std::size_t>(unit)] != 0;
+        const auto has = static_cast<std::size_t>(input.values.row(unit).array().isFinite().count());
+        if (has == 0) continue;
+        if (many) {
+          const double square = nearly_square(input, fleet, unit, own, covariances[k]);
+          screened.share[unit] = std::min(1.0, (covariances[k].diagonal().array() / input.mean_covariance.diagonal().array()).minCoeff());
+          screened.square[unit] = has == p ? square : std::numeric_limits<double>::quiet_NaN();
+          if (square <= near[has]) continue;
+        }
+        judged[k] = judge(input, fleet, unit, own, covariances[k]);
+      }
+    });
+    std::copy_if(judged.begin(), judged.end(), std::back_inserter(out), [&](const FleetOutlier& o) { return o.p_value < level; });
   }
   return out;
 }
@@ -134,7 +251,9 @@ OutlierSearch find_outliers(const OutlierInput& input, double false_alarm) {
   if (input.values.size() == 0) return out;
   const auto p = static_cast<double>(input.values.cols());
   const double level = false_alarm / std::max<double>(1, static_cast<double>(input.values.rows()));
-  Inside inside = start_of(input.values, false_alarm);
+  Inside inside = start_of(input.values, false_alarm), complete(inside.size());
+  for (std::size_t i = 0; i < complete.size(); ++i) complete[i] = input.values.row(static_cast<Eigen::Index>(i)).allFinite();
+  Screened screened{.fleet = {}, .square = {}, .share = Eigen::ArrayXd::Ones(input.values.rows()), .inside = {}};
   constexpr int rounds = 20;
   for (int round = 0; round < rounds; ++round) {
     const FleetModel fleet = estimate(input, inside);
@@ -142,19 +261,9 @@ OutlierSearch find_outliers(const OutlierInput& input, double false_alarm) {
     out.mean = fleet.mean, out.spread = fleet.spread;
     out.possible = fleet.units > p + 3;
     if (!out.possible) return out;
-    const Eigen::ArrayXd bounds = upper_bounds(input, fleet);
-    const double surely_inside = 0.7 * limit_of(level, p, fleet.units);  // less than the limit of a unit that is measured better than others
-    Inside next(inside.size(), 1);
-    for (Eigen::Index i = 0; i < input.values.rows(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const bool complete = input.values.row(i).allFinite();
-      next[k] = complete;
-      if (bounds[i] <= surely_inside) continue;
-      const FleetOutlier o = judge(input, fleet, i, inside[k] != 0);
-      if (o.p_value >= level) continue;
-      next[k] = 0;
-      out.outliers.push_back(o);
-    }
+    out.outliers = outliers_of(input, fleet, inside, level, screened);
+    Inside next = complete;
+    for (const FleetOutlier& o : out.outliers) next[static_cast<std::size_t>(o.unit)] = 0;
     if (next == inside) break;
     inside = std::move(next);
   }

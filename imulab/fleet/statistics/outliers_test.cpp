@@ -2,8 +2,11 @@
 
 #include "imulab/core/random.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -105,6 +108,49 @@ TEST(Outliers, MissingCoefficientsAndSmallFleets) {
   EXPECT_EQ(search.outliers[0].coefficients, 2);
   EXPECT_FALSE(find_outliers(DrawnFleet(1, 8, 6, 0.5, 0.5).input).possible);
   EXPECT_FALSE(find_outliers({Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 0), {}}).possible);
+}
+
+/// By the definition: each unit against the mean and the spread of all others, whose eigenvalues are found anew for each.
+double square_without(const OutlierInput& input, Eigen::Index unit, const std::vector<Eigen::Index>& inside) {
+  std::vector<Eigen::Index> others = inside;
+  std::erase(others, unit);
+  const Eigen::MatrixXd rows = input.values(others, Eigen::all);
+  const Eigen::RowVectorXd mean = rows.colwise().mean();
+  const Eigen::MatrixXd z = rows.rowwise() - mean, sample = z.transpose() * z / (static_cast<double>(others.size()) - 1);
+  const Eigen::VectorXd size = sample.diagonal().cwiseMax(input.mean_covariance.diagonal()).cwiseSqrt();
+  const Eigen::MatrixXd by = size.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> e(by * (sample - input.mean_covariance) * by);
+  const Eigen::MatrixXd root = size.asDiagonal() * e.eigenvectors() * e.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const Eigen::VectorXd offset = (input.values.row(unit) - mean).transpose();
+  return offset.dot((input.covariance(unit) + root * root.transpose()).ldlt().solve(offset));
+}
+
+TEST(Outliers, OfALargeFleetAreThoseOfTheDefinition) {
+  // Units of more than 1000 are not all judged by eigenvalues. Forty are put at distances around the limit, one coefficient has no spread at all (no
+  // step is then without eigenvalues), and uncertainties differ by eight times: who is an outlier, and how far, is as by the definition.
+  constexpr Eigen::Index p = 4, units = 1100;
+  DrawnFleet d(3, units, p, 0.1, 0.8);
+  for (Eigen::Index i = 0; i < units; ++i) {
+    Eigen::MatrixXd& own = d.covariances[static_cast<std::size_t>(i)];
+    const double sigma = std::sqrt(own(3, 3));
+    own.row(3).setZero(), own.col(3).setZero(), own(3, 3) = sigma * sigma;
+    d.input.values(i, 3) = sigma * RandomStream(4, "apart").normal(static_cast<std::uint64_t>(i));
+    if (i < 40) d.input.values(i, i % 4) += (i % 4 == 3 ? sigma : 1.2) * (4 + 0.1 * static_cast<double>(i));
+  }
+  d.input.mean_covariance.setZero();
+  for (const Eigen::MatrixXd& own : d.covariances) d.input.mean_covariance += own / static_cast<double>(units);
+  const OutlierSearch search = find_outliers(d.input);
+  EXPECT_GT(search.outliers.size(), 5u);
+  EXPECT_LT(search.outliers.size(), 40u);
+  std::vector<Eigen::Index> inside;
+  double nearest = search.outliers.back().distance, farthest_inside = 0;
+  for (Eigen::Index i = 0; i < units; ++i)
+    if (std::none_of(search.outliers.begin(), search.outliers.end(), [&](const FleetOutlier& o) { return o.unit == i; })) inside.push_back(i);
+  for (const FleetOutlier& o : search.outliers) EXPECT_NEAR(o.distance, std::sqrt(square_without(d.input, o.unit, inside)), 1e-9 * o.distance);
+  for (const Eigen::Index i : inside)
+    if (i < 40 || i % 50 == 0) farthest_inside = std::max(farthest_inside, std::sqrt(square_without(d.input, i, inside)));
+  // Two limits: a unit measured otherwise than the average has other degrees of freedom, which moves its limit by less than 2 % here.
+  EXPECT_LT(farthest_inside, 1.02 * nearest);
 }
 
 }  // namespace

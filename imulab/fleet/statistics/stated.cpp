@@ -3,6 +3,7 @@
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -196,7 +197,7 @@ std::string gauge_text(const CoefficientStatistics& c, const Gauge& g, const std
   std::string text;
   for (std::size_t k = 0; k < g.levels.size(); ++k)
     if (g.levels[k].calibrations > 0)
-      text += fmt::format(" {} {}", names[k].empty() ? "(none)" : names[k],
+      text += fmt::format(" {} {}", names[k].empty() ? "(none)" : one_line(names[k]),
                           text::to_digits_of(0.25 * (g.levels[k].high - g.levels[k].low) / c.size, g.levels[k].bias / c.size));
   return text::wrapped(fmt::format("  {:<21} {}: ", coefficient(c.index).name, what), fmt::format("{} {} from their mean", text, c.unit));
 }
@@ -209,7 +210,7 @@ std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f) 
     const double expected = run_rules()[k].false_alarm * n, found = static_cast<double>(c.chart.fired[k].size());
     text += text::wrapped(fmt::format("  {:<21} ", coefficient(c.index).name),
                           fmt::format("{}: at {} units, {} expected; the first is {}", run_rules()[k].name, found, text::number(expected, 2),
-                                      f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())])));
+                                      one_line(f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())]))));
   }
   return text;
 }
@@ -236,10 +237,10 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
   constexpr std::size_t most = 20;
   for (std::size_t k = 0; k < std::min(most, f.due.size()); ++k)
     due += text::wrapped(fmt::format("  {:<20} ", due_text(f.due[k])),
-                         fmt::format("{}, for {}", f.sample.units[static_cast<std::size_t>(f.due[k].unit)], coefficient_name(f.due[k].coefficient)));
+                         fmt::format("{}, for {}", one_line(unit_name(f, f.due[k].unit)), coefficient_name(f.due[k].coefficient)));
   for (std::size_t k = 0; k < std::min(most, f.search.outliers.size()); ++k) {
     const FleetOutlier& o = f.search.outliers[k];
-    outliers += text::wrapped(fmt::format("  {}: ", outlier_name(f, o)),
+    outliers += text::wrapped(fmt::format("  {}: ", one_line(outlier_name(f, o))),
                               fmt::format("distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean", text::number(o.distance),
                                           o.coefficients, coefficient_name(farthest_coefficient(f, o)), o.worst_sigmas));
   }
@@ -247,7 +248,7 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
     const SignificantDrift& d = f.drifts[k];
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
     const double half = 0.5 * (d.drift.high - d.drift.low) / c->size;
-    drift += text::wrapped(fmt::format("  {}: ", f.sample.units[static_cast<std::size_t>(d.drift.unit)]),
+    drift += text::wrapped(fmt::format("  {}: ", one_line(unit_name(f, d.drift.unit))),
                            fmt::format("{} {} {} per year (between {} and {}) over {} years", coefficient_name(d.index),
                                        text::to_digits_of(half, d.drift.slope / c->size), c->unit, text::to_digits_of(half, d.drift.low / c->size),
                                        text::to_digits_of(half, d.drift.high / c->size), text::number(d.drift.span, 2)));

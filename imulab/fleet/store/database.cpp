@@ -11,6 +11,7 @@
 #include <chrono>
 #include <sqlite3.h>
 #include <thread>
+#include <unistd.h>
 
 namespace imulab::fleet {
 
@@ -27,38 +28,64 @@ void write_ahead(sqlite3* handle) {
   }
 }
 
-int open(const std::string& file, Access access, sqlite3** handle) {
-  // Readers of a write-ahead log write its index, so reading opens for writing where the folder allows it.
-  const int create = access == Access::write ? SQLITE_OPEN_CREATE : 0;
-  int opened = sqlite3_open_v2(file.c_str(), handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | create, nullptr);
-  if (opened != SQLITE_OK && access == Access::read) {
-    sqlite3_close(*handle);
-    opened = sqlite3_open_v2(file.c_str(), handle, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+/// "file:/data/fleet.db": no character of a name means anything else there.
+std::string uri_of(const std::filesystem::path& path) {
+  std::string name = std::filesystem::absolute(path).lexically_normal().string(), uri = "file:/";
+  name.erase(0, name.find_first_not_of('/'));
+  for (const char c : name) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' || c == '.' || c == '_' || c == '-';
+    uri += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
-  return opened;
+  return uri;
+}
+
+/// Opens it and reads its first page.
+int open(const std::string& uri, int flags, sqlite3** handle) {
+  int opened = sqlite3_open_v2(uri.c_str(), handle, flags | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
+  if (opened != SQLITE_OK) return opened;
+  sqlite3_busy_timeout(*handle, wait_ms);
+  return sqlite3_exec(*handle, "PRAGMA schema_version", nullptr, nullptr, nullptr);
+}
+
+/// A store in a folder where no index of its write-ahead log can be made is read as it is; not so where the log has changes that the store has not.
+bool can_be_read_as_it_is(const std::filesystem::path& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  std::error_code none;
+  if (::access(folder.c_str(), W_OK) == 0 || !std::filesystem::is_regular_file(path, none)) return false;
+  const std::filesystem::path log = path.string() + "-wal";
+  if (const auto size = std::filesystem::file_size(log, none); !none && size > 0)
+    throw DatabaseError(
+        fmt::format("{}: its last changes are in {}, which only a program that may write in the folder can read; expected a folder "
+                    "that can be written, or a copy of both files in one",
+                    path.string(), log.filename().string()));
+  return true;
 }
 
 }  // namespace
 
 Database::Database(const std::filesystem::path& path, Access access) : file_(path.string()) {
   if (is_stream(path)) throw DatabaseError(file_ + ": is a pipe or a device; expected a fleet store");  // SQLite would wait for its writer
-  int opened = open(file_, access, &handle_);
-  if (opened == SQLITE_OK) {
-    sqlite3_busy_timeout(handle_, wait_ms);
-    opened = sqlite3_exec(handle_, "PRAGMA schema_version", nullptr, nullptr, nullptr);  // reads the first page
-  }
-  if (opened != SQLITE_OK) {
-    const std::string why = sqlite3_errmsg(handle_);
+  uri_ = uri_of(path);
+  // Readers of a write-ahead log write its index, so reading opens for writing where the folder allows it.
+  int opened = open(uri_, SQLITE_OPEN_READWRITE | (access == Access::write ? SQLITE_OPEN_CREATE : 0), &handle_);
+  try {
+    if (opened != SQLITE_OK && access == Access::read && can_be_read_as_it_is(path)) {
+      sqlite3_close(handle_);
+      uri_ += "?immutable=1";
+      opened = open(uri_, SQLITE_OPEN_READONLY, &handle_);
+    }
+    if (opened != SQLITE_OK) throw DatabaseError(fmt::format("{}: {}; expected a fleet store", file_, sqlite3_errmsg(handle_)));
+  } catch (...) {
     sqlite3_close(handle_);
-    throw DatabaseError(fmt::format("{}: {}; expected a fleet store", file_, why));
+    throw;
   }
   // The file may be somebody else's: its schema may do nothing but hold tables, and its pages are checked.
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
-  sqlite3_exec(handle_, "PRAGMA cell_size_check = ON; PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; PRAGMA mmap_size = 4294967296", nullptr,
-               nullptr, nullptr);
+  sqlite3_exec(handle_, "PRAGMA cell_size_check = ON; PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; PRAGMA mmap_size = 0", nullptr, nullptr,
+               nullptr);  // pages that are mapped would count as memory of the program, all of them
   if (access == Access::write) write_ahead(handle_);
 }
 
@@ -137,6 +164,9 @@ void Transaction::commit() {
   open_ = false;
 }
 
+Snapshot::Snapshot(Database& database) : database_(database) { database.run("BEGIN"); }
+Snapshot::~Snapshot() { sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr); }
+
 }  // namespace imulab::fleet
 
 #else
@@ -170,6 +200,8 @@ void Statement::bind(int, Nothing) { database_.fail(); }
 Transaction::Transaction(Database& database) : database_(database) { database.fail(); }
 Transaction::~Transaction() = default;
 void Transaction::commit() { database_.fail(); }
+Snapshot::Snapshot(Database& database) : database_(database) { database.fail(); }
+Snapshot::~Snapshot() = default;
 
 }  // namespace imulab::fleet
 

@@ -24,7 +24,8 @@ enum class Access { read, write };  ///< write: the file is made where there is 
 
 class Database {
  public:
-  /// Throws DatabaseError where the file cannot be opened or is no database, and in a build without SQLite.
+  /// A file in a folder that cannot be written is read as it is: nobody may write it meanwhile. Throws DatabaseError where the file cannot be opened
+  /// or is no database, where its last changes cannot be read, and in a build without SQLite.
   Database(const std::filesystem::path& path, Access access);
   ~Database();
   Database(const Database&) = delete;
@@ -35,11 +36,12 @@ class Database {
   std::int64_t last_id() const;
   std::int64_t changes() const;  ///< rows that the last statement changed
   const std::string& file() const { return file_; }
+  const std::string& uri() const { return uri_; }  ///< as it is opened, for another database that attaches it
   sqlite3* handle() const { return handle_; }
   [[noreturn]] void fail() const;
 
  private:
-  std::string file_;
+  std::string file_, uri_;
   sqlite3* handle_ = nullptr;
 };
 
@@ -106,6 +108,18 @@ class Transaction {
  private:
   Database& database_;
   bool open_ = true;
+};
+
+/// While it exists, all that is read is of one state of the store, whatever others write.
+class Snapshot {
+ public:
+  explicit Snapshot(Database& database);
+  ~Snapshot();
+  Snapshot(const Snapshot&) = delete;
+  Snapshot& operator=(const Snapshot&) = delete;
+
+ private:
+  Database& database_;
 };
 
 // The tables of a fleet store.

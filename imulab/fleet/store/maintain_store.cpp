@@ -128,8 +128,8 @@ void expect_same_units(fleet::Database& db, const std::string& other) {
 std::int64_t FleetStore::merge(const std::filesystem::path& other) {
   std::error_code none;
   if (std::filesystem::equivalent(other, database_.file(), none)) throw Error(other.string() + ": is the store itself; expected another one");
-  const FleetStore whole(other, fleet::Access::read);  // a whole store of a known version
-  Statement(database_, "ATTACH DATABASE ? AS other").with(other.string()).run();
+  FleetStore whole(other, fleet::Access::read);  // a whole store of a known version
+  Statement(database_, "ATTACH DATABASE ? AS other").with(whole.database().uri()).run();
   std::int64_t added = 0;
   try {
     fleet::Transaction transaction(database_);

@@ -1,15 +1,17 @@
 #include "imulab/fleet/store/sample.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/text/decimal.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
+#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -47,43 +49,58 @@ std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, Num
   return out;
 }
 
-struct UnitTitle {
-  std::string title, serial;  // "name serial"
-};
-
-/// Of every unit, by its number.
-std::unordered_map<std::int64_t, UnitTitle> unit_titles(FleetStore& store) {
-  std::unordered_map<std::int64_t, UnitTitle> out;
+/// Titles "name serial" and serial numbers of the sample's units; `places`: theirs, by the numbers in the store.
+void take_titles(FleetSample& s, FleetStore& store, const std::unordered_map<std::int64_t, Eigen::Index>& places) {
+  for (const auto& [id, place] : places)
+    s.units[static_cast<std::size_t>(place)] = s.serials[static_cast<std::size_t>(place)] = fmt::format("unit {}", id);
   fleet::Statement rows(store.database(), "SELECT id, name, serial FROM units");
   while (rows.next()) {
+    const auto at = places.find(rows.integer(0));
+    if (at == places.end()) continue;
+    const auto place = static_cast<std::size_t>(at->second);
     const bool named = rows.bytes(2).empty();
-    out.emplace(rows.integer(0),
-                named ? UnitTitle{rows.text(1), rows.text(1)} : UnitTitle{fmt::format("{} {}", rows.text(1), rows.text(2)), rows.text(2)});
+    s.units[place] = named ? rows.text(1) : fmt::format("{} {}", rows.bytes(1), rows.bytes(2));
+    s.serials[place] = rows.text(named ? 1 : 2);
   }
-  return out;
 }
 
-void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::unordered_map<std::int64_t, UnitTitle>& titles) {
+void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, FleetStore& store) {
   std::unordered_map<std::int64_t, Eigen::Index> units;
-  std::vector<Eigen::Index> last;
   s.time.resize(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const auto [unit, added] = units.emplace(rows[k].unit, static_cast<Eigen::Index>(s.units.size()));
-    if (added) {
-      const auto title = titles.find(rows[k].unit);
-      s.units.push_back(title != titles.end() ? title->second.title : fmt::format("unit {}", rows[k].unit));
-      s.serials.push_back(title != titles.end() ? title->second.serial : s.units.back());
-      last.push_back(0);
-    }
-    last[static_cast<std::size_t>(unit->second)] = static_cast<Eigen::Index>(k);
+    const auto [unit, added] = units.emplace(rows[k].unit, static_cast<Eigen::Index>(units.size()));
+    if (added) s.last.push_back(0);
+    s.last[static_cast<std::size_t>(unit->second)] = static_cast<Eigen::Index>(k);
     s.unit.push_back(unit->second);
     s.station.push_back(rows[k].station), s.operated_by.push_back(rows[k].operated_by);
     s.calibration.push_back(rows[k].calibration);
     s.time[static_cast<Eigen::Index>(k)] = rows[k].time;
   }
-  std::sort(last.begin(), last.end());
-  s.last = std::move(last);
+  std::sort(s.last.begin(), s.last.end());
+  s.units.resize(units.size()), s.serials.resize(units.size());
+  take_titles(s, store, units);
 }
+
+/// The rows of the sample by the numbers of their calibrations, in whose order the store is read.
+class RowFinder {
+ public:
+  explicit RowFinder(const std::vector<std::int64_t>& calibration) : calibration_(calibration), order_(calibration.size()) {
+    std::iota(order_.begin(), order_.end(), Eigen::Index{0});
+    std::sort(order_.begin(), order_.end(), [&](auto a, auto b) { return at(a) < at(b); });
+  }
+  /// -1: the sample has not this one. The numbers that are asked for rise.
+  Eigen::Index row(std::int64_t calibration) {
+    while (next_ < order_.size() && at(order_[next_]) < calibration) ++next_;
+    return next_ < order_.size() && at(order_[next_]) == calibration ? order_[next_] : -1;
+  }
+  void begin_again() { next_ = 0; }
+
+ private:
+  std::int64_t at(Eigen::Index row) const { return calibration_[static_cast<std::size_t>(row)]; }
+  const std::vector<std::int64_t>& calibration_;
+  std::vector<Eigen::Index> order_;
+  std::size_t next_ = 0;
+};
 
 /// True if only the prior sets a value. The prior of an optional term is zero, and a term that the data say nothing of stays there. It does so to
 /// rounding where the accelerometers' frame turns it together with others.
@@ -92,42 +109,79 @@ bool is_prior_alone(CoefficientIndex index, double value, double variance) {
   return is_optional(coefficient(index).term) && std::isfinite(variance) && std::abs(value) <= rounding * std::sqrt(variance);
 }
 
-/// Every row's numbers in the columns of the whole table.
-struct NumbersScan {
-  std::unordered_map<std::int64_t, Eigen::Index> row;
-  Eigen::MatrixXd values, variances;
-  std::array<bool, coefficient_count> any{}, left_to_prior{};
+/// The covariances of those last calibrations that have the coefficients of the first one, added up while the values are read: often these are all.
+struct CovarianceSum {
+  std::vector<CoefficientIndex> estimated;
+  std::bitset<coefficient_count> has;
+  std::vector<double> triangle;
+  std::ptrdiff_t units = 0;
 
-  void take(std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
-    const auto at = row.find(id);
-    if (at == row.end()) return;
-    const std::size_t n = estimated.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const CoefficientIndex index = estimated[i];
-      const double value = fleet::packed_number(data, i), variance = fleet::packed_number(data, n + i * (i + 1) / 2 + i);
-      const bool by_prior = is_prior_alone(index, value, variance);
-      (by_prior ? left_to_prior : any)[static_cast<std::size_t>(index)] = true;
-      if (by_prior) continue;
-      values(index, at->second) = value;
-      variances(index, at->second) = variance;
-    }
+  void add(const std::vector<CoefficientIndex>& its, const std::bitset<coefficient_count>& its_has, std::string_view data) {
+    const std::size_t n = its.size();
+    if (estimated.empty()) estimated = its, has = its_has, triangle.assign(n * (n + 1) / 2, 0);
+    if (estimated != its || has != its_has) return;
+    for (std::size_t k = 0; k < triangle.size(); ++k) triangle[k] += fleet::packed_number(data, n + k);
+    units += 1;
   }
 };
 
+/// Takes values and variances of all calibrations from the store into columns, which are all that is kept of them: 16 bytes a number.
+void take_numbers(FleetSample& s, FleetStore& store, RowFinder& rows, CovarianceSum& sum) {
+  std::vector<bool> is_last(s.calibration.size());
+  for (const Eigen::Index row : s.last) is_last[static_cast<std::size_t>(row)] = true;
+  const std::vector<CoefficientIndex> possible = fleet::estimated_by_any(store);
+  std::array<Eigen::Index, coefficient_count> column{};
+  for (std::size_t k = 0; k < possible.size(); ++k) column[static_cast<std::size_t>(possible[k])] = static_cast<Eigen::Index>(k);
+  s.values.setConstant(s.time.size(), std::ssize(possible), std::numeric_limits<double>::quiet_NaN());
+  s.variances = s.values;
+  std::array<bool, coefficient_count> any{}, left_to_prior{};
+  fleet::each_numbers(store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
+    const Eigen::Index row = rows.row(id);
+    if (row < 0) return;
+    const std::size_t n = estimated.size();
+    std::bitset<coefficient_count> has;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto index = static_cast<std::size_t>(estimated[i]);
+      const double value = fleet::packed_number(data, i), variance = fleet::packed_number(data, n + i * (i + 1) / 2 + i);
+      const bool by_prior = is_prior_alone(estimated[i], value, variance);
+      (by_prior ? left_to_prior : any)[index] = true;
+      if (by_prior) continue;
+      if (!std::isfinite(value) || !(variance > 0) || !std::isfinite(variance))
+        throw Error(store.database().file() + ": a number is damaged; imulab fleet check names all that are");
+      s.values(row, column[index]) = value, s.variances(row, column[index]) = variance;
+      has.set(index);
+    }
+    if (is_last[static_cast<std::size_t>(row)]) sum.add(estimated, has, data);
+  });
+  Eigen::Index used = 0;
+  for (std::size_t k = 0; k < possible.size(); ++k) {
+    const auto from = static_cast<Eigen::Index>(k);
+    if (any[static_cast<std::size_t>(possible[k])]) {
+      s.coefficients.push_back(possible[k]);
+      if (used != from) s.values.col(used) = s.values.col(from), s.variances.col(used) = s.variances.col(from);
+      ++used;
+    } else if (left_to_prior[static_cast<std::size_t>(possible[k])]) {
+      s.left_out.push_back(possible[k]);
+    }
+  }
+  s.values.conservativeResize(Eigen::NoChange, used), s.variances.conservativeResize(Eigen::NoChange, used);
+}
+
 /// Columns that at least half of the last calibrations have together: of those that half have each, without the rarest until this holds.
 std::vector<Eigen::Index> common_columns(const FleetSample& s) {
-  const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> has = !Eigen::MatrixXd(s.values(s.last, Eigen::all)).array().isNaN();
-  const auto half = [&](Eigen::Index count) { return 2 * count >= has.rows(); };
+  const auto has = [&](Eigen::Index row, Eigen::Index column) { return !std::isnan(s.values(row, column)); };
+  const auto half = [&](std::ptrdiff_t count) { return 2 * count >= std::ssize(s.last); };
+  std::vector<std::ptrdiff_t> count(s.coefficients.size());
   std::vector<Eigen::Index> columns;
-  for (Eigen::Index k = 0; k < has.cols(); ++k)
-    if (half(has.col(k).count())) columns.push_back(k);
-  const auto together = [&] {
-    Eigen::Array<bool, Eigen::Dynamic, 1> all = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(has.rows(), true);
-    for (const Eigen::Index k : columns) all = all && has.col(k);
-    return all.count();
-  };
-  while (!half(together()))
-    columns.erase(std::min_element(columns.begin(), columns.end(), [&](auto a, auto b) { return has.col(a).count() < has.col(b).count(); }));
+  for (std::size_t k = 0; k < count.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    count[k] = std::count_if(s.last.begin(), s.last.end(), [&](Eigen::Index row) { return has(row, column); });
+    if (half(count[k])) columns.push_back(column);
+  }
+  const auto all = [&](Eigen::Index row) { return std::all_of(columns.begin(), columns.end(), [&](auto column) { return has(row, column); }); };
+  while (!half(std::count_if(s.last.begin(), s.last.end(), all)))
+    columns.erase(std::min_element(columns.begin(), columns.end(),
+                                   [&](auto a, auto b) { return count[static_cast<std::size_t>(a)] < count[static_cast<std::size_t>(b)]; }));
   return columns;
 }
 
@@ -137,32 +191,55 @@ std::vector<CoefficientIndex> common_coefficients(const FleetSample& s) {
   return out;
 }
 
-/// The mean of the covariances of the common columns, over the last calibrations that have them all.
-Eigen::MatrixXd mean_covariance_of(FleetStore& store, const FleetSample& s, const std::unordered_map<std::int64_t, Eigen::Index>& row_of) {
-  std::vector<char> counts(s.calibration.size());
-  for (const Eigen::Index row : s.last) counts[static_cast<std::size_t>(row)] = !s.values(row, s.common).array().isNaN().any();
-  const std::vector<CoefficientIndex> common = common_coefficients(s);
-  const auto p = static_cast<Eigen::Index>(common.size());
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(p, p);
-  double units = 0;
-  const std::vector<CoefficientIndex>* known = nullptr;  // the layout of the call before, and where it has the common ones
-  std::vector<std::size_t> place(common.size());
-  fleet::each_numbers(store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
-    const auto at = row_of.find(id);
-    if (at == row_of.end() || counts[static_cast<std::size_t>(at->second)] == 0) return;
-    if (known != &estimated)
-      std::transform(common.begin(), common.end(), place.begin(), [&](CoefficientIndex index) {
+/// Covariances of these coefficients in a calibration's packed numbers, added to the lower triangle.
+class TriangleSum {
+ public:
+  explicit TriangleSum(const std::vector<CoefficientIndex>& common) : common_(common), place_(common.size()) {
+    sum_.setZero(std::ssize(common), std::ssize(common));
+  }
+  /// `number`: of the packed triangle, by its place.
+  template <class Number>
+  void add(const std::vector<CoefficientIndex>& estimated, const Number& number) {
+    if (known_ != estimated) {
+      known_ = estimated;
+      std::transform(common_.begin(), common_.end(), place_.begin(), [&](CoefficientIndex index) {
         return static_cast<std::size_t>(std::find(estimated.begin(), estimated.end(), index) - estimated.begin());
       });
-    known = &estimated;
-    units += 1;
-    for (Eigen::Index i = 0; i < p; ++i)
+    }
+    for (Eigen::Index i = 0; i < sum_.rows(); ++i)
       for (Eigen::Index j = 0; j <= i; ++j) {
-        const auto [low, high] = std::minmax(place[static_cast<std::size_t>(i)], place[static_cast<std::size_t>(j)]);
-        sum(i, j) += fleet::packed_number(data, estimated.size() + high * (high + 1) / 2 + low);
+        const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(i)], place_[static_cast<std::size_t>(j)]);
+        sum_(i, j) += number(high * (high + 1) / 2 + low);
       }
+  }
+  Eigen::MatrixXd over(std::ptrdiff_t units) const { return Eigen::MatrixXd(sum_.selfadjointView<Eigen::Lower>()) / static_cast<double>(units); }
+
+ private:
+  std::vector<CoefficientIndex> common_, known_;  // known_: of the call before, with their places
+  std::vector<std::size_t> place_;
+  Eigen::MatrixXd sum_;
+};
+
+/// The mean of the covariances of the common columns, over the last calibrations that have them all.
+Eigen::MatrixXd mean_covariance_of(FleetStore& store, const FleetSample& s, RowFinder& rows, const CovarianceSum& known) {
+  std::vector<bool> counts(s.calibration.size());
+  for (const Eigen::Index row : s.last)
+    counts[static_cast<std::size_t>(row)] =
+        std::none_of(s.common.begin(), s.common.end(), [&](Eigen::Index column) { return std::isnan(s.values(row, column)); });
+  const std::vector<CoefficientIndex> common = common_coefficients(s);
+  const std::ptrdiff_t units = std::count(counts.begin(), counts.end(), true);
+  TriangleSum sum(common);
+  if (units == known.units && std::all_of(common.begin(), common.end(), [&](auto index) { return known.has[static_cast<std::size_t>(index)]; })) {
+    sum.add(known.estimated, [&](std::size_t place) { return known.triangle[place]; });
+    return sum.over(units);
+  }
+  rows.begin_again();
+  fleet::each_numbers(store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
+    const Eigen::Index row = rows.row(id);
+    if (row >= 0 && counts[static_cast<std::size_t>(row)])
+      sum.add(estimated, [&](std::size_t place) { return fleet::packed_number(data, estimated.size() + place); });
   });
-  return Eigen::MatrixXd(sum.selfadjointView<Eigen::Lower>()) / units;
+  return sum.over(units);
 }
 
 }  // namespace
@@ -174,62 +251,78 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   if (rows.empty())
     throw Error(
         fmt::format("{}: has no calibration{}; expected one at least", store.database().file(), method.empty() ? "" : " by the method " + method));
-  take_rows(s, rows, unit_titles(store));
+  take_rows(s, rows, store);
   s.stations = std::move(stations.names), s.operators = std::move(operators.names);
-  const auto count = static_cast<Eigen::Index>(rows.size());
-  NumbersScan scan;
-  for (Eigen::Index k = 0; k < count; ++k) scan.row[s.calibration[static_cast<std::size_t>(k)]] = k;
-  scan.values.setConstant(coefficient_count, count, std::numeric_limits<double>::quiet_NaN());
-  scan.variances = scan.values;
-  fleet::each_numbers(
-      store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) { scan.take(id, estimated, data); });
-  std::vector<Eigen::Index> columns;
-  for (const CoefficientIndex index : coefficient_indices()) {
-    if (scan.any[static_cast<std::size_t>(index)])
-      s.coefficients.push_back(index), columns.push_back(index);
-    else if (scan.left_to_prior[static_cast<std::size_t>(index)])
-      s.left_out.push_back(index);
-  }
-  s.values = scan.values(columns, Eigen::all).transpose();
-  s.variances = scan.variances(columns, Eigen::all).transpose();
-  const std::string damaged = store.database().file() + ": a number is damaged; imulab fleet check names all that are";
-  for (Eigen::Index i = 0; i < s.values.size(); ++i) {
-    const double value = s.values.data()[i], variance = s.variances.data()[i];
-    if (std::isnan(value) && std::isnan(variance)) continue;
-    if (!std::isfinite(value) || !(variance > 0) || !std::isfinite(variance)) throw Error(damaged);
-  }
+  RowFinder by_number(s.calibration);
+  CovarianceSum sum;
+  take_numbers(s, store, by_number, sum);
   s.common = common_columns(s);
-  s.mean_covariance = mean_covariance_of(store, s, scan.row);
+  s.mean_covariance = mean_covariance_of(store, s, by_number, sum);
   return s;
 }
 
 namespace {
 
-/// The covariance of the calibration in a row, of the sample's common columns; NaN where it has none.
-std::function<Eigen::MatrixXd(Eigen::Index row)> covariances_of(FleetStore& store, const FleetSample& sample) {
-  return [&store, calibration = sample.calibration, columns = common_coefficients(sample)](Eigen::Index row) {
-    const fleet::Numbers numbers = fleet::numbers_of(store, calibration[static_cast<std::size_t>(row)]);
-    const auto p = static_cast<Eigen::Index>(columns.size());
+/// Reads the covariances of calibrations by one statement.
+class CovarianceReader {
+ public:
+  CovarianceReader(FleetStore& store, const FleetSample& sample)
+      : calibration_(sample.calibration),
+        layouts_(fleet::layouts_of(store)),
+        columns_(common_coefficients(sample)),
+        store_(store),
+        statement_(store.database(), "SELECT layout, data FROM numbers WHERE calibration = ?") {}
+
+  /// Of the sample's common columns; NaN where the calibration in this row has none.
+  Eigen::MatrixXd of_row(Eigen::Index row) {
+    const std::int64_t id = calibration_[static_cast<std::size_t>(row)];
+    if (!statement_.with(id).next()) throw Error(fmt::format("{}: has no calibration {}", store_.database().file(), id));
+    const std::vector<CoefficientIndex>& estimated = fleet::expect_numbers(store_, layouts_, id, statement_.integer(0), statement_.bytes(1));
+    if (known_ != &estimated) take_places(estimated);
+    const auto p = std::ssize(columns_);
+    const std::string_view data = statement_.bytes(1);
     Eigen::MatrixXd out = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
-    std::vector<Eigen::Index> place, from;
-    for (Eigen::Index k = 0; k < p; ++k) {
-      const auto found = std::find(numbers.estimated.begin(), numbers.estimated.end(), columns[static_cast<std::size_t>(k)]);
-      if (found != numbers.estimated.end()) place.push_back(k), from.push_back(found - numbers.estimated.begin());
-    }
-    out(place, place) = numbers.covariance(from, from);
+    for (Eigen::Index i = 0; i < p; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        const auto [low, high] = std::minmax(place_[static_cast<std::size_t>(i)], place_[static_cast<std::size_t>(j)]);
+        if (high < estimated.size()) out(i, j) = out(j, i) = fleet::packed_number(data, estimated.size() + high * (high + 1) / 2 + low);
+      }
+    statement_.reset();
     return out;
-  };
+  }
+
+ private:
+  void take_places(const std::vector<CoefficientIndex>& estimated) {
+    known_ = &estimated;
+    place_.clear();
+    for (const CoefficientIndex index : columns_)
+      place_.push_back(static_cast<std::size_t>(std::find(estimated.begin(), estimated.end(), index) - estimated.begin()));
+  }
+
+  std::vector<std::int64_t> calibration_;
+  fleet::Layouts layouts_;
+  std::vector<CoefficientIndex> columns_;
+  const std::vector<CoefficientIndex>* known_ = nullptr;  // the layout of the call before, and where it has the columns
+  std::vector<std::size_t> place_;
+  FleetStore& store_;
+  fleet::Statement statement_;
+};
+
+std::function<Eigen::MatrixXd(Eigen::Index row)> covariances_of(FleetStore& store, const FleetSample& sample) {
+  return [reader = std::make_shared<CovarianceReader>(store, sample)](Eigen::Index row) { return reader->of_row(row); };
 }
 
 }  // namespace
 
 FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options, const std::string& method) {
+  const fleet::Snapshot one_state(store.database());
   FleetSample sample = load_sample(store, method);
   const auto covariance = covariances_of(store, sample);
   return fleet_statistics(std::move(sample), covariance, options);
 }
 
 FleetPrior fleet_prior(FleetStore& store) {
+  const fleet::Snapshot one_state(store.database());
   const FleetSample sample = load_sample(store);
   const std::string& file = store.database().file();
   FleetPrior prior = [&] {
@@ -249,86 +342,3 @@ FleetPrior fleet_prior(FleetStore& store) {
 }
 
 }  // namespace imulab
-
-namespace imulab::fleet {
-
-namespace {
-
-/// The coefficients of the rows' layouts.
-std::map<std::int64_t, std::vector<CoefficientIndex>> layouts_of(Database& db) {
-  std::map<std::int64_t, std::vector<CoefficientIndex>> out;
-  for (Statement rows(db, "SELECT id, coefficients FROM layouts"); rows.next();)
-    out[rows.integer(0)] = errors_at(db.file() + ": layout", [&] { return parse_layout(rows.bytes(1)); });
-  return out;
-}
-
-void each_row(Database& db, const std::string& condition,
-              const std::function<void(std::int64_t, const std::vector<CoefficientIndex>&, std::string_view)>& sink) {
-  const auto layouts = layouts_of(db);
-  for (Statement rows(db, "SELECT n.calibration, n.layout, n.data FROM numbers n " + condition); rows.next();) {
-    const auto layout = layouts.find(rows.integer(1));
-    if (layout == layouts.end() || rows.bytes(2).size() != packed_size(layout->second.size()))
-      throw Error(fmt::format("{}: the numbers of calibration {} are damaged; imulab fleet check names all that is", db.file(), rows.integer(0)));
-    sink(rows.integer(0), layout->second, rows.bytes(2));
-  }
-}
-
-/// In quotes where it has to be.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::vector<CoefficientIndex> estimated_by_any(Database& db) {
-  std::array<bool, coefficient_count> any{};
-  for (const auto& [id, layout] : layouts_of(db))
-    for (const CoefficientIndex index : layout) any[static_cast<std::size_t>(index)] = true;
-  std::vector<CoefficientIndex> out;
-  for (const CoefficientIndex index : coefficient_indices())
-    if (any[static_cast<std::size_t>(index)]) out.push_back(index);
-  return out;
-}
-
-}  // namespace
-
-void each_numbers(FleetStore& store, const std::function<void(std::int64_t, const std::vector<CoefficientIndex>&, std::string_view)>& sink) {
-  each_row(store.database(), "WHERE n.calibration NOT IN (SELECT id FROM calibrations WHERE removed IS NOT NULL) ORDER BY n.calibration", sink);
-}
-
-Numbers numbers_of(FleetStore& store, std::int64_t calibration) {
-  Numbers out;
-  each_row(store.database(), fmt::format("WHERE n.calibration = {}", calibration),
-           [&](std::int64_t, const std::vector<CoefficientIndex>& estimated, std::string_view data) { out = unpacked(data, estimated); });
-  if (out.estimated.empty()) throw Error(fmt::format("{}: has no calibration {}", store.database().file(), calibration));
-  return out;
-}
-
-std::string fleet_csv(FleetStore& store) {
-  std::map<std::int64_t, FleetRecord> records;
-  for (FleetRecord& r : store.records()) records[r.id] = std::move(r);
-  const std::vector<CoefficientIndex> columns = estimated_by_any(store.database());
-  std::string csv = "calibration,serial,name,time,time_from,station,operator,method,options,verdict";
-  for (const CoefficientIndex index : columns) csv += fmt::format(",{0},u({0})", coefficient(index).name);
-  csv += "\n";
-  each_numbers(store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
-    const FleetRecord& r = records[id];
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{}", id, csv_text(r.serial), csv_text(r.name), time_text(r.occasion.time), r.occasion.time_from,
-                       csv_text(r.occasion.station), csv_text(r.occasion.operated_by), csv_text(r.method), csv_text(r.options), csv_text(r.verdict));
-    std::array<std::size_t, coefficient_count> place{};
-    for (std::size_t i = 0; i < estimated.size(); ++i) place[static_cast<std::size_t>(estimated[i])] = i + 1;
-    const std::size_t n = estimated.size();
-    for (const CoefficientIndex index : columns) {
-      const std::size_t i = place[static_cast<std::size_t>(index)];
-      if (i == 0)
-        csv += ",,";
-      else
-        csv += fmt::format(",{},{}", packed_number(data, i - 1), std::sqrt(packed_number(data, n + (i - 1) * i / 2 + i - 1)));
-    }
-    csv += "\n";
-  });
-  return csv;
-}
-
-}  // namespace imulab::fleet

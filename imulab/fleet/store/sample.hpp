@@ -7,13 +7,15 @@
 #include "imulab/fleet/store/store.hpp"
 
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace imulab {
 
-/// Calibrations that were not removed, of one method or of all (""). Throws Error where there is none.
+/// Calibrations that were not removed, of one method or of all (""). Covariances stay in the store: in memory are value and variance of each
+/// coefficient (16 bytes) and about 150 bytes a calibration beside them. Throws Error where there is none.
 FleetSample load_sample(FleetStore& store, const std::string& method = "");
 
 /// The statistics of these. Throws Error where there is none.
@@ -27,6 +29,15 @@ FleetPrior fleet_prior(FleetStore& store);
 namespace imulab::fleet {
 
 // The numbers of all calibrations of a store, one after the other in little memory.
+
+/// The coefficients of each layout of a store, by its number.
+using Layouts = std::map<std::int64_t, std::vector<CoefficientIndex>>;
+Layouts layouts_of(FleetStore& store);
+/// The coefficients of packed numbers. Throws Error where they are not as many.
+const std::vector<CoefficientIndex>& expect_numbers(FleetStore& store, const Layouts& layouts, std::int64_t calibration, std::int64_t layout,
+                                                    std::string_view data);
+/// The coefficients of all layouts, in table order.
+std::vector<CoefficientIndex> estimated_by_any(FleetStore& store);
 
 /// Reads the calibrations that were not removed, in the order in which they were added: `sink` gets the calibration, its coefficients and their
 /// packed numbers (numbers.hpp), which are there until it returns. Throws Error where a row is damaged.

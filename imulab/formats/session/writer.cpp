@@ -2,6 +2,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/session/step_layout.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -33,7 +34,7 @@ std::string toml_string(std::string_view text) {
       result += c;
     }
   }
-  return result + '"';
+  return with_escapes(result) + '"';
 }
 
 std::string column_text(const Column& column) {

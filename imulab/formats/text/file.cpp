@@ -141,13 +141,14 @@ void WholeFile::commit() {
   put_name_on_disk(path_);
 }
 
-NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
+NewFolder::NewFolder(const fs::path& place, Existing existing) : place_(fs::absolute(place).lexically_normal()) {
   if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
-  if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
+  into_existing_ = existing == Existing::add && fs::is_directory(place_);
+  if (!into_existing_ && fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
     throw Error(place.string() + ": exists; expected a new or an empty folder");
   std::error_code failure;
   fs::create_directories(place_.parent_path(), failure);
-  std::string filling = place_.string() + ".part-XXXXXX";
+  std::string filling = (into_existing_ ? place_ / "new" : place_).string() + ".part-XXXXXX";  // on the same disk
   if (failure || ::mkdtemp(filling.data()) == nullptr) {
     if (!failure) failure = std::error_code(errno, std::generic_category());
     throw Error(place_.string() + ": cannot be made: " + failure.message());
@@ -172,7 +173,27 @@ NewFolder::~NewFolder() {
   }
 }
 
+void NewFolder::move_each() {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& file : fs::directory_iterator(filling_)) files.push_back(file.path());
+  for (const fs::path& file : files) {
+    const fs::path place = behind_links(place_ / file.filename());
+    struct stat before {};
+    const bool replaces = ::stat(place.c_str(), &before) == 0 && S_ISREG(before.st_mode);
+    if ((replaces && ::chmod(file.c_str(), before.st_mode & 07777) != 0) || ::rename(file.c_str(), place.c_str()) != 0)
+      fail(place, "cannot be written");
+  }
+  ::rmdir(filling_.c_str());
+  put_name_on_disk(place_ / "");
+}
+
 void NewFolder::commit() {
+  if (into_existing_) {
+    move_each();
+    end_unfinished(filling_);
+    committed_ = true;
+    return;
+  }
   std::error_code failure;
   fs::rename(filling_, place_, failure);
   if (failure) throw Error(place_.string() + ": cannot be made: " + failure.message());

@@ -68,21 +68,24 @@ class WholeFile {
   int descriptor_ = -1;
 };
 
-/// A folder that appears whole or not at all: filled under another name, renamed at commit(), or removed. Throws Error also where the folder exists
-/// and is not empty.
+/// A folder whose files appear all together: filled under another name, renamed at commit(), or removed. One that exists already keeps what it has
+/// (`Existing::add`): its new files are filled in below it, and at commit(), when all of them are on the disk, they are renamed one after the other.
+/// Only then could a kill leave a part of them, each whole.
 class NewFolder {
  public:
-  explicit NewFolder(const std::filesystem::path& place);
+  enum class Existing { refuse, add };  ///< refuse: throws Error where the folder exists and is not empty
+  explicit NewFolder(const std::filesystem::path& place, Existing existing = Existing::refuse);
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
-  /// The folder in which to write its files until then.
+  /// The folder in which to write its files until then; no folders.
   const std::filesystem::path& path() const { return filling_; }
   void commit();
 
  private:
+  void move_each();
   std::filesystem::path place_, filling_;
-  bool committed_ = false;
+  bool into_existing_ = false, committed_ = false;
 };
 
 /// The file that a symbolic link leads to, even if it is not there yet; any other path as it is.

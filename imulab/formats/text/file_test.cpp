@@ -8,6 +8,7 @@
 #include "tests/temporary_folder.hpp"
 #include <fcntl.h>
 #include <fstream>
+#include <set>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -105,6 +106,34 @@ TEST(File, FollowsLinksAndKeepsModes) {
   std::filesystem::create_symlink("later", folder / "dangling");
   write_whole(folder / "dangling", "c");
   EXPECT_EQ(MappedFile(folder / "later").text(), "c");
+}
+
+TEST(File, AFolderThatExistsGetsAllNewFilesOrNone) {
+  const TemporaryFolder folder;
+  const auto names = [&] {
+    std::set<std::string> out;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "out"))
+      out.insert(entry.path().lexically_relative(folder / "out").string());
+    return out;
+  };
+  std::filesystem::create_directories(folder / "out");
+  write_whole(folder / "out/old", "old");
+  write_whole(folder / "out/a", "old");
+  ASSERT_EQ(::chmod((folder / "out/a").c_str(), 0600), 0);
+  EXPECT_THROW(NewFolder(folder / "out"), Error);
+  const auto fill = [&](bool whole) {
+    NewFolder filled(folder / "out", NewFolder::Existing::add);
+    for (const char* name : {"a", "b"}) write_whole(filled.path() / name, "new");
+    EXPECT_EQ(MappedFile(folder / "out/a").text(), "old");
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/b"));
+    if (whole) filled.commit();
+  };
+  fill(false);
+  EXPECT_EQ(names(), (std::set<std::string>{"a", "old"}));
+  fill(true);
+  EXPECT_EQ(names(), (std::set<std::string>{"a", "b", "old"}));
+  EXPECT_EQ(MappedFile(folder / "out/a").text(), "new");
+  EXPECT_EQ(std::filesystem::status(folder / "out/a").permissions(), std::filesystem::perms(0600));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ using JsonList = std::vector<JsonValue>;
 bool is_structured(const JsonValue& value) { return std::holds_alternative<JsonList>(value.is) || std::holds_alternative<JsonFields>(value.is); }
 
 /// The name of a file may be any bytes: those that are not UTF-8 become U+FFFD.
-std::string dumped(const nlohmann::json& value) { return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace); }
+std::string dumped(const nlohmann::json& value) { return with_escapes(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)); }
 
 std::string plain_text(const JsonValue& value) {
   return std::visit(

@@ -59,6 +59,20 @@ std::string shown(std::string_view text, bool lines, std::size_t most) {
 
 std::string printable(std::string_view text) { return shown(text, true, text.size()); }
 
+std::string one_line(std::string_view text) { return shown(text, false, text.size()); }
+
+std::string with_escapes(std::string_view text) {
+  if (std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x7f; })) return std::string(text);
+  std::string out;
+  while (!text.empty()) {
+    const CodePoint c = first_of(text);
+    const std::size_t bytes = std::max<std::size_t>(c.bytes, 1);
+    out += c.bytes > 0 && c.value >= 0x7f && steers(c.value) ? fmt::format("\\u{:04X}", c.value) : std::string(text.substr(0, bytes));
+    text.remove_prefix(bytes);
+  }
+  return out;
+}
+
 std::string excerpt(std::string_view text, std::size_t most) { return shown(text, false, most); }
 
 }  // namespace imulab

@@ -11,6 +11,12 @@ namespace imulab {
 /// `text` with control characters (all but line ends and tabs), marks that change the direction of writing, and bytes that are not UTF-8 as "\x1b".
 std::string printable(std::string_view text);
 
+/// The same on one line: line ends and tabs, too. For names in tables, where they would open a row or a column.
+std::string one_line(std::string_view text);
+
+/// Text within the quotes of JSON or TOML: marks and controls beyond ASCII that `printable` shows become escapes there, which mean the same.
+std::string with_escapes(std::string_view text);
+
 /// A name or a value of a file in a message: as above, on one line, and cut to that many characters.
 std::string excerpt(std::string_view text, std::size_t most = 60);
 

@@ -23,6 +23,15 @@ TEST(Printable, KeepsTextAndShowsWhatSteers) {
   EXPECT_EQ(printable("\xed\xa0\x80\xf4\x90\x80\x80"), "\\xed\\xa0\\x80\\xf4\\x90\\x80\\x80");  // a surrogate, and beyond Unicode
 }
 
+TEST(Printable, ANameIsOneLineAndWhole) {
+  EXPECT_EQ(one_line("a\nb\tc"), "a\\x0ab\\x09c");
+  EXPECT_EQ(one_line(std::string(100, 'x')), std::string(100, 'x'));
+}
+
+TEST(Printable, EscapesMeanTheSame) {  // U+202E, U+009B, and what needs none
+  EXPECT_EQ(with_escapes("\xe2\x80\xae|\xc2\x9b|\xc2\xb5|\n\xff"), "\\u202E|\\u009B|\xc2\xb5|\n\xff");
+}
+
 TEST(Printable, AnExcerptIsOneShortLine) {
   EXPECT_EQ(excerpt("two\nlines"), "two\\x0alines");
   EXPECT_EQ(excerpt(std::string(60, 'a')), std::string(60, 'a'));
