@@ -1,7 +1,8 @@
 // Any bytes where a program keeps what it goes on from: a fleet's store, the folder of a shared work.
 #include "imulab/fleet/store/store.hpp"
 
-#include "imulab/core/checkpoint_folder.hpp"
+#include "imulab/core/part_file.hpp"
+#include "imulab/core/sealed.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/fleet/store/sample.hpp"
@@ -85,42 +86,81 @@ void fleet_store(std::string_view bytes) {
   for (const char* more : {"store.db-wal", "store.db-shm", "store.db-journal"}) fs::remove(folder / more);
 }
 
-/// The results that another process left: bytes as they are, or, after an odd first byte, records with good checksums.
+namespace {
+
+/// A work of four blocks, each of which gives two numbers. Whatever there was, its results are taken once, in order, or not at all.
+void take_all(Sharing sharing) {
+  constexpr std::size_t blocks = 4;
+  std::size_t taken = 0;
+  SharedWork work;
+  work.count = blocks;
+  work.work = [](std::size_t block) {
+    const double numbers[2] = {static_cast<double>(block), 0.5};
+    return bytes_of(numbers, 2);
+  };
+  work.take = [&](std::size_t block, const std::string& result) {
+    double numbers[2] = {};
+    read_numbers(result, numbers, 2);
+    if (block != taken++) finding("blocks out of order");
+  };
+  sharing.identity = "fuzzed";
+  try {
+    for_each(work, &sharing);
+    if (taken != blocks) finding("not every block was taken");
+  } catch (const Error&) {
+  }
+}
+
+/// Calls `each` with a number and the bytes behind it, whose size is a byte.
+void for_records(std::string_view left, const std::function<void(unsigned number, std::string_view bytes)>& each) {
+  while (left.size() >= 2) {
+    const std::string_view bytes = left.substr(2, static_cast<unsigned char>(left[1]));
+    each(static_cast<unsigned char>(left[0]), bytes);
+    left.remove_prefix(2 + bytes.size());
+  }
+}
+
+}  // namespace
+
+/// The results that a process left: bytes as they are, or, after an odd first byte, blocks with good seals.
 void checkpoint(std::string_view bytes) {
   if (bytes.empty()) return;
   static const TemporaryFolder folder;
   const fs::path place = folder / "work";
   fs::remove_all(place);
   fs::create_directories(place);
-  write_bytes(place / "identity", "format=imulab.checkpoint/2\nfuzzed\n");
-  std::string records(bytes.substr(1));
-  if ((bytes[0] & 1) != 0) {
-    std::string_view left = bytes.substr(1);
-    records.clear();
-    while (left.size() >= 2) {
-      const std::string_view payload = left.substr(2, static_cast<unsigned char>(left[1]));
-      records += checkpoint_record(static_cast<unsigned char>(left[0]) % 6U, payload);
-      left.remove_prefix(2 + payload.size());
-    }
-  }
-  write_bytes(place / "results-host-1-0", records);
-  constexpr std::size_t parts = 4;
-  std::size_t taken = 0;
-  SharedWork work;
-  work.count = parts;
-  work.work = [](std::size_t part) {
-    const double numbers[2] = {static_cast<double>(part), 0.5};
-    return bytes_of(numbers, 2);
-  };
-  work.take = [&](std::size_t part, const std::string& result) {
-    double numbers[2] = {};
-    read_numbers(result, numbers, 2);
-    if (part != taken++) finding("parts out of order");
-  };
-  const Checkpoint shared{.folder = place, .identity = "fuzzed"};
+  SealedWriter header;
+  header.text("imulab.checkpoint/3"), header.text("fuzzed"), header.seal();
+  std::string file = header.bytes();
+  if ((bytes[0] & 1) == 0) file += bytes.substr(1);
+  if ((bytes[0] & 1) != 0)
+    for_records(bytes.substr(1), [&](unsigned number, std::string_view result) {
+      SealedWriter record;
+      record.number(number % 6U), record.text(result), record.seal();
+      file += record.bytes();
+    });
+  write_bytes(place / "results", file);
+  take_all({.checkpoint = place});
+}
+
+/// The second of two parts: bytes as they are, or, after an odd first byte, fields with good seals: 0 a number, 1 a text, 2 a seal.
+void part(std::string_view bytes) {
+  if (bytes.empty()) return;
+  const auto first = std::make_shared<PartWriter>(PartNumber{1, 2}, "work");
+  const double numbers[2] = {0, 0.5};
+  first->begin_work("fuzzed", 4);
+  for (int block = 0; block < 2; ++block) first->add(bytes_of(numbers, 2));
+  first->end_work();
+  SealedWriter second;
+  if ((bytes[0] & 1) != 0)
+    for_records(bytes.substr(1), [&](unsigned kind, std::string_view field) {
+      if (kind % 3 == 0) second.number(field.empty() ? 0 : static_cast<unsigned char>(field[0]));
+      if (kind % 3 == 1) second.text(field);
+      if (kind % 3 == 2) second.seal();
+    });
+  const std::string file = (bytes[0] & 1) != 0 ? second.bytes() : std::string(bytes.substr(1));
   try {
-    for_each(work, &shared);
-    if (taken != parts) finding("not every part was taken");
+    take_all({.joined = std::make_shared<PartReader>(std::vector{PartReader::memory("1", first->bytes()), PartReader::memory("2", file)})});
   } catch (const Error&) {
   }
 }

@@ -34,6 +34,7 @@ const std::vector<Target>& targets() {
       {"decimal", decimal},
       {"fleet_store", fleet_store, "", "", true},
       {"checkpoint", checkpoint},
+      {"part", part},
       {"command_line", command_line, "", "command_line", true},
   };
   return all;

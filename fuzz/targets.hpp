@@ -52,6 +52,7 @@ void decimal(std::string_view bytes);
 // store.cpp
 void fleet_store(std::string_view bytes);
 void checkpoint(std::string_view bytes);
+void part(std::string_view bytes);
 // command.cpp
 void command_line(std::string_view bytes);
 

@@ -42,12 +42,21 @@ Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<Calibr
   return {comparison_answer(std::move(inputs), o.different_imus, o.tolerance)};
 }
 
-Outcome predicted(std::shared_ptr<Session> procedure, const py::dict& keywords, const py::object& progress) {
-  return {run(progress, [=, o = options_from<PredictOptions>(keywords)](const std::function<void(double)>& report) {
+/// `parts`: those of the Monte Carlo, where it was done before.
+Outcome predicted(std::shared_ptr<Session> procedure, const py::dict& keywords, const py::object& progress, const std::vector<std::string>& parts) {
+  auto o = options_from<PredictOptions>(keywords);
+  o.shared.sources = parts_in_memory(parts);
+  return {run(progress, [=](const std::function<void(double)>& report) {
     PredictionOptions task = task_of(o);
     task.progress = report;
     return prediction_answer(o.method, *procedure, procedure->file, std::move(task));
   })};
+}
+
+py::bytes part_of_prediction(std::shared_ptr<Session> procedure, const py::dict& keywords, const std::string& part) {
+  auto o = options_from<PredictOptions>(keywords);
+  o.shared.part = part;
+  return part_of([=] { prediction_answer(o.method, *procedure, procedure->file, task_of(o)); });
 }
 
 std::pair<Outcome, std::shared_ptr<Session>> planned(const py::dict& keywords, bool by_hand, const py::object& progress) {
@@ -105,6 +114,7 @@ void bind_estimates(py::module_& module) {
   module.def("calibrate", &calibrated);
   module.def("compare", &compared);
   module.def("predict", &predicted);
+  module.def("part_of_prediction", &part_of_prediction);
   module.def("plan", &planned);
   module.def("noise", &noise);
   module.def("deviation", &deviation_of);

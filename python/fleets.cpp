@@ -1,5 +1,6 @@
 // Fleets: each call opens the store, and closes it again.
 #include "imulab/fleet/statistics/stated.hpp"
+#include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/tasks/fleet.hpp"
@@ -21,12 +22,16 @@ std::vector<std::string> added(const std::string& file, const std::vector<std::s
 }
 
 py::dict calibrated_all(const std::string& file, const std::vector<std::string>& places, const std::string& method, const std::string& terms,
-                        const std::string& station, const std::string& operated_by, const std::string& time, bool retry, const py::object& progress) {
+                        const std::string& station, const std::string& operated_by, const std::string& time, bool retry, const py::object& progress,
+                        const std::string& part) {
   FleetCalibrationTask task{.method = method, .terms = terms, .declared = {station, operated_by, time}, .retry = retry};
   parse_terms(terms);
+  if (!part.empty()) task.part = part_named(part);
   const FleetCalibrationCounts n = run(progress, [=](const std::function<void(double)>& report) mutable {
     task.progress = [&](double done, double all) { report(done / all); };
     FleetStore store(file, fleet::Access::write);
+    std::optional<ThreadLimit> one;  // there are as many such parts at once as an executor has workers
+    if (task.part) one.emplace(1);
     return calibrate_fleet(sessions_below({places.begin(), places.end()}), task, store);
   });
   py::dict out;
@@ -86,6 +91,14 @@ void bind_fleets(py::module_& module) {
     return run(py::none(), [=](const auto&) {
       FleetStore store(file);
       return fleet::fleet_csv(store);
+    });
+  });
+  module.def("fleet_merge", [](const std::string& file, const std::vector<std::string>& parts) {
+    return run(py::none(), [=](const auto&) {
+      FleetStore store(file, fleet::Access::write);
+      std::int64_t added = 0;
+      for (const std::filesystem::path& part : fleet::all_parts({parts.begin(), parts.end()})) added += store.merge(part);
+      return added;
     });
   });
   module.def("fleet_check", &checked);

@@ -1,6 +1,10 @@
 // The parts of the module, one a source file, and what they share: long work beside the interpreter, answers, and options as keywords.
 #pragma once
 
+#include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
+#include "imulab/core/part_file.hpp"
+#include "imulab/core/shared_work.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/tasks/calibrate.hpp"
@@ -103,7 +107,30 @@ Options options_from(const py::dict& keywords) {
   Options o;
   Verb command("imulab", "");
   take_keywords(declare(command, o), keywords);
+  if constexpr (requires { o.shared; }) o.shared.verb = nullptr;  // it ends here
   return o;
+}
+
+/// The part that a work with `--part` comes to, as the bytes of its file. One processor: there are as many such parts at once as an executor has
+/// workers.
+template <class Work>
+py::bytes part_of(const Work& work) {
+  return py::bytes(run(py::none(), [=](const auto&) -> std::string {
+    const ThreadLimit one(1);
+    try {
+      work();
+    } catch (const PartIsDone& done) {
+      return done.part->bytes();
+    }
+    throw Error("there is nothing to divide; expected runs");
+  }));
+}
+
+/// Parts in memory, for SharingOptions.
+inline std::vector<PartReader::Source> parts_in_memory(const std::vector<std::string>& parts) {
+  std::vector<PartReader::Source> out;
+  for (const std::string& part : parts) out.push_back(PartReader::memory("part " + std::to_string(out.size() + 1), part));
+  return out;
 }
 
 /// A triad's options from the keys that the Python side passes.

@@ -93,9 +93,21 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
   return {std::move(out), std::shared_ptr<Solution>(sessions, &found.navigated.solution)};
 }
 
-Outcome budgeted(const std::string& mission, const py::dict& keywords, const py::object& progress) {
+py::bytes part_of_budget(const std::string& mission, const py::dict& keywords, const std::string& part) {
   auto o = options_from<BudgetVerbOptions>(keywords);
   o.mission = mission;
+  o.shared.part = part;
+  return part_of([=] {
+    budget_answer(
+        read_mission(o.mission), o, [](const std::string&) {}, {}, "");
+  });
+}
+
+/// `parts`: those of the Monte Carlo, where it was done before.
+Outcome budgeted(const std::string& mission, const py::dict& keywords, const py::object& progress, const std::vector<std::string>& parts) {
+  auto o = options_from<BudgetVerbOptions>(keywords);
+  o.mission = mission;
+  o.shared.sources = parts_in_memory(parts);
   return {run(progress, [o](const std::function<void(double)>& report) {
     const MissionFile file = read_mission(o.mission);
     const auto tell = [](const std::string&) {};  // the answer has them
@@ -116,6 +128,7 @@ void bind_navigation(py::module_& module) {
   module.def("trajectory", &flown);
   module.def("navigate", &navigated);
   module.def("budget", &budgeted);
+  module.def("part_of_budget", &part_of_budget);
 }
 
 }  // namespace imulab::python

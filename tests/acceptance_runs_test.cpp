@@ -12,8 +12,8 @@ namespace {
 
 /// While it lives, runs are kept in a folder.
 struct KeptIn {
-  explicit KeptIn(const std::filesystem::path& folder) { kept_runs() = folder; }
-  ~KeptIn() { kept_runs().clear(); }
+  explicit KeptIn(const std::filesystem::path& folder) { shared_runs().checkpoint = folder; }
+  ~KeptIn() { shared_runs() = {}; }
   KeptIn(const KeptIn&) = delete;
   KeptIn& operator=(const KeptIn&) = delete;
 };

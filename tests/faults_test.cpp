@@ -171,6 +171,7 @@ TEST_F(Faults, OldOrNewOfEveryVerbThatWrites) {
   expect_old_or_new("import matrix.json -o out --force", {"out"});
   expect_old_or_new("navigate none T -o out --report page", {"out", "page"});
   expect_old_or_new("budget m.toml --runs 0 --report page", {"page"});
+  expect_old_or_new("predict zhang.toml --runs 200 --part 1/1 -o out", {"out"});
   expect_old_or_new("plan --require 'accel.offset <= 1000 ug' -o out --report page", {"out", "page"});
 }
 

@@ -91,6 +91,7 @@ TEST_F(Killed, OldOrNew) {
   expect_old_or_new("import matrix.json -o out --force", {"out"});
   expect_old_or_new("navigate none T -o out", {"out"});
   expect_old_or_new("report c.json -o page", {"page"});
+  expect_old_or_new("predict zhang.toml --runs 1000 --part 1/1 -o out", {"out"});
 }
 
 TEST_F(Killed, AllOfAFolderOrNothing) {
@@ -103,7 +104,7 @@ TEST_F(Killed, AllOfAFolderOrNothing) {
 
 TEST_F(Killed, TheNextRunGoesOn) {
   expect_the_next_run_to_finish("fleet add c.json --store new.db", "fleet export --csv --store new.db");
-  expect_the_next_run_to_finish("fleet calibrate S --method static --store new.db --checkpoint work", "fleet check --store new.db");
+  expect_the_next_run_to_finish("fleet calibrate S --method static --store new.db --part 1/1", "fleet check --store new.db");
   const std::string predict = "predict zhang.toml --runs 1000 --checkpoint work --json";
   expect_the_next_run_to_finish(predict, predict);
 }

@@ -140,7 +140,7 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
       if (row->file != use) continue;
       for (const std::string& file : option->results()) {
         if (use == written) will_write(shortest_name(*row), file);
-        if (use == created) will_create(shortest_name(*row), file);
+        if (use == created && !(verb.sharing != nullptr && !verb.sharing->part.empty())) will_create(shortest_name(*row), file);
         if (use == read) will_read(file), streams += file == "-";
       }
     }
@@ -259,7 +259,7 @@ void declare(Verb& command) {
   for (Verb& verb : command.verbs) verb.group = "start here";
   for (const Group& group :
        {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_noise, add_compare, add_verify, add_report, add_fleet}},
-        Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
+        Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan, add_join}},
         Group{"use a calibration", {add_compensate, add_export, add_import}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {
       add(command);
@@ -267,7 +267,8 @@ void declare(Verb& command) {
     }
 }
 
-int parse_and_do(std::vector<std::string> arguments) {
+/// `parts`: files of the parts of the work, in its place.
+int parse_and_do(std::vector<std::string> arguments, const std::vector<std::string>& parts = {}) {
   remove_unfinished_on_signals();
   forget_files();
   show_evidence(false);
@@ -293,6 +294,8 @@ int parse_and_do(std::vector<std::string> arguments) {
   for (std::size_t i = 1; i < arguments.size(); ++i)
     if (arguments[i - 1] == "procedure" && arguments[i] == "hand-held") arguments[i] = "handheld";  // as it was called before
   const Verb& verb = verb_at(command, arguments);
+  if (!parts.empty() && verb.sharing == nullptr) throw Error(parts.front() + ": is a part of another version's work");
+  if (!parts.empty()) verb.sharing->joined = parts;
   const std::vector<std::string> given = arguments;
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
@@ -322,6 +325,8 @@ void show(const Answer& answer, const ShowOptions& o, const std::string& closing
 std::string written_text(const std::string& output, const std::string& otherwise) {
   return output.empty() ? otherwise : "written: " + one_line(output);
 }
+
+void join_parts(std::vector<std::string> arguments, const std::vector<std::string>& parts) { parse_and_do(std::move(arguments), parts); }
 
 int run(std::vector<std::string> arguments) {
   try {

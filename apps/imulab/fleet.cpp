@@ -37,7 +37,7 @@ struct Options {
   std::vector<std::string> files;
   FleetDeclaration declared;
   bool json = false, retry = false, failures = false;
-  CheckpointOptions shared;
+  std::string part;
 };
 
 void add_declared(Verb& verb, FleetDeclaration& declared) {
@@ -90,21 +90,23 @@ std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures)
 
 void calibrate_all(const Options& o) {
   parse_terms(o.terms);
-  if (!o.shared.checkpoint.empty() && in_job_array())
-    throw Error(
-        "--checkpoint: this is a task of a Slurm array, and each of these tasks would write the store; expected one job whose tasks share the work "
-        "(srun), or for each task its own sessions and --store without --checkpoint (imulab fleet merge joins the stores)");
   const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
-  FleetStore store(o.shared.silent() ? ":memory:" : o.store, Access::write);  // of processes that share the work one has it
+  std::optional<PartNumber> part;
+  if (!o.part.empty()) part = errors_of_option("part", [&] { return part_named(o.part); });
+  fs::path place = o.store;
+  if (part && o.part.starts_with("auto")) {
+    fs::create_directories(place);
+    place /= PartWriter(*part, "").name() + ".db";
+  }
+  FleetStore store(place, Access::write);
   FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};
-  task.checkpoint = o.shared.shared();
+  task.part = part;
   FleetCalibrationCounts n;
   {
     Progress progress("calibrating", static_cast<double>(sessions.size()));
     task.progress = [&](double done, double) { progress.report(done); };
     n = calibrate_fleet(sessions, task, store);
   }
-  if (o.shared.silent()) return;
   for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", one_line(f.file), indented(f.message)));
   warn_each(store.clock_problems());
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
@@ -132,7 +134,9 @@ void add_calibrate_all(Verb& fleet) {
   verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
   store_option(verb, o->store);
   add_declared(verb, o->declared);
-  checkpoint_options(verb, o->shared);
+  verb.option("--part K/N", o->part,
+              "the K-th of N parts of the sessions alone, into a store of its own, for imulab fleet merge; auto: by Slurm, mpirun or Kubernetes, and "
+              "--store is a folder");
   verb.option("--retry", o->retry, "sessions that failed before, too");
   verb.option("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
@@ -21,8 +22,9 @@ namespace {
 using fleet::Access;
 
 struct Options {
-  std::string store = "fleet.db", other, output, unit, reason;
+  std::string store = "fleet.db", output, unit, reason;
   std::string calibration;
+  std::vector<std::string> others;
   bool json = false, csv = false, force = false;
 };
 
@@ -53,9 +55,11 @@ void check(const Options& o) {
 
 void merge(const Options& o) {
   FleetStore store(o.store, Access::write);
-  const std::int64_t added = store.merge(o.other);
+  std::int64_t added = 0;
+  for (const std::filesystem::path& other : fleet::all_parts({o.others.begin(), o.others.end()})) added += store.merge(other);
   if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
-  print(fmt::format("{}: {} calibrations added from {}\n", one_line(o.store), added, one_line(o.other)));
+  print(fmt::format("{}: {} calibrations added from {}\n", one_line(o.store), added,
+                    o.others.size() == 1 ? one_line(o.others.front()) : fmt::format("{} stores", o.others.size())));
 }
 
 std::int64_t calibration_number(const std::string& text) {
@@ -107,8 +111,8 @@ void add_fleet_upkeep(Verb& fleet) {
   json_option(checking, checked->json);
   checking.example("imulab fleet check --store fleet.db");
 
-  Verb& merging = upkeep(fleet, "merge", "Add what another store has", merged, merge);
-  merging.option("OTHER", merged->other, "the other store, which stays as it is").required();
+  Verb& merging = upkeep(fleet, "merge", "Add what other stores have: of other stations, or of all parts of a fleet", merged, merge);
+  merging.option("OTHER", merged->others, "the other stores, which stay as they are").required().takes_several(1);
   json_option(merging, merged->json, "print the count as JSON");
   merging.example("imulab fleet merge station-2.db --store fleet.db");
 

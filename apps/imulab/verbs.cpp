@@ -42,6 +42,23 @@ void show_besides_files(const Answer& answer, ShowOptions o) {
   show(answer, o);
 }
 
+/// Does the work of a verb, or a part of it: that is written to `output` in place of the answer.
+template <class Work>
+void by_part(const SharingOptions& shared, const std::string& output, const Work& work) {
+  if (!shared.part.empty() && output.empty()) throw OptionError("part", shared.part + "; expected -o with the file of the part");
+  try {
+    work();
+  } catch (const PartIsDone& done) {
+    std::filesystem::path file = output;
+    if (shared.part.starts_with("auto")) {
+      std::filesystem::create_directories(file);
+      file /= done.part->name();
+    }
+    write_whole(file, done.part->bytes());
+    print(fmt::format("{}\nwritten: {}\n", done.part->summary(), file.string()));
+  }
+}
+
 // imulab calibrate SESSION
 
 void run(const CalibrateOptions& o) {
@@ -124,11 +141,13 @@ void run(const SimulateOptions& o) {
 void run(const PredictOptions& o) {
   PredictionOptions task = task_of(o);
   const Session procedure = session_at(o.procedure);
-  const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
-    task.progress = report;
-    return prediction_answer(o.method, procedure, o.procedure, task);
+  by_part(o.shared, o.output, [&] {
+    const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
+      task.progress = report;
+      return prediction_answer(o.method, procedure, o.procedure, task);
+    });
+    show(answer, o);
   });
-  if (!o.shared.silent()) show(answer, o);
 }
 
 // imulab plan --require ...
@@ -136,13 +155,14 @@ void run(const PredictOptions& o) {
 void run(const PlanOptions& o) {
   PlanTask task = task_of(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
-  const auto answer = with_progress("planning", [&](const auto& report) {
-    task.progress = report;
-    return plan_answer(task, o.output == "-" ? "" : o.output);
+  by_part(o.shared, o.output, [&] {
+    const auto answer = with_progress("planning", [&](const auto& report) {
+      task.progress = report;
+      return plan_answer(task, o.output == "-" ? "" : o.output);
+    });
+    if (!o.output.empty()) write_whole(o.output, procedure_text(answer.data->procedure));
+    show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
   });
-  if (o.shared.silent()) return;
-  if (!o.output.empty()) write_whole(o.output, procedure_text(answer.data->procedure));
-  show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
 // imulab trajectory MISSION -o FOLDER
@@ -168,10 +188,11 @@ void run(const BudgetVerbOptions& o) {
   for (const std::filesystem::path& named : file.files) will_read(named);
   if (!several_grades(o).empty())
     return show_besides_files(with_progress("Monte Carlo", [&](const auto& report) { return grades_answer(file, o, warn, report); }), o);
-  const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
-  if (o.shared.silent()) return;
-  if (!o.output.empty()) write_budget(o.output, *answer.data);
-  show_besides_files(answer, o);
+  by_part(o.shared, o.output, [&] {
+    const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
+    if (!o.output.empty()) write_budget(o.output, *answer.data);
+    show_besides_files(answer, o);
+  });
 }
 
 }  // namespace
@@ -192,7 +213,8 @@ void add_predict(Verb& app) {
     for (const auto& [option, wanted] : {std::pair{"runs", verb.at("--runs").given && o->runs != 0},
                                          {"seed", verb.at("--seed").given},
                                          {"classical", o->classical},
-                                         {"checkpoint", !o->shared.checkpoint.empty()}})
+                                         {"checkpoint", !o->shared.checkpoint.empty()},
+                                         {"part", !o->shared.part.empty()}})
       if (wanted && !takes_runs) throw OptionError(option, "belongs to --method " + names_of_methods(&Method::takes_runs));
     run(*o);
   };

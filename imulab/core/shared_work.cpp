@@ -1,58 +1,52 @@
 #include "imulab/core/shared_work.hpp"
 
 #include "imulab/core/build.hpp"
-#include "imulab/core/checkpoint_folder.hpp"
+#include "imulab/core/checkpoint_file.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/core/part_file.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <thread>
+#include <sstream>
 
 namespace imulab {
 
 namespace {
 
-/// Results on their way to `take`, in the order of the parts.
+/// Results of some blocks on their way to `take`, in order.
 class InOrder {
  public:
-  explicit InOrder(const SharedWork& work) : work_(work), have_(work.count) {}
+  InOrder(BlockRange range, std::function<void(std::size_t, const std::string&)> take)
+      : range_(range), next_(range.begin), have_(range.size()), take_(std::move(take)) {}
 
-  void add(std::size_t part, std::string result) {
+  void add(std::size_t block, std::string result) {
     const std::lock_guard lock(one_);
-    if (part >= have_.size() || have_[part]) return;
-    have_[part] = true;
-    waiting_.emplace(part, std::move(result));
-    for (auto next = waiting_.find(taken_); next != waiting_.end(); next = waiting_.find(taken_)) {
-      work_.take(taken_, next->second);
+    if (block < range_.begin || block >= range_.end || have_[block - range_.begin]) return;
+    have_[block - range_.begin] = true;
+    waiting_.emplace(block, std::move(result));
+    for (auto next = waiting_.find(next_); next != waiting_.end(); next = waiting_.find(next_)) {
+      take_(next_++, next->second);
       waiting_.erase(next);
-      ++taken_;
-      if (work_.progress) work_.progress(taken_);
     }
   }
-  bool has(std::size_t part) {
+  bool has(std::size_t block) {
     const std::lock_guard lock(one_);
-    return have_[part];
-  }
-  bool complete() {
-    const std::lock_guard lock(one_);
-    return taken_ == have_.size();
+    return have_[block - range_.begin];
   }
 
  private:
-  const SharedWork& work_;
+  BlockRange range_;
+  std::size_t next_;
   std::mutex one_;
   std::vector<bool> have_;
+  std::function<void(std::size_t, const std::string&)> take_;
   std::map<std::size_t, std::string> waiting_;
-  std::size_t taken_ = 0;
 };
 
 /// Calls `one` for 0 ... count - 1, the next one whenever a thread is free. Parallel loops inside do not begin another one in the middle.
@@ -69,34 +63,20 @@ void by_turns(std::size_t count, const std::function<void(std::size_t)>& one) {
   });
 }
 
-void share(const SharedWork& work, const Checkpoint& checkpoint) {
-  InOrder results(work);
-  const auto add = [&](std::size_t part, std::string result) { results.add(part, std::move(result)); };
-  for (const auto& other : checkpoint.merged) CheckpointFolder::read(other, checkpoint.identity, add);
-  CheckpointFolder folder(checkpoint.folder, checkpoint.identity);
-  folder.read_new(add);
-  constexpr std::size_t most_claims = 10000;  // files of a folder
-  const std::size_t size = std::max<std::size_t>(1, (work.count + most_claims - 1) / most_claims), chunks = (work.count + size - 1) / size;
-  // First what nobody has begun; then what somebody has begun and not finished, again and again until it is there.
-  for (int round = 0; !results.complete(); ++round) {
-    std::atomic<bool> idle = true;
-    by_turns(chunks, [&](std::size_t chunk) {
-      const std::size_t begin = chunk * size, end = std::min(work.count, begin + size);
-      std::size_t part = begin;
-      while (part < end && results.has(part)) ++part;
-      if (part == end || !folder.claim(chunk, round)) return;
-      idle = false;
-      for (; part < end; ++part) {
-        if (results.has(part)) continue;
-        std::string result = work.work(part);
-        folder.append(part, result);
-        results.add(part, std::move(result));
-      }
-      folder.read_new(add);
-    });
-    folder.read_new(add);
-    if (idle && !results.complete()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
+/// Does the blocks of a range, but for those that the checkpoint has.
+void do_blocks(const SharedWork& work, BlockRange range, const Sharing* sharing, std::function<void(std::size_t, const std::string&)> take) {
+  InOrder results(range, std::move(take));
+  std::optional<CheckpointFile> kept;
+  if (sharing != nullptr && !sharing->checkpoint.empty())
+    kept.emplace(sharing->part ? sharing->checkpoint / sharing->part->name() : sharing->checkpoint, sharing->identity,
+                 [&](std::size_t block, std::string result) { results.add(block, std::move(result)); });
+  by_turns(range.size(), [&](std::size_t k) {
+    const std::size_t block = range.begin + k;
+    if (results.has(block)) return;
+    std::string result = work.work(block);
+    if (kept) kept->append(block, result);
+    results.add(block, std::move(result));
+  });
 }
 
 }  // namespace
@@ -113,26 +93,36 @@ std::string work_identity(std::string_view work, const std::vector<IdentityField
   return text;
 }
 
-void for_each(const SharedWork& work, const Checkpoint* checkpoint) {
-  if (checkpoint != nullptr) return share(work, *checkpoint);
-  InOrder results(work);
-  by_turns(work.count, [&](std::size_t part) { results.add(part, work.work(part)); });
+std::string differing_field(const std::string& identity, const std::string& other) {
+  std::istringstream one(identity), two(other);
+  for (std::string line, there; std::getline(one, line);)
+    if (!std::getline(two, there) || line != there) return line.substr(0, line.find('='));
+  return "identity";
 }
 
-bool leads_processes() {
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
-    if (const char* rank = std::getenv(name)) return std::atoi(rank) == 0;
-  return true;
+void for_each(const SharedWork& work, const Sharing* sharing) {
+  const auto take = [&](std::size_t block, const std::string& result) {
+    work.take(block, result);
+    if (work.progress) work.progress(block + 1);
+  };
+  if (sharing != nullptr && sharing->joined && sharing->joined->has_more()) return sharing->joined->read(sharing->identity, work.count, take);
+  if (sharing == nullptr || !sharing->part) return do_blocks(work, {0, work.count}, sharing, take);
+  PartWriter& part = *sharing->part;
+  const BlockRange range = part.begin_work(sharing->identity, work.count);
+  do_blocks(work, range, sharing, [&](std::size_t block, const std::string& result) {
+    part.add(result);
+    if (work.progress) work.progress(work.count * (block + 1 - range.begin) / range.size());
+  });
+  part.end_work();
+  throw PartIsDone{sharing->part};
 }
-
-bool in_job_array() { return std::getenv("SLURM_ARRAY_JOB_ID") != nullptr || std::getenv("SLURM_ARRAY_TASK_ID") != nullptr; }
 
 std::string bytes_of(const double* numbers, std::size_t count) { return {reinterpret_cast<const char*>(numbers), count * sizeof(double)}; }
 
 void read_numbers(const std::string& bytes, double* numbers, std::size_t count) {
   if (bytes.size() != count * sizeof(double))
-    throw Error(fmt::format("a result in the checkpoint has {} bytes; expected {}: another version of imulab wrote it", bytes.size(),
-                            count * sizeof(double)));
+    throw Error(
+        fmt::format("a result that was kept has {} bytes; expected {}: another version of imulab wrote it", bytes.size(), count * sizeof(double)));
   if (count > 0) std::memcpy(numbers, bytes.data(), bytes.size());
 }
 

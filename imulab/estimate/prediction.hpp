@@ -26,7 +26,7 @@ struct PredictionOptions {
   bool advice = true;                         ///< where a requirement is missed, or a coefficient is not determined
   bool classical = false;                     ///< by the weights and the model of the paper that the method follows
   std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, from any thread
-  std::optional<Checkpoint> checkpoint = {};  ///< of the Monte Carlo
+  std::optional<Sharing> sharing = {};        ///< of the Monte Carlo
 };
 
 /// Whole procedures with drawn errors, each calibrated.

@@ -38,9 +38,9 @@ struct PathPlanner {
   /// The uncertainty that no path reduces, with turns of this rate [rad/s].
   double (*least_sigma)(const Session& unit, CoefficientIndex index, double turn_rate) = nullptr;
   /// Finds, among all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given
-  /// time. Where no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. `shared`: by processes that share the
-  /// search. Bit-equal on any number of threads and processes.
-  TurnPath (*design)(const PathLimits& limits, const Session& unit, const std::function<void(int)>& progress, const Checkpoint* shared) = nullptr;
+  /// time. Where no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. `sharing`: of the
+  /// search. Bit-equal on any number of threads, and from parts.
+  TurnPath (*design)(const PathLimits& limits, const Session& unit, const std::function<void(int)>& progress, const Sharing* sharing) = nullptr;
 };
 
 }  // namespace imulab

@@ -118,7 +118,7 @@ std::string monte_carlo_line(const ErrorDistribution& d) {
   return text::wrapped("  ",
                        fmt::format("Monte Carlo, {} runs: horizontal position median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} "
                                    "nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h",
-                                   d.drift.size(), d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end),
+                                   d.runs, d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end),
                                    d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h, d.drift_95 / unit::nmi_per_h));
 }
 

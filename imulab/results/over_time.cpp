@@ -198,7 +198,7 @@ void describe(Fields& f, BudgetSummary& s) {
 std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, const std::vector<NavigationState>& track,
                         const std::string& grade, const std::string& noise) {
   JsonWriter writer;
-  BudgetSummary summary{b, monte_carlo, monte_carlo ? monte_carlo->drift.size() : 0, thinned_rows(track, most_places), grade, noise};
+  BudgetSummary summary{b, monte_carlo, monte_carlo ? monte_carlo->runs : 0, thinned_rows(track, most_places), grade, noise};
   describe(writer, summary);
   describe_track(writer, summary.track);
   return json_text(writer.out, JsonLayout::long_lists);

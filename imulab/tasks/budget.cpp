@@ -73,7 +73,7 @@ ErrorSpecification specification_of(const BudgetVerbOptions& o, const MissionFil
 }
 
 MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& specification, const BudgetVerbOptions& o,
-                             std::optional<Checkpoint> checkpoint, const std::function<void(double)>& progress) {
+                             std::optional<Sharing> sharing, const std::function<void(double)>& progress) {
   if (!(o.every > 0)) throw Error(fmt::format("{} s between outputs; expected a positive number", o.every));
   ErrorSourcesReading reading = read_error_sources(specification, o.mission);
   MissionBudget out;
@@ -81,15 +81,15 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
   out.motion = nominal_motion(errors_at(o.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
   StrapdownOptions strapdown;
   strapdown.vertical = specification.vertical;
-  out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = o.every});
-  if (checkpoint) checkpoint->identity = identity_of(file, specification, o);
+  if (!(sharing && sharing->part)) out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = o.every});
+  if (sharing) sharing->identity = identity_of(file, specification, o);
   if (o.runs > 0) {
     out.monte_carlo = error_monte_carlo(
         out.motion, reading.sources, {.strapdown = strapdown, .output_interval = o.every, .runs = o.runs, .seed = o.seed},
         [&](std::uint64_t done) {
           if (progress) progress(static_cast<double>(done) / static_cast<double>(o.runs));
         },
-        checkpoint ? &*checkpoint : nullptr);
+        sharing ? &*sharing : nullptr);
     out.runs = o.runs;
   }
   if (auto warning = hopeless_alignment(out.budget, reading.sources.start)) out.warnings.push_back(std::move(*warning)), out.doubtful = true;
@@ -133,11 +133,12 @@ Verb& declare(Verb& command, BudgetVerbOptions& o) {
   verb.option("--require LIMITS", o.require,
               "what the mission allows: \"CEP <= 1 nmi/h\" at its end, \"CEP <= 200 m at 600 s\", also of RMS, 95 %, vertical, velocity and heading; "
               "exit code 1 where it is not met");
-  verb.option("--runs", o.runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
+  verb.option("--runs", o.runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e9);
   seed_option(verb, o.seed);
   verb.option("--every", o.every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
-  checkpoint_options(verb, o.shared);
-  verb.option("-o,--output FOLDER", o.output, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv")
+  sharing_options(verb, o.shared);
+  verb.option("-o,--output FOLDER", o.output,
+              "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv; the file of a --part")
       .creates()
       .of_command();
   report_option(verb, o.report);
@@ -153,7 +154,8 @@ Verb& declare(Verb& command, BudgetVerbOptions& o) {
 
 AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
                                       const std::function<void(double)>& progress, const std::string& allow) {
-  std::optional<Checkpoint> checkpoint = o.shared.shared();
+  if (o.shared.is_divided() && o.runs == 0) throw OptionError("part", "divides a Monte Carlo; expected --runs");
+  std::optional<Sharing> sharing = o.shared.sharing();
   if (o.require) errors_of_option("require", [&] { expect_budget_limits(*o.require); });
   const ErrorSpecification specification = specification_of(o, file);
   bool doubtful_calibration = false;
@@ -165,7 +167,7 @@ AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbO
     std::ranges::for_each(told, tell);
     doubtful_calibration = !doubt_about(calibration, "").empty();
   }
-  const auto made = std::make_shared<MissionBudget>(mission_budget(file, specification, o, std::move(checkpoint), progress));
+  const auto made = std::make_shared<MissionBudget>(mission_budget(file, specification, o, std::move(sharing), progress));
   made->grade = specification.grade.value_or(specification.system.value_or("")), made->noise = noise_origin(specification);
   made->doubtful = made->doubtful || doubtful_calibration;
   const std::shared_ptr<const MissionBudget> b = made;

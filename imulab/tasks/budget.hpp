@@ -22,7 +22,7 @@ struct BudgetVerbOptions : ShowOptions {
   std::uint64_t runs = 200, seed = 1;                            ///< of the Monte Carlo; 0 runs: none
   double every = 10;                                             ///< s between outputs
   bool catalogue = false, allow_undetermined = false;
-  CheckpointOptions shared;
+  SharingOptions shared;
 };
 /// The verb `budget`, which sets these.
 Verb& declare(Verb& command, BudgetVerbOptions& o);

@@ -57,7 +57,8 @@ std::vector<std::string> several_grades(const BudgetVerbOptions& o) {
 Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell, const std::function<void(double)>& progress) {
   const std::vector<std::string> grades = several_grades(o);
   if (!o.output.empty()) throw OptionError("output", "takes the files of one grade; expected one --grade, or --json and --report for several");
-  if (!o.shared.checkpoint.empty()) throw OptionError("checkpoint", "belongs to the budget of one grade");
+  if (!o.shared.checkpoint.empty() || !o.shared.part.empty())
+    throw OptionError(o.shared.part.empty() ? "checkpoint" : "part", "belongs to the budget of one grade");
   const auto budgets = std::make_shared<std::vector<AnswerOf<MissionBudget>>>();
   std::vector<BudgetSummary> results;
   std::vector<std::string> warnings;

@@ -1,6 +1,8 @@
 #include "imulab/tasks/fleet.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/shared_work.hpp"
+#include "imulab/fleet/store/part.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/noise/file.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -68,101 +70,18 @@ void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
   item.calibration = std::move(c);
 }
 
-/// A finished item as bytes, and back: what one process does, another stores.
-class Packer {
- public:
-  explicit Packer(std::string bytes = {}) : bytes_(std::move(bytes)) {}
-  const std::string& bytes() const { return bytes_; }
-  void put(const std::string& text) {
-    const std::uint64_t size = text.size();
-    bytes_.append(reinterpret_cast<const char*>(&size), sizeof size) += text;
-  }
-  std::string text() {
-    std::uint64_t size = 0;
-    take(&size, sizeof size);
-    if (size > bytes_.size() - at_) throw Error("a result in the checkpoint is cut: another version of imulab wrote it");
-    std::string out = bytes_.substr(at_, size);
-    at_ += size;
-    return out;
-  }
-  void put(double number) { bytes_.append(reinterpret_cast<const char*>(&number), sizeof number); }
-  double number() {
-    double out = 0;
-    take(&out, sizeof out);
-    return out;
-  }
-
- private:
-  void take(void* to, std::size_t size) {
-    if (size > bytes_.size() - at_) throw Error("a result in the checkpoint is cut: another version of imulab wrote it");
-    std::memcpy(to, bytes_.data() + at_, size);
-    at_ += size;
-  }
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
-
-std::string packed(const FleetItem& item) {
-  Packer p;
-  for (const std::string& text : {item.hashed.file, item.hashed.sha256, item.hashed.hash, item.failure, item.occasion.station,
-                                  item.occasion.operated_by, item.occasion.time_from, item.calibration ? calibration_text(*item.calibration) : ""})
-    p.put(text);
-  for (const double number :
-       {item.occasion.time, item.skipped ? 1.0 : 0.0, item.failed_before ? 1.0 : 0.0, static_cast<double>(item.hashed.files.size())})
-    p.put(number);
-  for (const SourceFile& file : item.hashed.files) p.put(file.file), p.put(file.sha256), p.put(static_cast<double>(file.bytes));
-  return p.bytes();
-}
-
-FleetItem unpacked(const std::string& bytes) {
-  Packer p(bytes);
-  FleetItem item;
-  for (std::string* text : {&item.hashed.file, &item.hashed.sha256, &item.hashed.hash, &item.failure, &item.occasion.station,
-                            &item.occasion.operated_by, &item.occasion.time_from})
-    *text = p.text();
-  if (const std::string calibration = p.text(); !calibration.empty()) item.calibration = parse_calibration(calibration, item.hashed.file);
-  item.occasion.time = p.number(), item.skipped = p.number() != 0, item.failed_before = p.number() != 0;
-  for (double left = p.number(); left > 0; --left) {
-    SourceFile file;
-    file.file = p.text(), file.sha256 = p.text();
-    const double size = p.number();
-    if (!(size >= 0 && size < 1e18)) throw Error("a result in the checkpoint has a file of no size: another version of imulab wrote it");
-    file.bytes = static_cast<std::uint64_t>(size);
-    item.hashed.files.push_back(std::move(file));
-  }
-  return item;
-}
-
-/// Everything that the calibrations depend on: the sessions with their recordings, and the options. The recordings of a fleet may be terabytes, and
-/// every process would have to read them: they count by name, size and time, all else by its content.
+/// The task that parts of a fleet have in common: the options, and the list of all sessions by path and size. Each part opens and hashes its own
+/// alone.
 std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task) {
-  std::vector<IdentityField> inputs;
-  for (const fs::path& file : sessions) {
-    inputs.emplace_back("file", file.string());
-    try {
-      const Session session = read_session(file);
-      for (IdentityField& field : content_of(session)) inputs.push_back(std::move(field));
-      for (const RecordingSource& source : session.recordings)
-        for (const std::string& name : source.files()) {
-          struct stat status {};
-          const fs::path place = session_path(session, name);
-          if (::stat(place.c_str(), &status) != 0) continue;  // its session fails, which is a result, too
-          inputs.emplace_back("recording", place.string());
-          inputs.emplace_back("size", fmt::format("{}", status.st_size));
-          inputs.emplace_back("time", fmt::format("{}.{}", status.st_mtim.tv_sec, status.st_mtim.tv_nsec));
-        }
-    } catch (const std::exception& e) {  // likewise
-      inputs.emplace_back("failure", e.what());
-    }
-  }
+  std::string list;
+  for (const fs::path& file : sessions) list += fmt::format("{}\n{}\n", file.string(), fs::file_size(file));
   return work_identity("fleet calibrate", {{"method", task.method},
                                            {"terms", task.terms},
                                            {"station", task.declared.station},
                                            {"operator", task.declared.operated_by},
                                            {"time", task.declared.time},
-                                           {"retry", task.retry ? "true" : "false"},
                                            {"sessions", fmt::format("{}", sessions.size())},
-                                           {"files", sha256(work_identity("files", inputs))}});
+                                           {"list", sha256(list)}});
 }
 
 void store_item(FleetItem& item, const FleetRequest& request, FleetStore& store) {
@@ -235,38 +154,34 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   if (!task.declared.time.empty()) errors_at("--time", [&] { parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store
-  SharedWork all{.count = sessions.size(), .work = {}, .take = {}};
-  std::optional<Checkpoint> checkpoint = task.checkpoint;
-  if (checkpoint) checkpoint->identity = identity_of(sessions, task);
-  const auto is_known = [&](FleetItem& item) {
-    const std::lock_guard lock(one);
-    const FleetStore::Known known = store.known(item.hashed, request);
-    item.failed_before = known == FleetStore::Known::failed && !task.retry;
-    item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
-    return item.skipped;
-  };
-  const auto worked_on = [&](std::size_t at) {
-    FleetItem item;
-    item.hashed.file = sessions[at].string();
+  const BlockRange range = task.part ? blocks_of(*task.part, sessions.size()) : BlockRange{0, sessions.size()};
+  if (task.part) fleet::begin_part(store, *task.part, identity_of(sessions, task));
+  std::vector<std::unique_ptr<FleetItem>> items(range.size());  // on their way into the store
+  counts.sessions = static_cast<std::int64_t>(range.size());
+  SharedWork own{.count = range.size(), .work = {}, .take = {}};
+  own.work = [&](std::size_t at) -> std::string {
+    FleetItem& item = *(items[at] = std::make_unique<FleetItem>());
+    item.hashed.file = sessions[range.begin + at].string();
     attempt(item, [&] {
       item.session = read_session(item.hashed.file);
       item.hashed = fleet_session(*item.session);
-      is_known(item);
+      const std::lock_guard lock(one);
+      const FleetStore::Known known = store.known(item.hashed, request);
+      item.failed_before = known == FleetStore::Known::failed && !task.retry;
+      item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
     });
     attempt(item, [&] { calibrate_item(item, task); });
-    return packed(item);
+    return "";
   };
-  all.work = worked_on;
-  all.take = [&](std::size_t at, const std::string& bytes) {  // in the order of the sessions
-    if (checkpoint && !leads_processes()) return;             // another process has the store
-    FleetItem item = unpacked(bytes);
-    if (item.skipped && !is_known(item)) item = unpacked(worked_on(at));  // it was another store that had it
+  own.take = [&](std::size_t at, const std::string&) {  // in the order of the sessions
+    const std::unique_ptr<FleetItem> item = std::move(items[at]);
     const std::lock_guard lock(one);
-    store_item(item, request, store);
-    count(item, request, counts);
+    store_item(*item, request, store);
+    count(*item, request, counts);
   };
-  if (task.progress) all.progress = [&](std::size_t done) { task.progress(static_cast<double>(done), static_cast<double>(sessions.size())); };
-  for_each(all, checkpoint ? &*checkpoint : nullptr);
+  if (task.progress) own.progress = [&](std::size_t done) { task.progress(static_cast<double>(done), static_cast<double>(range.size())); };
+  for_each(own);
+  if (task.part) fleet::end_part(store);
   return counts;
 }
 

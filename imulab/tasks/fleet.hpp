@@ -1,7 +1,7 @@
 // Brings sessions into a fleet store and calibrates each of them once, for `fleet calibrate` and `fleet add` of the command.
 #pragma once
 
-#include "imulab/core/shared_work.hpp"
+#include "imulab/core/part_file.hpp"
 #include "imulab/fleet/store/store.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
@@ -27,7 +27,7 @@ struct FleetCalibrationTask {
   FleetDeclaration declared = {};
   bool retry = false;  ///< sessions that failed before, too
   std::function<void(double done, double all)> progress = {};
-  std::optional<Checkpoint> checkpoint = {};  ///< several processes share the sessions; of those that mpirun or srun started the first one stores
+  std::optional<PartNumber> part = {};  ///< of the sessions; its store is joined with those of the others by `fleet merge`
 };
 
 struct FleetCalibrationCounts {

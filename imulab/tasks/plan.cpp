@@ -1,6 +1,5 @@
 #include "imulab/tasks/plan.hpp"
 
-#include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -108,16 +107,13 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
   const std::vector<Requirement> requirements = question.requirements;
   PlannedPath out, first, before;
   for (int round = 0; round < most_rounds; ++round) {
-    std::optional<Checkpoint> shared;
-    if (task.checkpoint) {
-      const std::string folder = fmt::format("{}{}", name, round + 1);
-      shared = Checkpoint{.folder = task.checkpoint->folder / folder, .identity = identity_of(task, question)};
-      for (const auto& merged : task.checkpoint->merged) shared->merged.push_back(merged / folder);
-    }
+    std::optional<Sharing> sharing = task.sharing;
+    if (sharing) sharing->identity = identity_of(task, question);
+    if (sharing && !sharing->checkpoint.empty()) sharing->checkpoint /= fmt::format("{}{}", name, round + 1);
     const auto progress = [&](int done) {
       if (task.progress) task.progress(begin + part * 0.01 * done);
     };
-    out.path = planning_method().plan.design(question, procedure_of(task, 60, {}), progress, shared ? &*shared : nullptr);
+    out.path = planning_method().plan.design(question, procedure_of(task, 60, {}), progress, sharing ? &*sharing : nullptr);
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
     out.prediction = planning_method().predict(out.procedure, {.effects = task.effects, .advice = false});
@@ -217,7 +213,7 @@ Verb& declare(Verb& command, PlanOptions& o) {
   prior_option(verb, o.prior);
   verb.option("-o,--output FILE", o.output, "the procedure to write; - for standard output in place of the table").writes().of_command();
   report_option(verb, o.report);
-  checkpoint_options(verb, o.shared);
+  sharing_options(verb, o.shared);
   json_option(verb, o.json);
   verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");
   return verb;
@@ -235,7 +231,7 @@ PlanTask task_of(const PlanOptions& o) {
                 .time = o.time,
                 .rest = o.rest,
                 .effects = o.effects == "table"};
-  task.checkpoint = o.shared.shared();
+  task.sharing = o.shared.sharing();
   task.prior = read_prior(o.prior);
   return task;
 }
@@ -262,11 +258,6 @@ PlannedProcedure plan(const PlanTask& task) {
   planning_method().plan.expect_estimated(question.requirements, unit);
   expect_reachable(question, unit);
   question.requirements = with_margin(question.requirements, task.margin, unit, question.turn_rate);
-  if (task.checkpoint) {  // the folders are this plan's
-    const std::string identity = identity_of(task, question);
-    for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, identity, [](std::size_t, const std::string&) {});
-    const CheckpointFolder folder(task.checkpoint->folder, identity);
-  }
   PlannedProcedure out;
   out.margin = task.margin;
   out.requirements = task.requirements;

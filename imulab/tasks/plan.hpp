@@ -18,7 +18,7 @@ struct PlanOptions : ShowOptions {
   std::optional<std::string> noise;  ///< file of an analysis, in place of the grade's terms
   double latitude_deg = 45, margin = 0.8;
   std::optional<double> gravity, time, rest;
-  CheckpointOptions shared;
+  SharingOptions shared;
 };
 /// The verb `plan`, which sets these.
 Verb& declare(Verb& command, PlanOptions& o);
@@ -36,7 +36,7 @@ struct PlanTask {
   std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
   bool effects = true;                        ///< in the prediction of the path that was found; the search would take too long with them
   std::optional<FleetPrior> prior = {};       ///< the prior from a fleet
-  std::optional<Checkpoint> checkpoint = {};  ///< of processes that share the search
+  std::optional<Sharing> sharing = {};        ///< of the first search; the others follow from it
   std::function<void(double)> progress = {};  ///< 0 to 1
 };
 

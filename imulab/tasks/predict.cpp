@@ -55,7 +55,8 @@ Verb& declare(Verb& command, PredictOptions& o) {
   verb.option("--runs", o.runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   seed_option(verb, o.seed);
   verb.option("--classical", o.classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
-  checkpoint_options(verb, o.shared);
+  verb.option("-o,--output FILE", o.output, "with --part: the part's file").of_command();
+  sharing_options(verb, o.shared);
   report_option(verb, o.report);
   json_option(verb, o.json);
   verb.option("-v,--verbose", o.verbose, "print also first and second order and the Monte Carlo, with more digits").of_command();
@@ -67,12 +68,14 @@ Verb& declare(Verb& command, PredictOptions& o) {
 PredictionOptions task_of(const PredictOptions& o) {
   if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
+  if (o.shared.is_divided() && o.runs == 0) throw OptionError("part", "divides a Monte Carlo; expected --runs");
+  if (!o.output.empty() && o.shared.part.empty()) throw OptionError("output", "is the file of a --part; a prediction goes to standard output");
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
                             .effects = o.effects == "table" && !o.classical,
                             .runs = o.runs,
                             .seed = o.seed,
                             .classical = o.classical,
-                            .checkpoint = o.shared.shared()};
+                            .sharing = o.shared.sharing()};
   if (o.require) options.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
   return options;
 }
@@ -95,7 +98,7 @@ Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& re
 }
 
 AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {
-  if (options.checkpoint) options.checkpoint->identity = identity_of(procedure, options);
+  if (options.sharing) options.sharing->identity = identity_of(procedure, options);
   const auto p = [&] {
     try {
       return std::make_shared<const Prediction>(predict(method(method_name), procedure, options));

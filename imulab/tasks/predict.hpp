@@ -19,7 +19,7 @@ struct PredictOptions : ShowOptions {
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false;
-  CheckpointOptions shared;
+  SharingOptions shared;
 };
 /// The verb `predict`, which sets these.
 Verb& declare(Verb& command, PredictOptions& o);
@@ -27,7 +27,7 @@ Verb& declare(Verb& command, PredictOptions& o);
 /// The prediction that these options ask for. Throws OptionError.
 PredictionOptions task_of(const PredictOptions& o);
 
-/// Predicts as the method of that name does, with a checkpoint that names the procedure and the options. `name`: of the procedure, on the page.
+/// Predicts as the method of that name does, shared by what names the procedure and the options. `name`: of the procedure, on the page.
 /// Throws OptionError for terms that the method does not know, and as `predict`.
 AnswerOf<Prediction> prediction_answer(std::string_view method, const Session& procedure, const std::string& name, PredictionOptions options);
 /// The worst standard uncertainties, or what is not determined.

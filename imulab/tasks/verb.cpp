@@ -49,10 +49,41 @@ const VerbOption& Verb::at(const std::string& flag) const {
   throw Error(fmt::format("{} has no option {}", name, flag));
 }
 
-std::optional<Checkpoint> CheckpointOptions::shared() const {
-  if (checkpoint.empty() && !merged.empty()) throw OptionError("merge", "belongs to --checkpoint, whose folder has the result");
-  if (checkpoint.empty()) return std::nullopt;
-  return Checkpoint{checkpoint, {merged.begin(), merged.end()}};
+std::optional<Sharing> SharingOptions::sharing() const {
+  if (checkpoint.empty() && !is_divided()) return std::nullopt;
+  Sharing out{.checkpoint = checkpoint};
+  std::vector<PartReader::Source> parts = sources;
+  for (const std::string& file : joined) parts.push_back(PartReader::file(file));
+  if (!parts.empty()) out.joined = std::make_shared<PartReader>(std::move(parts));
+  if (!part.empty())
+    out.part = std::make_shared<PartWriter>(errors_of_option("part", [&] { return part_named(part); }), verb != nullptr ? command_of(*verb) : "");
+  return out;
+}
+
+std::string command_of(const Verb& verb) {
+  std::string words;
+  const auto add = [&](const std::string& text) { (words += text) += '\0'; };
+  add(verb.own_name());
+  for (const VerbOption& row : verb.options) {
+    if (!row.given || row.inherited || (row.keyword.empty() && !row.is_positional())) continue;
+    if (!row.is_positional()) add(row.flags.back());
+    std::visit(
+        [&](const auto* value) {
+          using Type = std::decay_t<decltype(*value)>;
+          if constexpr (std::is_same_v<Type, bool>) {
+          } else if constexpr (std::is_same_v<Type, std::vector<std::string>>) {
+            for (const std::string& text : *value) add(text);
+          } else if constexpr (std::is_same_v<Type, std::optional<std::string>>) {
+            add(value->value_or(""));
+          } else if constexpr (std::is_same_v<Type, std::optional<double>>) {
+            add(fmt::format("{}", value->value_or(0)));
+          } else {
+            add(fmt::format("{}", *value));
+          }
+        },
+        row.value);
+  }
+  return words;
 }
 
 VerbOption& report_option(Verb& verb, std::string& file) {
@@ -77,11 +108,12 @@ VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {
   return verb.option("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its offsets or matrices");
 }
 
-void checkpoint_options(Verb& verb, CheckpointOptions& o) {
-  verb.option("--checkpoint DIR", o.checkpoint,
-              "a folder for what is finished: the same command goes on from there, and several at once share the work")
+void sharing_options(Verb& verb, SharingOptions& o) {
+  o.verb = &verb, verb.sharing = &o;
+  verb.option("--part K/N", o.part,
+              "do the K-th of N parts alone and write it to -o FILE, for imulab join; auto: by Slurm, mpirun or Kubernetes, and -o is a folder")
       .of_command();
-  verb.option("--merge DIR", o.merged, "with --checkpoint: folders of runs that were made apart").takes_several(1).of_command();
+  verb.option("--checkpoint DIR", o.checkpoint, "a folder for what is finished: after any end the same command goes on from there").of_command();
 }
 
 std::string Answer::headline() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/model/conclusion.hpp"
 
@@ -62,7 +63,7 @@ class VerbOption {
   VerbOption& excludes(VerbOption& other) { return excluded.push_back(&other), *this; }
   VerbOption& reads() { return file = File::read, *this; }                           ///< its values name files that are read, or sessions
   VerbOption& writes() { return file = File::written, *this; }                       ///< its value names a file that is written
-  VerbOption& creates() { return file = File::created, *this; }                      ///< its value names a folder that is made
+  VerbOption& creates() { return file = File::created, *this; }                      ///< its value names a folder that is made, but of a --part
   VerbOption& called(std::string name) { return keyword = std::move(name), *this; }  ///< another keyword in Python than its long name
   VerbOption& of_command() { return keyword.clear(), *this; }                        ///< Python does not take it
 
@@ -86,6 +87,8 @@ class VerbOption {
   bool given = false;      ///< on the command line
   bool inherited = false;  ///< the command itself takes it; the row is for help
 };
+
+struct SharingOptions;
 
 /// A verb, or the command itself. Its values must outlive it.
 class Verb {
@@ -115,8 +118,9 @@ class Verb {
   std::string group;                  ///< the heading under which it is listed
   std::vector<std::string> examples;  ///< command lines
   std::list<VerbOption> options;
-  std::list<Verb> verbs;       ///< one of them has to be named, unless the verb does something itself
-  std::function<void()> does;  ///< may throw Error (exit code 2) or Unsupported (1)
+  SharingOptions* sharing = nullptr;  ///< of a work that can be divided
+  std::list<Verb> verbs;              ///< one of them has to be named, unless the verb does something itself
+  std::function<void()> does;         ///< may throw Error (exit code 2) or Unsupported (1)
 };
 
 /// Gets each warning of work that goes on after it.
@@ -128,16 +132,21 @@ struct ShowOptions {
   bool json = false, verbose = false, force = false;
 };
 
-/// Options of verbs whose work several processes share (docs/cluster.md).
-struct CheckpointOptions {
-  std::string checkpoint;
-  std::vector<std::string> merged;
+/// Options of verbs whose work can be done in parts, and resumed (docs/cluster.md).
+struct SharingOptions {
+  std::string checkpoint, part;
+  std::vector<std::string> joined;            ///< files of all parts, in place of the work
+  std::vector<PartReader::Source> sources{};  ///< the same in memory
+  const Verb* verb = nullptr;                 ///< whose options make the same work again
 
-  /// None where no folder is named. Throws Error for folders to merge alone.
-  std::optional<Checkpoint> shared() const;
-  /// True where another process of the same work shows the answer.
-  bool silent() const { return !checkpoint.empty() && !leads_processes(); }
+  /// True for a part, and where parts are joined.
+  bool is_divided() const { return !part.empty() || !joined.empty() || !sources.empty(); }
+  /// None where the work is done at one go. Throws Error for a part that is not there.
+  std::optional<Sharing> sharing() const;
 };
+
+/// A command line of what was given to a verb, but for what only shows the answer: words that end with a byte 0.
+std::string command_of(const Verb& verb);
 
 // Rows that several verbs have.
 VerbOption& report_option(Verb& verb, std::string& file);
@@ -146,7 +155,7 @@ VerbOption& seed_option(Verb& verb, std::uint64_t& seed, const std::string& help
 VerbOption& store_option(Verb& verb, std::string& store);
 VerbOption& prior_option(Verb& verb, std::string& store);
 VerbOption& allow_undetermined_option(Verb& verb, bool& allowed);
-void checkpoint_options(Verb& verb, CheckpointOptions& o);
+void sharing_options(Verb& verb, SharingOptions& o);
 
 /// The answer of a verb, whatever its result is: the command, the Python module and a page show it without knowing the result.
 struct Answer {

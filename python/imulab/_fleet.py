@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable
+from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any
 
-from . import _imulab, _plots, _tables
+from . import _imulab, _parts, _plots, _tables
 from ._results import Result
 from ._text import PathLike, optional_package, path, warn
 
@@ -71,14 +72,23 @@ class Fleet:
         time: str = "",
         retry: bool = False,
         progress: Callable[[float], object] | None = None,
+        executor: Executor | None = None,
+        parts: int | None = None,
     ) -> dict[str, Any]:
-        """Calibrates all sessions below folders that the store does not have; counts, and the failures as (file, message)."""
+        """Calibrates all sessions below folders that the store does not have; counts, and the failures as (file, message).
+
+        executor: whose workers calibrate the sessions in as many `parts` (four a worker), each into a store of its own that is joined with this one; what
+        this one has is calibrated again.
+        """
         if not places:
             raise TypeError("expected folders with sessions")
         if progress is not None and not callable(progress):
             raise TypeError(f"progress: expected a callable, got {type(progress).__name__}")
         below = [path("place", p) for p in places]
-        return _imulab.fleet_calibrate(self.store, below, method, terms, station, operator, time, retry, progress)
+        options = (method, terms, station, operator, time)
+        if executor is None:
+            return _imulab.fleet_calibrate(self.store, below, *options, retry, progress, "")
+        return _parts.join_fleet(self.store, _parts.by_parts(executor, parts, progress, _parts.fleet, below, *options))
 
     def statistics(self, *, method: str = "", require: str = "", due: str = "", false_alarm: float = 0.01) -> FleetStatistics:
         """As `imulab fleet stats`. require: limits of the values; due: how far a calibration may be off before the unit is due."""

@@ -1,5 +1,7 @@
 """Fleets, as the command has them."""
 
+from concurrent.futures import ProcessPoolExecutor
+
 import imulab
 import pytest
 
@@ -35,6 +37,16 @@ def test_it_is_the_commands_store(fleet, week, command):
         "fleet", "stats", "--store", fleet.store, "--require", "accel.offset <= 100 mg", "--json"
     )
     assert fleet.check() == ([], [])
+
+
+def test_an_executors_workers_make_the_same_store(fleet, week, tmp_path):
+    again = imulab.Fleet(tmp_path / "again.db")
+    with ProcessPoolExecutor(2) as executor:
+        counts = again.calibrate(week, method="handheld", station="A", executor=executor, parts=3)
+        assert (counts["sessions"], counts["calibrated"], counts["skipped"]) == (28, 28, 0)
+    # One more time in this process: nothing is left to do.
+    assert again.calibrate(week, method="handheld", station="A")["skipped"] == 28
+    assert again.to_frame().drop(columns="added", errors="ignore").equals(fleet.to_frame().drop(columns="added", errors="ignore"))
 
 
 def test_it_is_a_prior(fleet, week, command):

@@ -32,9 +32,9 @@ void compare(const std::string& name, const Trajectory& motion, VerticalChannel 
   const double every = motion.duration / 4 + 0.01;  // the fourth is the end
   const ErrorSources sources = sources_after_alignment();
   const ErrorBudget linear = error_budget(nominal, sources, {.strapdown = strapdown, .output_interval = every});
-  const std::optional<Checkpoint> kept = checkpoint_of("error-growth " + name, static_cast<std::size_t>(runs));
-  const ErrorDistribution full = error_monte_carlo(
-      nominal, sources, {.strapdown = strapdown, .output_interval = every, .runs = static_cast<std::uint64_t>(runs)}, {}, kept ? &*kept : nullptr);
+  const Sharing sharing = sharing_of("error-growth " + name, static_cast<std::size_t>(runs));
+  const ErrorDistribution full =
+      error_monte_carlo(nominal, sources, {.strapdown = strapdown, .output_interval = every, .runs = static_cast<std::uint64_t>(runs)}, {}, &sharing);
   const double bound = std::max(0.05, 4 / std::sqrt(2.0 * runs));  // 5 %, or four sampling sigmas
   for (std::size_t at = 0; at < linear.time.size(); ++at)
     for (const int q : {0, 1})
@@ -49,7 +49,7 @@ std::vector<Check> error_growth(int runs) {
   const FlightStart airborne{.latitude = 31 * unit::deg, .longitude = 104 * unit::deg, .height = 500, .speed = 80};
   std::vector<Segment> pattern{straight(100)};
   for (int leg = 0; leg < 4; ++leg) pattern.insert(pattern.end(), {turn(-90 * unit::deg, 90. / 49 * unit::deg, 4), straight(100)});
-  compare("traffic pattern", flight(airborne, pattern), VerticalChannel::held, runs, checks);
+  by_part([&] { compare("traffic pattern", flight(airborne, pattern), VerticalChannel::held, runs, checks); });
 
   const FlightStart parked{.latitude = 40 * unit::deg, .longitude = 116 * unit::deg, .height = 50};
   std::vector<Segment> drive{accelerate(60 / 3.6, 20)};
@@ -57,7 +57,7 @@ std::vector<Check> error_growth(int runs) {
   drive.push_back(straight(268));
   Carrier vehicle;
   vehicle.banks = false;
-  compare("drive", flight(parked, drive, vehicle), VerticalChannel::aided, runs, checks);
+  by_part([&] { compare("drive", flight(parked, drive, vehicle), VerticalChannel::aided, runs, checks); });
   return checks;
 }
 

@@ -54,24 +54,26 @@ std::vector<Check> noise_lengths(int logs) {
   for (const double ratio : {1.0, 10.0, 30.0, 100.0, 300.0, 1000.0}) {
     const NoiseModel truth = noise_of(ratio);
     const std::uint64_t first_seed = 1'000'000 * ++row;  // no row shares its logs with another
-    const auto walks = runs_of<Walk>(fmt::format("noise-lengths {}", row), logs, [&](std::size_t i) { return walk_of(truth, first_seed + i); });
-    double held = 0;
-    std::vector<double> stated, over, read_off;
-    for (const auto& [K, read] : walks) {
-      held += K.lower <= truth.K && truth.K <= K.upper;
-      read_off.push_back(read / truth.K);
-      if (K.determined) stated.push_back(K.standard_uncertainty / K.value), over.push_back(K.value / truth.K);
-    }
-    const std::string name = fmt::format("T K^2 / B^2 = {:g}: ", ratio);
-    checks.push_back({name + "95 % intervals hold", held / logs, least, 1});
-    checks.push_back({name + "determined", static_cast<double>(stated.size()) / logs, ratio >= 300 ? 0.95 : 0, 1});
-    // 400 logs tell these to some percent; the point that is read has five degrees of freedom or fewer.
-    checks.push_back({name + "read off, least 10 %", quantile(read_off, 0.1), 0.2, 1});
-    checks.push_back({name + "read off, median", median(read_off), 0.6, ratio <= 1 ? 3 : 1.2});
-    checks.push_back({name + "read off, largest 10 %", quantile(read_off, 0.9), 1.3, 5});
-    if (stated.empty()) continue;
-    checks.push_back({name + "stated uncertainty, median", median(stated), 0, 1});
-    checks.push_back({name + "K over its truth, median", median(over), 0, ratio >= 100 ? 1.1 : 10});
+    by_part([&] {
+      const auto walks = runs_of<Walk>(fmt::format("noise-lengths {}", row), logs, [&](std::size_t i) { return walk_of(truth, first_seed + i); });
+      double held = 0;
+      std::vector<double> stated, over, read_off;
+      for (const auto& [K, read] : walks) {
+        held += K.lower <= truth.K && truth.K <= K.upper;
+        read_off.push_back(read / truth.K);
+        if (K.determined) stated.push_back(K.standard_uncertainty / K.value), over.push_back(K.value / truth.K);
+      }
+      const std::string name = fmt::format("T K^2 / B^2 = {:g}: ", ratio);
+      checks.push_back({name + "95 % intervals hold", held / logs, least, 1});
+      checks.push_back({name + "determined", static_cast<double>(stated.size()) / logs, ratio >= 300 ? 0.95 : 0, 1});
+      // 400 logs tell these to some percent; the point that is read has five degrees of freedom or fewer.
+      checks.push_back({name + "read off, least 10 %", quantile(read_off, 0.1), 0.2, 1});
+      checks.push_back({name + "read off, median", median(read_off), 0.6, ratio <= 1 ? 3 : 1.2});
+      checks.push_back({name + "read off, largest 10 %", quantile(read_off, 0.9), 1.3, 5});
+      if (stated.empty()) return;
+      checks.push_back({name + "stated uncertainty, median", median(stated), 0, 1});
+      checks.push_back({name + "K over its truth, median", median(over), 0, ratio >= 100 ? 1.1 : 10});
+    });
   }
   return checks;
 }

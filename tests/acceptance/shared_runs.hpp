@@ -1,8 +1,8 @@
-// The runs of an acceptance test on all cores; with a folder for them also on every process that shares it, and again from where it ended
-// (docs/cluster.md).
+// The runs of an acceptance test on all cores; in parts, which are joined; or again from where it ended (docs/cluster.md).
 #pragma once
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/formats/text/file.hpp"
 
@@ -11,7 +11,6 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -19,22 +18,30 @@
 
 namespace imulab::acceptance {
 
-/// Where this program keeps its runs; empty: nowhere.
-inline std::filesystem::path& kept_runs() {
-  static std::filesystem::path folder;
-  return folder;
+/// How this program does its runs.
+inline Sharing& shared_runs() {
+  static Sharing sharing;
+  return sharing;
 }
 
-/// True in the process that prints the results: alone, or the first of those that share the runs.
-inline bool tells() { return kept_runs().empty() || leads_processes(); }
+/// True where whole results come out, and not a part of them.
+inline bool tells() { return !shared_runs().part; }
 
-/// None where no runs are kept. Runs of another build of this program, or of another number, are another work.
-inline std::optional<Checkpoint> checkpoint_of(const std::string& test, std::size_t count) {
-  if (kept_runs().empty()) return std::nullopt;
-  std::filesystem::create_directories(kept_runs());
+/// Of one test. Runs of another build of this program, or of another number, are another work.
+inline Sharing sharing_of(const std::string& test, std::size_t count) {
   static const std::string program = file_sum("/proc/self/exe").sha256;
-  return Checkpoint{.folder = kept_runs() / test,
-                    .identity = work_identity("acceptance", {{"test", test}, {"runs", std::to_string(count)}, {"program", program}})};
+  Sharing out = shared_runs();
+  out.identity = work_identity("acceptance", {{"test", test}, {"runs", std::to_string(count)}, {"program", program}});
+  if (!out.checkpoint.empty()) out.checkpoint /= test;
+  return out;
+}
+
+/// What follows from one work of a test; nothing where a part of that is done.
+inline void by_part(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const PartIsDone&) {
+  }
 }
 
 /// A structure lists its members: `void fields(auto&& visit) { visit(error, covariance); }`. Its bytes would have holes, which differ from run to
@@ -112,8 +119,8 @@ std::vector<T> runs_of(const std::string& test, int count, const std::function<T
     std::string_view rest = bytes;
     read_run(rest, runs[i]);
   };
-  const std::optional<Checkpoint> kept = checkpoint_of(test, runs.size());
-  for_each(work, kept ? &*kept : nullptr);
+  const Sharing sharing = sharing_of(test, runs.size());
+  for_each(work, &sharing);
   return runs;
 }
 

@@ -164,12 +164,11 @@ class Numbers {
   std::size_t at_ = 0;
 };
 
-/// Does a work of the search, by all processes that share it.
-void for_each_part(const SharedWork& work, const Checkpoint* shared, const char* step) {
-  if (shared == nullptr) return for_each(work);
-  Checkpoint own{.folder = shared->folder / step, .identity = shared->identity};
-  for (const auto& folder : shared->merged)
-    if (exists(folder / step)) own.merged.push_back(folder / step);  // else that run did not reach this step
+/// A step of the search.
+void for_each_path(const SharedWork& work, const Sharing* sharing, const char* step) {
+  if (sharing == nullptr) return for_each(work);
+  Sharing own = *sharing;
+  if (!own.checkpoint.empty()) own.checkpoint /= step;
   for_each(work, &own);
 }
 
@@ -189,7 +188,7 @@ double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
-TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Checkpoint* shared) {
+TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Sharing* sharing) {
   const auto report = [&](double part) {
     if (progress) progress(static_cast<int>(100 * part));
   };
@@ -214,7 +213,7 @@ TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& prog
     }
   };
   const auto part_of = [](std::size_t done, std::size_t all) { return static_cast<double>(done) / static_cast<double>(all); };
-  for_each_part({rests.size(), search_part, take_candidates, [&](std::size_t done) { report(0.7 * part_of(done, rests.size())); }}, shared, "turns");
+  for_each_path({rests.size(), search_part, take_candidates, [&](std::size_t done) { report(0.7 * part_of(done, rests.size())); }}, sharing, "turns");
 
   const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : 2);
   const auto rested = [&](QuarterPath path) {
@@ -243,7 +242,7 @@ TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& prog
     best = std::move(path);
     worst = now;
   };
-  for_each_part({chosen.size(), refine, take_best, [&](std::size_t done) { report(0.7 + 0.3 * part_of(done, chosen.size())); }}, shared, "rests");
+  for_each_path({chosen.size(), refine, take_best, [&](std::size_t done) { report(0.7 + 0.3 * part_of(done, chosen.size())); }}, sharing, "rests");
   return judge.described(best);
 }
 

@@ -20,7 +20,7 @@ struct PathQuestion : PathLimits {
 };
 
 /// As PathPlanner::design.
-TurnPath design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const Checkpoint* shared = nullptr);
+TurnPath design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const Sharing* sharing = nullptr);
 
 /// The uncertainty of a scale from nonlinearity that no path shows, at turns of this rate [rad/s]; 0 for other coefficients.
 double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
@@ -32,8 +32,8 @@ inline constexpr PathPlanner planner{
     .expect_estimated = [](const std::vector<Requirement>& requirements, const Session& unit) { expect_estimated(requirements, plan_of(unit)); },
     .least_sigma = [](const Session& unit, CoefficientIndex index, double turn_rate) { return least_sigma(plan_of(unit), index, turn_rate); },
     .design =
-        [](const PathLimits& limits, const Session& unit, const std::function<void(int)>& progress, const Checkpoint* shared) {
-          return design_path({limits, plan_of(unit)}, progress, shared);
+        [](const PathLimits& limits, const Session& unit, const std::function<void(int)>& progress, const Sharing* sharing) {
+          return design_path({limits, plan_of(unit)}, progress, sharing);
         }};
 
 }  // namespace imulab::hybrid

@@ -178,7 +178,7 @@ Prediction predict(const Plan& plan) {
 }
 
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress,
-                             const Checkpoint* checkpoint) {
+                             const Sharing* sharing) {
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
@@ -210,7 +210,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
     mean += sum;
   };
   if (progress) blocks.progress = [&](std::size_t done) { progress(std::min(runs, done * block)); };
-  for_each(blocks, checkpoint);
+  for_each(blocks, sharing);
   mean /= static_cast<double>(runs);
   return {coefficients, runs, mean.col(0), mean.col(1).cwiseSqrt(),
           (mean.col(2).cwiseQuotient(mean.col(1).cwiseAbs2()).array() - 1).cwiseMax(0.0).sqrt() / (2 * std::sqrt(static_cast<double>(runs)))};

@@ -44,6 +44,6 @@ Prediction predict(const Session& procedure, const PredictionOptions& options);
 /// Whole procedures with drawn table errors, g, terms with a prior, and noise, each calibrated, at the level of rest means and turn sums. Bit-equal
 /// on any number of threads and processes. `progress` is called with the number of finished runs, from any thread.
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {},
-                             const Checkpoint* checkpoint = nullptr);
+                             const Sharing* sharing = nullptr);
 
 }  // namespace imulab::turntable

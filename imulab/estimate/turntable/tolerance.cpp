@@ -165,13 +165,14 @@ Prediction predict(const Session& procedure, const PredictionOptions& options) {
   if (options.effects) plan.effects = kernel::EffectSizes{procedure.imu.effect_sigmas, procedure.imu.grade.value_or(""), 0};
   if (options.classical) plan = classical(std::move(plan));
   expect_estimated(options.requirements, plan);
-  Prediction out = predict(plan);
+  const bool is_part = options.runs > 0 && options.sharing && options.sharing->part;  // of the Monte Carlo alone
+  Prediction out = is_part ? Prediction() : predict(plan);
   out.warnings = plan.parts.warnings;
   const auto progress = [&](std::uint64_t done) {
     if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(options.runs));
   };
-  if (options.runs > 0 && !out.coefficients.empty())
-    out.monte_carlo = monte_carlo(plan, options.runs, options.seed, progress, options.checkpoint ? &*options.checkpoint : nullptr);
+  if (is_part || (options.runs > 0 && !out.coefficients.empty()))
+    out.monte_carlo = monte_carlo(plan, options.runs, options.seed, progress, options.sharing ? &*options.sharing : nullptr);
   if (options.requirements.empty()) return out;
   out.missed = shortfalls(plan, options.requirements);
   out.tolerances = tolerances_of(plan, options.requirements);

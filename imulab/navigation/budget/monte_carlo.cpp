@@ -4,11 +4,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/statistics.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/navigation/budget/growth.hpp"
+#include "imulab/navigation/budget/run_statistics.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -27,7 +27,6 @@ using Eigen::VectorXd;
 using integration::earth_at;
 using motion::NominalMotion;
 using Columns = std::array<std::vector<double>, 6>;  // rate x y z, force x y z
-using Errors = Eigen::Matrix<float, budget_quantities, Eigen::Dynamic>;
 
 /// A factor A of a covariance A A^T that may be singular.
 MatrixXd factor(const MatrixXd& covariance) {
@@ -207,61 +206,78 @@ BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   return out;
 }
 
-void summarise(ErrorDistribution& out, const std::vector<Errors>& runs, double duration) {
-  const auto outputs = static_cast<Eigen::Index>(out.time.size());
-  for (auto* m : {&out.mean, &out.sigma, &out.low, &out.median, &out.high}) m->resize(budget_quantities + 1, outputs);
-  std::vector<double> values(runs.size());
-  for (Eigen::Index at = 0; at < outputs; ++at)
-    for (Eigen::Index row = 0; row <= budget_quantities; ++row) {
-      for (std::size_t k = 0; k < runs.size(); ++k)
-        values[k] = static_cast<double>(row < budget_quantities ? runs[k](row, at) : runs[k].block<2, 1>(0, at).norm());
-      const Eigen::Map<const VectorXd> v(values.data(), static_cast<Eigen::Index>(values.size()));
-      out.mean(row, at) = v.mean();
-      out.sigma(row, at) = std::sqrt((v.array() - v.mean()).square().sum() / std::max<double>(1, static_cast<double>(v.size()) - 1));
-      out.low(row, at) = quantile(values, 0.05);
-      out.median(row, at) = median(values);
-      out.high(row, at) = quantile(values, 0.95);
-    }
-  for (Eigen::Index k = 0; k < out.end.cols(); ++k) out.drift.push_back(out.end.block<2, 1>(0, k).norm() / duration);
-  out.drift_rms = Eigen::Map<const VectorXd>(out.drift.data(), out.end.cols()).norm() / std::sqrt(static_cast<double>(out.drift.size()));
-  out.drift_cep = median(out.drift);
-  out.drift_95 = quantile(out.drift, 0.95);
+/// Runs begin ... begin + count - 1, of which the first ones are kept by themselves.
+struct RunBlock {
+  std::uint64_t begin = 0, count = 0, kept = 0;
+};
+
+RunBlock run_block(std::uint64_t number, std::uint64_t size, std::uint64_t runs) {
+  const std::uint64_t begin = number * size, count = std::min(size, runs - begin);
+  return {begin, count, begin < most_kept_runs ? std::min(count, most_kept_runs - begin) : 0};
+}
+
+void expect_room(const Plan& plan, std::uint64_t runs) {
+  constexpr double bins = 2000, bytes_a_bin = 24, most = 1 << 30;
+  const double bytes = static_cast<double>(plan.outputs.size()) * (budget_quantities + 1) * std::min(bins, static_cast<double>(runs)) * bytes_a_bin;
+  if (bytes > most)
+    throw Error(
+        fmt::format("Monte Carlo: the distributions of {} runs at {} outputs would keep {:.3g} GB: expected at most {:.3g} GB; take a longer "
+                    "time between outputs",
+                    runs, plan.outputs.size(), bytes / 1e9, most / 1e9));
 }
 
 }  // namespace
 
 ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
-                                    const std::function<void(std::uint64_t)>& progress, const Checkpoint* checkpoint) {
+                                    const std::function<void(std::uint64_t)>& progress, const Sharing* sharing) {
   const ErrorGrowth checks(motion, sources, {.strapdown = options.strapdown});
   if (options.runs == 0) throw Error("Monte Carlo: no runs; expected at least one");
   const Plan plan(motion, sources, options);
-  const double bytes = static_cast<double>(options.runs) * static_cast<double>(plan.outputs.size()) * budget_quantities * sizeof(float);
-  constexpr double most = 1 << 30;
-  if (bytes > most)
-    throw Error(
-        fmt::format("Monte Carlo: {} runs with {} outputs each would keep {:.3g} GB: expected at most {:.3g} GB; take a longer time between "
-                    "outputs",
-                    options.runs, plan.outputs.size(), bytes / 1e9, most / 1e9));
+  expect_room(plan, options.runs);
   ErrorDistribution out;
   for (const std::size_t i : plan.outputs) out.time.push_back(motion.time[i]);
-  for (BudgetRows* rows : {&out.end, &out.peak}) rows->resize(budget_quantities, static_cast<Eigen::Index>(options.runs));
+  out.runs = options.runs;
+  const auto kept = static_cast<Eigen::Index>(std::min(options.runs, most_kept_runs));
+  for (BudgetRows* rows : {&out.end, &out.peak}) rows->resize(budget_quantities, kept);
   const Columns truth = true_motion(plan);
-  std::vector<Errors> runs(options.runs);
-  SharedWork flights{.count = options.runs, .work = {}, .take = {}};
-  flights.work = [&](std::size_t k) {
-    const BudgetRows errors = flown(plan, truth, k);
-    return bytes_of(errors.data(), static_cast<std::size_t>(errors.size()));
+  constexpr std::uint64_t most_blocks = 1 << 16;
+  const std::uint64_t size = (options.runs + most_blocks - 1) / most_blocks;
+  RunStatistics all(plan.outputs.size());
+  SharedWork flights{.count = (options.runs + size - 1) / size, .work = {}, .take = {}};
+  flights.work = [&](std::size_t b) {
+    const RunBlock block = run_block(b, size, options.runs);
+    RunStatistics statistics(plan.outputs.size());
+    std::string bytes;
+    for (std::uint64_t k = 0; k < block.count; ++k) {
+      const BudgetRows errors = flown(plan, truth, block.begin + k);
+      statistics.add(errors);
+      if (k >= block.kept) continue;
+      Eigen::Matrix<double, budget_quantities, 2> ends;
+      ends << errors.rightCols<1>(), errors.cwiseAbs().rowwise().maxCoeff();
+      bytes += bytes_of(ends.data(), static_cast<std::size_t>(ends.size()));
+    }
+    statistics.write(bytes);
+    return bytes;
   };
-  flights.take = [&](std::size_t k, const std::string& result) {
-    BudgetRows errors(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
-    read_numbers(result, errors.data(), static_cast<std::size_t>(errors.size()));
-    runs[k] = errors.cast<float>();
-    out.end.col(static_cast<Eigen::Index>(k)) = errors.rightCols<1>();
-    out.peak.col(static_cast<Eigen::Index>(k)) = errors.cwiseAbs().rowwise().maxCoeff();
+  flights.take = [&](std::size_t b, const std::string& bytes) {
+    const RunBlock block = run_block(b, size, options.runs);
+    std::string_view left = bytes;
+    for (std::uint64_t k = 0; k < block.kept; ++k) {
+      Eigen::Matrix<double, budget_quantities, 2> ends;
+      read_numbers(std::string(left.substr(0, sizeof ends)), ends.data(), static_cast<std::size_t>(ends.size()));
+      left.remove_prefix(sizeof ends);
+      const auto run = static_cast<Eigen::Index>(block.begin + k);
+      out.end.col(run) = ends.col(0), out.peak.col(run) = ends.col(1);
+    }
+    RunStatistics statistics(plan.outputs.size());
+    statistics.read(left);
+    all.add(statistics);
   };
-  flights.progress = progress;
-  for_each(flights, checkpoint);
-  summarise(out, runs, motion.time.back() - motion.time.front());
+  if (progress) flights.progress = [&](std::size_t done) { progress(std::min<std::uint64_t>(options.runs, done * size)); };
+  for_each(flights, sharing);
+  const double duration = motion.time.back() - motion.time.front();
+  all.summarize(out, duration);
+  for (Eigen::Index k = 0; k < kept; ++k) out.drift.push_back(out.end.block<2, 1>(0, k).norm() / duration);
   return out;
 }
 

@@ -1,0 +1,53 @@
+// imulab join PART...
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+
+#include <memory>
+#include <utility>
+
+namespace imulab::command {
+
+namespace {
+
+struct Options : ShowOptions {
+  std::vector<std::string> parts;
+};
+
+/// The command that was divided, with its own options of the answer.
+void join(const Options& o) {
+  std::vector<PartReader::Source> sources;
+  for (const std::string& file : o.parts) sources.push_back(PartReader::file(file));
+  const PartReader parts(std::move(sources));
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : parts.command())
+    if (c == 0)
+      words.push_back(std::exchange(word, {}));
+    else
+      word += c;
+  if (words.empty()) throw Error(o.parts.front() + ": is a part of another program's work; expected one of imulab --part");
+  if (!o.output.empty()) words.insert(words.end(), {"-o", o.output});
+  if (!o.report.empty()) words.insert(words.end(), {"--report", o.report});
+  if (o.json) words.emplace_back("--json");
+  if (o.verbose) words.emplace_back("--verbose");
+  join_parts(std::move(words), o.parts);
+}
+
+}  // namespace
+
+void add_join(Verb& app) {
+  const auto o = std::make_shared<Options>();
+  Verb& verb = app.verb("join", "Join the parts of a work: the answer of the whole, to the last bit");
+  verb.option("PART", o->parts, "the files of all parts, made by --part of predict, budget or plan; the inputs have to be where they were")
+      .required()
+      .takes_several(1)
+      .reads();
+  verb.option("-o,--output FILE", o->output, "what the command itself writes to -o").of_command();
+  report_option(verb, o->report);
+  json_option(verb, o->json);
+  verb.option("-v,--verbose", o->verbose, "as of the command").of_command();
+  verb.example("imulab join part-*");
+  verb.does = [o] { join(*o); };
+}
+
+}  // namespace imulab::command
