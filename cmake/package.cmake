@@ -11,13 +11,16 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON) # a package of the command does not wa
 
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME command)
 install(TARGETS imulab_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET imulab_read)
+  install(TARGETS imulab_read RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR})
+endif()
 install(DIRECTORY ${IMULAB_HELP}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 FILES_MATCHING PATTERN "*.1")
 install(FILES ${IMULAB_HELP}/imulab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME imulab)
 install(FILES ${IMULAB_HELP}/_imulab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(FILES ${IMULAB_HELP}/imulab.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab RENAME copyright)
 install(FILES CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab)
-foreach(package libeigen3-dev libboost1.74-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs) # their code is in the command's
+foreach(package libeigen3-dev libboost1.74-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs libdeflate-dev libhdf5-dev libmatio-dev libaec-dev) # their code is in the programs
   install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab/licenses RENAME ${package} OPTIONAL)
 endforeach()
 
@@ -58,10 +61,12 @@ file(STRINGS dependencies.txt IMULAB_LINKED_PACKAGES REGEX "# linked: ")
 list(TRANSFORM IMULAB_LINKED_PACKAGES REPLACE " .*" "")
 list(APPEND IMULAB_LINKED_PACKAGES ${IMULAB_OPTIONAL_PACKAGES})
 list(JOIN IMULAB_LINKED_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS imulab) # imulab-read
 set(CPACK_DEBIAN_DEV_DESCRIPTION "imulab as a C++ library: static library, headers, CMake and pkg-config files")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-imulab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS imulab) # imulab-read
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION "imulab as a Python module")
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)

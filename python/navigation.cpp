@@ -93,14 +93,18 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
   return {std::move(out), std::shared_ptr<Solution>(sessions, &found.navigated.solution)};
 }
 
+Answer budget_of(const BudgetVerbOptions& o, const std::function<void(double)>& report) {
+  const MissionFile file = read_mission(o.mission);
+  const auto tell = [](const std::string&) {};  // the answer has them
+  if (!several_grades(o).empty()) return grades_answer(file, o, tell, report);
+  return budget_answer(file, o, tell, report, "allow_undetermined=True");
+}
+
 py::bytes part_of_budget(const std::string& mission, const py::dict& keywords, const std::string& part) {
   auto o = options_from<BudgetVerbOptions>(keywords);
   o.mission = mission;
   o.shared.part = part;
-  return part_of([=] {
-    budget_answer(
-        read_mission(o.mission), o, [](const std::string&) {}, {}, "");
-  });
+  return part_of([=] { budget_of(o, {}); });
 }
 
 /// `parts`: those of the Monte Carlo, where it was done before.
@@ -108,12 +112,7 @@ Outcome budgeted(const std::string& mission, const py::dict& keywords, const py:
   auto o = options_from<BudgetVerbOptions>(keywords);
   o.mission = mission;
   o.shared.sources = parts_in_memory(parts);
-  return {run(progress, [o](const std::function<void(double)>& report) {
-    const MissionFile file = read_mission(o.mission);
-    const auto tell = [](const std::string&) {};  // the answer has them
-    if (!several_grades(o).empty()) return grades_answer(file, o, tell, report);
-    return Answer(budget_answer(file, o, tell, report, "allow_undetermined=True"));
-  })};
+  return {run(progress, [o](const std::function<void(double)>& report) { return budget_of(o, report); })};
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct BuildOption {
 struct Build {
   std::string version, compiler, type, processor;  // "0.1.0", "GNU 12.2.0", "Release", "x86_64"
   std::vector<BuildOption> options;
+  std::string programs;  // where programs that others run are installed: "/usr/local/libexec"
 };
 
 Build build();

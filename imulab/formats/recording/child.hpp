@@ -1,14 +1,13 @@
-// A function in a child process, and its answer through a pipe and shared memory: for libraries that a damaged file can crash.
+// Work in a child process, and its answer: for libraries that a damaged file can crash.
 #pragma once
 
-#include <array>
-#include <cstddef>
+#include "imulab/formats/recording/child_channel.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <semaphore.h>
 #include <string>
-#include <string_view>
+#include <sys/types.h>
 
 namespace imulab::recording_io {
 
@@ -30,80 +29,19 @@ struct ChildTask {
 };
 ChildTask child_task(const std::filesystem::path& file, const std::string& library);
 
-/// Memory of both processes, filled by the child and emptied by the parent slot after slot: a pipe copies twice, and is slower than reading a file. A
-/// byte in the pipe says that a slot is full.
-class SharedSlots {
- public:
-  static constexpr std::size_t slot_bytes = 1 << 17;
-  SharedSlots();
-  ~SharedSlots();
-  SharedSlots(const SharedSlots&) = delete;
-  SharedSlots& operator=(const SharedSlots&) = delete;
+/// Makes a process that calls answer_parent with these descriptors: its id, or -1 with errno.
+using StartChild = std::function<pid_t(int pipe, int memory)>;
 
-  /// A child cannot change another's memory.
-  void keep_from_children(bool keep);
-  char* next();
-  void wait_for_empty();
-  void add_empty();
+/// Starts a child and calls `take` for each part that it sends; the program is not touched by what happens in the child. Throws Error with the text
+/// of an Error that the child's work throws, and "FILE: is damaged: LIBRARY failed on it (segmentation fault)" where the child dies or exceeds its
+/// limits. May be called from several threads at once.
+void run_in_child(const ChildTask& task, const StartChild& start, const std::function<void(FromChild&)>& take);
 
- private:
-  static constexpr std::size_t count = 8;
-  static_assert(count >= sizeof(std::uint64_t));  // so that a parent that takes the bytes of full slots for a number ends the child at once
-  struct Memory {
-    sem_t empty;
-    alignas(64) std::array<std::array<char, slot_bytes>, count> slots;
-  };
-  Memory* memory_;
-  std::size_t turn_ = 0;
-};
+/// The child: `work` sends its answer, within the limits of the task, silently, without a core file or any other descriptor, and not longer than the
+/// parent lives.
+[[noreturn]] void answer_parent(int pipe, int memory, const ChildTask& task, const std::function<void(ToParent&)>& work);
 
-/// The child's end of the pipe. Whatever goes wrong ends the child.
-class ToParent {
- public:
-  ToParent(int descriptor, SharedSlots& slots) : descriptor_(descriptor), slots_(slots) {}
-  void bytes(const void* data, std::size_t size);
-  void number(std::uint64_t n) { bytes(&n, sizeof n); }
-  void text(std::string_view t);
-  /// A part of the answer follows.
-  void next();
-  void flush();
-
- private:
-  void write_all(const char* data, std::size_t size) const;
-
-  int descriptor_;
-  SharedSlots& slots_;
-  std::string buffer_;
-};
-
-/// The parent's end. Nothing is believed: a child that went wrong may send anything. Throws what run_in_child catches.
-class FromChild {
- public:
-  FromChild(int descriptor, SharedSlots& slots, std::uint64_t most_bytes) : descriptor_(descriptor), slots_(slots), most_bytes_(most_bytes) {}
-  void bytes(void* data, std::size_t size) const;
-  /// Reads bytes without memory that is there already: `each` gets part after part, aligned for any number.
-  void parts(std::size_t size, const std::function<void(const char* part, std::size_t bytes)>& each) const;
-  std::uint64_t number() const;
-  /// The number of elements of `size` bytes that follow: no more in all than the child's memory can hold.
-  std::size_t count(std::size_t size);
-  /// A number of elements of `size` bytes that will follow at most.
-  std::size_t most(std::size_t size) const;
-  std::string text();
-  /// Throws: what came makes no sense.
-  [[noreturn]] void reject() const;
-
- private:
-  void from_pipe(char* data, std::size_t size) const;
-
-  int descriptor_;
-  SharedSlots& slots_;
-  std::uint64_t most_bytes_;
-};
-
-/// Runs `work` in a child process, and in this one `take` for each part that it sends; the program is not touched by what happens in the child.
-/// Throws Error with the text of an Error that `work` throws, and "FILE: is damaged: LIBRARY failed on it (segmentation fault)" where the child dies
-/// or exceeds its limits. The child has one thread and a copy of the program's memory: `work` must not use TBB nor wait for another thread. May be
-/// called from several threads at once.
-void run_in_child(const ChildTask& task, const std::function<void(ToParent&)>& work, const std::function<void(FromChild&)>& take);
+/// Lowers a limit of this process (RLIMIT_CPU ...) for good.
+void lower_limit(int resource, std::uint64_t most);
 
 }  // namespace imulab::recording_io

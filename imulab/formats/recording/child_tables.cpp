@@ -8,20 +8,6 @@
 namespace imulab::recording_io {
 namespace {
 
-void send_tables(ToParent& to, const std::vector<TableDescription>& tables) {
-  to.next();
-  to.number(tables.size());
-  for (const TableDescription& table : tables) {
-    to.text(table.name);
-    to.text(table.type);
-    to.number(table.rows);
-    to.number(table.columns.size());
-    for (const ColumnDescription& column : table.columns) to.text(column.name), to.text(column.unit);
-    to.number(table.other_names.size());
-    for (const std::string& name : table.other_names) to.text(name);
-  }
-}
-
 void receive_tables(FromChild& from, std::vector<TableDescription>& tables) {
   tables.resize(from.count(sizeof(TableDescription)));
   for (TableDescription& table : tables) {
@@ -76,39 +62,51 @@ Received receive_rows(FromChild& from, RawColumn& column) {
 
 }  // namespace
 
-std::vector<TableDescription> describe_in_child(const ChildTask& task, const std::function<std::vector<TableDescription>()>& work) {
+std::vector<TableDescription> describe_in_child(const ChildTask& task, const StartChild& start) {
   std::vector<TableDescription> tables;
-  run_in_child(
-      task, [&](ToParent& to) { send_tables(to, work()); }, [&](FromChild& from) { receive_tables(from, tables); });
+  run_in_child(task, start, [&](FromChild& from) { receive_tables(from, tables); });
   return tables;
 }
 
-TableRows columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work) {
+void send_tables(ToParent& to, const std::vector<TableDescription>& tables) {
+  to.next();
+  to.number(tables.size());
+  for (const TableDescription& table : tables) {
+    to.text(table.name);
+    to.text(table.type);
+    to.number(table.rows);
+    to.number(table.columns.size());
+    for (const ColumnDescription& column : table.columns) to.text(column.name), to.text(column.unit);
+    to.number(table.other_names.size());
+    for (const std::string& name : table.other_names) to.text(name);
+  }
+}
+
+TableRows columns_in_child(const ChildTask& task, std::size_t columns, const StartChild& start) {
   TableRows table;
   table.columns.resize(columns);
   std::optional<ReadingMeter> meter;
-  run_in_child(
-      task,
-      [&](ToParent& to) {
-        work([&](std::size_t index, const RawColumn& rows, std::size_t all) {
-          to.next();
-          to.number(index);
-          to.number(rows.numbers.empty() ? 0 : 1);
-          to.number(all);
-          if (rows.numbers.empty())
-            send_numbers(to, rows.integers);
-          else
-            send_numbers(to, rows.numbers);
-        });
-      },
-      [&](FromChild& from) {
-        const std::uint64_t index = from.number();
-        if (index >= columns) from.reject();
-        const Received received = receive_rows(from, table.columns[index]);
-        if (!meter) meter.emplace(columns * received.all);
-        meter->add(received.rows);
-      });
+  run_in_child(task, start, [&](FromChild& from) {
+    const std::uint64_t index = from.number();
+    if (index >= columns) from.reject();
+    const Received received = receive_rows(from, table.columns[index]);
+    if (!meter) meter.emplace(columns * received.all);
+    meter->add(received.rows);
+  });
   return table;
+}
+
+SendColumn column_sender(ToParent& to) {
+  return [&to](std::size_t index, const RawColumn& rows, std::size_t all) {
+    to.next();
+    to.number(index);
+    to.number(rows.numbers.empty() ? 0 : 1);
+    to.number(all);
+    if (rows.numbers.empty())
+      send_numbers(to, rows.integers);
+    else
+      send_numbers(to, rows.numbers);
+  };
 }
 
 void send_rows(const std::vector<NumberField>& fields, const char* first, std::size_t stride, std::size_t count, const SendRows& send) {

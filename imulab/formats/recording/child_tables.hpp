@@ -11,13 +11,16 @@
 
 namespace imulab::recording_io {
 
-/// Gives the result of `work`, run in a child process. Throws Error as run_in_child does.
-std::vector<TableDescription> describe_in_child(const ChildTask& task, const std::function<std::vector<TableDescription>()>& work);
+/// What a child sends by send_tables. Throws Error as run_in_child does.
+std::vector<TableDescription> describe_in_child(const ChildTask& task, const StartChild& start);
+/// The child's answer.
+void send_tables(ToParent& to, const std::vector<TableDescription>& tables);
 
+/// The columns that a child sends by a column_sender, all at last of one length. Throws Error as run_in_child does.
+TableRows columns_in_child(const ChildTask& task, std::size_t columns, const StartChild& start);
 /// Sends some more rows of a column: its index, the numbers, and how many rows there are in all.
 using SendColumn = std::function<void(std::size_t, const RawColumn&, std::size_t)>;
-/// The columns that `work` sends from a child process, all at last of one length. Throws Error as run_in_child does.
-TableRows columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work);
+SendColumn column_sender(ToParent& to);
 
 /// Which columns the fields of an array are.
 struct SendRows {

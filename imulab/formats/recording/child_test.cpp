@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -30,13 +31,32 @@ using testing::StartsWith;
 
 const ChildTask task{"imu.h5", "libtest", {.memory_bytes = 1 << 30, .computing_s = 5, .wall_s = 20}};
 
+/// This program once more as a child, which does this work.
+StartChild forked(const ChildTask& with, const std::function<void(ToParent&)>& work) {
+  return [&](int pipe, int memory) {
+    const pid_t id = ::fork();
+    if (id == 0) answer_parent(pipe, memory, with, work);
+    return id;
+  };
+}
+
+std::vector<TableDescription> described(const std::function<std::vector<TableDescription>()>& work, const ChildTask& with = task) {
+  return describe_in_child(with, forked(with, [&](ToParent& to) { send_tables(to, work()); }));
+}
+
+TableRows columns_sent(std::size_t columns, const std::function<void(const SendColumn&)>& work) {
+  return columns_in_child(task, columns, forked(task, [&](ToParent& to) { work(column_sender(to)); }));
+}
+
 /// The message where a child does this.
 std::string error_of_child(const std::function<void()>& work, const ChildTask& with = task) {
   try {
-    describe_in_child(with, [&] {
-      work();
-      return std::vector<TableDescription>{};
-    });
+    described(
+        [&] {
+          work();
+          return std::vector<TableDescription>{};
+        },
+        with);
   } catch (const Error& e) {
     return e.what();
   }
@@ -51,7 +71,7 @@ bool has_children() { return ::waitpid(-1, nullptr, WNOHANG) >= 0 || errno != EC
 
 TEST(Child, DescribesTables) {
   const std::vector<TableDescription> tables{{"imu", "double", {{"t", "s"}, {"gyro.1", ""}}, 40}, {"", "", {{std::string(100'000, 'x'), ""}}, 1}};
-  const auto got = describe_in_child(task, [&] { return tables; });
+  const auto got = described([&] { return tables; });
   ASSERT_EQ(got.size(), 2u);
   EXPECT_EQ(got[0].name, "imu");
   EXPECT_EQ(got[0].type, "double");
@@ -64,7 +84,7 @@ TEST(Child, DescribesTables) {
 
 TEST(Child, SendsColumnsExactly) {
   constexpr std::size_t rows = 300'000;  // several times what a pipe holds
-  const auto table = columns_in_child(task, 2, [](const SendColumn& send) {
+  const auto table = columns_sent(2, [](const SendColumn& send) {
     for (std::size_t begin = 0; begin < rows; begin += 1000) {
       RawColumn numbers, integers;
       for (std::size_t i = begin; i < begin + 1000; ++i) numbers.numbers.push_back(1.0 / static_cast<double>(i + 1));
@@ -87,7 +107,7 @@ TEST(Child, AnySizeComesAsItWasSent) {
   for (const std::size_t count : {0, 1, 511, 512, 513, 16383, 16384, 16385, 8 * 16384, 200'001}) {
     std::vector<double> numbers(count);
     for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<double>(i) / 3;
-    const TableRows table = columns_in_child(task, 1, [&](const SendColumn& send) {
+    const TableRows table = columns_sent(1, [&](const SendColumn& send) {
       send(0, {.numbers = numbers, .integers = {}}, count), send(0, {{1}, {}}, count);
     });
     numbers.push_back(1);
@@ -96,12 +116,12 @@ TEST(Child, AnySizeComesAsItWasSent) {
   for (const std::size_t size : {4095, 4096, 4097, 131'072, 131'073}) {
     std::string name(size, 'x');
     for (std::size_t i = 0; i < size; ++i) name[i] = static_cast<char>('a' + i % 26);
-    EXPECT_EQ(describe_in_child(task, [&] { return std::vector<TableDescription>{{name, "", {}, 7}}; }).at(0).name, name) << size;
+    EXPECT_EQ(described([&] { return std::vector<TableDescription>{{name, "", {}, 7}}; }).at(0).name, name) << size;
   }
 }
 
 TEST(Child, ColumnBecomesNumbersWhereIntegersAreTooSmall) {
-  const auto table = columns_in_child(task, 1, [](const SendColumn& send) {
+  const auto table = columns_sent(1, [](const SendColumn& send) {
     send(0, {.numbers = {}, .integers = {1, 2}}, 6);
     send(0, {.numbers = {3, 1e19}, .integers = {}}, 6);
     send(0, {.numbers = {}, .integers = {5, 6}}, 6);
@@ -117,11 +137,11 @@ TEST(Child, ErrorsArePassedOn) {
 }
 
 TEST(Child, ErrorAfterSomeRows) {
-  EXPECT_THROW(columns_in_child(task, 1,
-                                [](const SendColumn& send) {
-                                  for (int i = 0; i < 100; ++i) send(0, {.numbers = std::vector<double>(10'000), .integers = {}}, 1'000'000);
-                                  throw Error("imu.h5: ends here");
-                                }),
+  EXPECT_THROW(columns_sent(1,
+                            [](const SendColumn& send) {
+                              for (int i = 0; i < 100; ++i) send(0, {.numbers = std::vector<double>(10'000), .integers = {}}, 1'000'000);
+                              throw Error("imu.h5: ends here");
+                            }),
                Error);
 }
 
@@ -167,7 +187,7 @@ TEST(Child, NonsenseIsAnError) {
   const auto sent = [](const std::function<void(ToParent&)>& work) {
     std::vector<std::string> texts;
     try {
-      run_in_child(task, work, [&](FromChild& from) { texts.push_back(from.text()); });
+      run_in_child(task, forked(task, work), [&](FromChild& from) { texts.push_back(from.text()); });
     } catch (const Error& e) {
       return std::string(e.what());
     }
@@ -182,6 +202,54 @@ TEST(Child, NonsenseIsAnError) {
               }),
               HasSubstr("its answer makes no sense"));
   EXPECT_FALSE(has_children());
+}
+
+/// Nor does one end this program that takes the memory away which both share.
+TEST(Child, CannotShortenTheSharedMemory) {
+  const StartChild start = [](int pipe, int memory) {
+    const pid_t id = ::fork();
+    if (id != 0) return id;
+    const int failed = ::ftruncate(memory, 0);
+    answer_parent(pipe, memory, task, [&](ToParent& to) {
+      const std::string text(100'000, 'x');
+      to.next(), to.text(failed != 0 ? text : "cut");
+    });
+  };
+  std::string got;
+  run_in_child(task, start, [&](FromChild& from) { got = from.text(); });
+  EXPECT_EQ(got, std::string(100'000, 'x'));
+}
+
+TEST(Child, ThatNeverBeginsIsNotADamagedFile) {
+  const auto error = [](const StartChild& start) {
+    try {
+      describe_in_child(task, start);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(error([](int, int) {
+                const pid_t id = ::fork();
+                if (id == 0) ::_exit(127);
+                return id;
+              }),
+              HasSubstr("imu.h5: cannot be read: imulab-read, the program that reads it, does not start (it ended with code 127)"));
+  EXPECT_THAT(error([](int, int) {
+                errno = EAGAIN;
+                return pid_t{-1};
+              }),
+              HasSubstr("imu.h5: cannot be read: no process: Resource temporarily unavailable"));
+}
+
+/// Not even one that its parent forgot to keep to itself.
+TEST(Child, HasNoOtherDescriptor) {
+  const int kept = ::open("/dev/null", O_WRONLY);
+  EXPECT_EQ(error_of_child([&] {
+              if (::write(kept, "x", 1) != -1) throw Error("it is open");
+            }),
+            "no error");
+  ::close(kept);
 }
 
 TEST(Child, LeavesNothingBehind) {
@@ -212,7 +280,7 @@ TEST(Child, FromSeveralThreads) {
 /// A program that does not want to know of its children's ends.
 TEST(Child, WhereChildrenAreIgnored) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
-  EXPECT_EQ(describe_in_child(task, [] { return std::vector<TableDescription>{{"imu", "", {}, 7}}; }).at(0).rows, 7u);
+  EXPECT_EQ(described([] { return std::vector<TableDescription>{{"imu", "", {}, 7}}; }).at(0).rows, 7u);
   EXPECT_THAT(error_of_child([] { std::abort(); }), StartsWith("imu.h5: is damaged: libtest failed on it"));
   std::signal(SIGCHLD, before);
 }

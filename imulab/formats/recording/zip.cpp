@@ -41,13 +41,15 @@ void read_large_sizes(std::string_view extra, std::uint64_t& bytes, std::uint64_
   constexpr std::uint64_t elsewhere = std::numeric_limits<std::uint32_t>::max();
   while (extra.size() >= 4) {
     const auto id = load<std::uint16_t>(extra.data());
-    std::string_view field = extra.substr(4, load<std::uint16_t>(extra.data() + 2));
+    const std::size_t size = load<std::uint16_t>(extra.data() + 2);
+    if (size > extra.size() - 4) return;
+    std::string_view field = extra.substr(4, size);
     for (std::uint64_t* value : {&bytes, &stored, &offset})
       if (id == 1 && *value == elsewhere && field.size() >= 8) {
         *value = load<std::uint64_t>(field.data());
         field.remove_prefix(8);
       }
-    extra.remove_prefix(std::min<std::size_t>(extra.size(), 4 + std::size_t{load<std::uint16_t>(extra.data() + 2)}));
+    extra.remove_prefix(4 + size);
   }
 }
 
@@ -155,6 +157,91 @@ std::string unpacked(const ZipMember& member, const std::string& place, std::uin
   }
   if (size == member.bytes) reader.expect_intact();
   return text;
+}
+
+namespace {
+
+constexpr std::uint16_t zip64 = 1, version_of_zip64 = 45, version_2 = 20;
+constexpr std::uint32_t in_zip64 = std::numeric_limits<std::uint32_t>::max();
+
+/// A number in 32 bits, or a mark that says that it is among those in 64.
+void append_number(std::string& out, std::uint64_t number, std::uint64_t large, std::string& numbers) {
+  const bool fits = number < large && number < in_zip64;
+  recording_io::append<std::uint32_t>(out, fits ? static_cast<std::uint32_t>(number) : in_zip64);
+  if (!fits) recording_io::append<std::uint64_t>(numbers, number);
+}
+
+void append_field(std::string& out, const std::string& numbers) {
+  if (numbers.empty()) return;
+  recording_io::append<std::uint16_t>(out, zip64);
+  recording_io::append<std::uint16_t>(out, static_cast<std::uint16_t>(numbers.size()));
+  out += numbers;
+}
+
+}  // namespace
+
+void ZipWriter::write(std::string_view bytes) {
+  write_(bytes);
+  offset_ += bytes.size();
+}
+
+void ZipWriter::add(const std::string& name, std::string_view content) {
+  const std::uint32_t check = recording_io::crc32(content);
+  const std::uint64_t offset = offset_;
+  // A head before the member and one in the directory, which begin alike.
+  for (const bool listed : {false, true}) {
+    std::string head, sizes, numbers, end;
+    append_number(sizes, content.size(), large_, numbers);
+    append_number(sizes, content.size(), large_, numbers);
+    if (listed) {
+      end.append(10, '\0');  // comment, disk, attributes
+      append_number(end, offset, large_, numbers);
+    }
+    const std::uint16_t version = numbers.empty() ? version_2 : version_of_zip64;
+    if (listed) recording_io::append<std::uint16_t>(head, version);
+    for (const std::uint16_t word :
+         {version, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0}, std::uint16_t{0x21}})  // no flags, stored, 1980-01-01
+      recording_io::append<std::uint16_t>(head, word);
+    recording_io::append<std::uint32_t>(head, check);
+    head += sizes;
+    recording_io::append<std::uint16_t>(head, static_cast<std::uint16_t>(name.size()));
+    recording_io::append<std::uint16_t>(head, static_cast<std::uint16_t>(numbers.empty() ? 0 : 4 + numbers.size()));
+    head += end + name;
+    append_field(head, numbers);
+    if (listed)
+      directory_ += "PK\x01\x02" + head;
+    else
+      write("PK\x03\x04" + head), write(content);
+  }
+  ++members_;
+}
+
+void ZipWriter::finish() {
+  const std::uint64_t offset = offset_;
+  constexpr std::uint16_t most_members = std::numeric_limits<std::uint16_t>::max();
+  write(directory_);
+  std::string sizes, numbers, end;
+  append_number(sizes, directory_.size(), large_, numbers);
+  append_number(sizes, offset, large_, numbers);
+  const auto members = static_cast<std::uint16_t>(std::min<std::uint64_t>(members_, most_members));
+  if (!numbers.empty() || members_ >= most_members) {
+    end += "PK\x06\x06";
+    recording_io::append<std::uint64_t>(end, 44);  // bytes that follow
+    for (const std::uint16_t version : {version_of_zip64, version_of_zip64}) recording_io::append<std::uint16_t>(end, version);
+    recording_io::append<std::uint64_t>(end, 0);  // disks
+    for (const std::uint64_t number : {members_, members_, std::uint64_t{directory_.size()}, offset})
+      recording_io::append<std::uint64_t>(end, number);
+    end += "PK\x06\x07";
+    recording_io::append<std::uint32_t>(end, 0);
+    recording_io::append<std::uint64_t>(end, offset + directory_.size());
+    recording_io::append<std::uint32_t>(end, 1);
+  }
+  end += "PK\x05\x06";
+  recording_io::append<std::uint32_t>(end, 0);  // disks
+  for (int k = 0; k < 2; ++k) recording_io::append<std::uint16_t>(end, members);
+  end += sizes;
+  recording_io::append<std::uint16_t>(end, 0);
+  write(end);
 }
 
 }  // namespace imulab::recording_io

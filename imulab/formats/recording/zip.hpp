@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace imulab::recording_io {
@@ -49,5 +51,23 @@ class ZipReader {
 
 /// A member, or its first `most` bytes, unpacked into memory, which grows with what is found.
 std::string unpacked(const ZipMember& member, const std::string& place, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+
+/// Writes an archive of members that are stored. Sizes and places that do not fit 32 bits are in the fields of Zip64, so it may be of any size.
+class ZipWriter {
+ public:
+  /// `write` gets the bytes, piece after piece. `before`: the file has as many before them. `large`: numbers from here on are in fields of 64 bits.
+  explicit ZipWriter(std::function<void(std::string_view)> write, std::uint64_t before = 0,
+                     std::uint64_t large = std::numeric_limits<std::uint32_t>::max())
+      : write_(std::move(write)), offset_(before), large_(large) {}
+  void add(const std::string& name, std::string_view content);
+  void finish();
+
+ private:
+  void write(std::string_view bytes);
+
+  std::function<void(std::string_view)> write_;
+  std::uint64_t offset_, large_, members_ = 0;
+  std::string directory_;
+};
 
 }  // namespace imulab::recording_io

@@ -1,0 +1,112 @@
+// Where imulab-read is looked for, and what it is asked.
+#include "imulab/formats/recording/read_program.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/recording_files.hpp"
+#include "tests/run_command.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/tested_build.hpp"
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+namespace imulab::recording_io {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+TEST(ReadProgram, RequestsArriveAsTheyWere) {
+  const ReadRequest request{.format = "HDF5",
+                            .task = {"a b.h5", "libhdf5", {123'456'789'012, 7, 42}},
+                            .describes = false,
+                            .topic = std::string("/imu\0t", 6),
+                            .columns = {"/imu/gyro.1", 3, ""}};
+  const ReadRequest got = read_request(to_text(request));
+  EXPECT_EQ(got.format, request.format);
+  EXPECT_EQ(got.task.file, request.task.file);
+  EXPECT_EQ(got.task.library, request.task.library);
+  EXPECT_EQ(got.task.limits.memory_bytes, 123'456'789'012u);
+  EXPECT_EQ(got.task.limits.computing_s, 7u);
+  EXPECT_EQ(got.task.limits.wall_s, 42u);
+  EXPECT_FALSE(got.describes);
+  EXPECT_EQ(got.topic, request.topic);
+  EXPECT_EQ(got.columns, request.columns);
+  const std::string text = to_text(request);
+  for (std::size_t size = 0; size < text.size(); ++size) EXPECT_THROW(read_request(text.substr(0, size)), Error) << size;
+}
+
+/// Folders with a program, and one with imulab-read.
+struct Installed {
+  TemporaryFolder folder;
+  fs::path own = folder / "a/b/program";
+  Installed() {
+    fs::create_directories(own.parent_path());
+    folder.write("a/b/program", "");
+  }
+  fs::path put(const std::string& prefix) const {
+    const fs::path place = folder / prefix / "libexec/imulab-read";
+    fs::create_directories(place.parent_path());
+    fs::copy_file("/bin/true", place);
+    return place;
+  }
+};
+
+TEST(ReadProgram, TheNearestIsTaken) {
+  const Installed installed;
+  const fs::path above = installed.put("a");
+  EXPECT_EQ(find_read_program(installed.own), above);
+  const fs::path beside = installed.put("a/b");
+  EXPECT_EQ(find_read_program(installed.own), beside);
+}
+
+TEST(ReadProgram, WhereEverybodyMayWriteThereMayBeAnybodysProgram) {
+  const Installed installed;
+  const fs::path outer = installed.put("a"), inner = installed.put("a/b");
+  fs::permissions(installed.own.parent_path(), fs::perms::others_write, fs::perm_options::add);
+  EXPECT_EQ(find_read_program(installed.own), outer);
+}
+
+TEST(ReadProgram, TheEnvironmentComesLast) {
+  if (fs::exists("/usr/libexec/imulab-read") || fs::exists("/usr/local/libexec/imulab-read")) GTEST_SKIP() << "imulab is installed";
+  const Installed installed;
+  const auto message = [&] {
+    try {
+      return find_read_program(installed.own).string();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  EXPECT_THAT(message(), HasSubstr("a/b/libexec/imulab-read, "));
+  EXPECT_THAT(message(), HasSubstr("/usr/libexec/imulab-read); expected it in libexec beside imulab, as packages install it, or its place in the "
+                                   "environment variable IMULAB_READ"));
+  ::setenv("IMULAB_READ", "/bin/true", 1);
+  EXPECT_EQ(message(), "/bin/true");
+  const fs::path beside = installed.put("a/b");
+  EXPECT_EQ(message(), beside.string());
+  ::unsetenv("IMULAB_READ");
+}
+
+/// A command without its imulab-read, and with one that is something else.
+TEST(ReadProgram, ErrorsSayWhatToDo) {
+  const TableRequest request{.file = recording_file("groups.h5")};
+  if (built_without(request)) GTEST_SKIP();
+  if (fs::exists("/usr/libexec/imulab-read") || fs::exists("/usr/local/libexec/imulab-read")) GTEST_SKIP() << "imulab is installed";
+  const TemporaryFolder folder;
+  fs::copy_file(command_path(), folder / "imulab");
+  const std::string inspect = "./imulab inspect '" + request.file.string() + "' --topic /imu/t";
+  const CommandResult missing = run_shell(folder, inspect);
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_THAT(missing.errors, HasSubstr("groups.h5: is HDF5: the program imulab-read, which reads it, was not found ("));
+  const CommandResult wrong = run_shell(folder, "IMULAB_READ=/bin/false " + inspect);
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.errors, HasSubstr("imulab-read, the program that reads it, does not start (it ended with code 1)"));
+  EXPECT_EQ(run_shell(folder, "IMULAB_READ='" + find_read_program(command_path()).string() + "' " + inspect).exit_code,
+            run_shell(folder, "'" + command_path() + "' inspect '" + request.file.string() + "' --topic /imu/t").exit_code);
+}
+
+}  // namespace
+}  // namespace imulab::recording_io
