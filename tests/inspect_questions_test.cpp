@@ -4,6 +4,7 @@
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
+#include "imulab/results/inspection.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -234,6 +235,14 @@ TEST(Inspect, ColumnsZYXAreTakenByTheirNames) {
   EXPECT_TRUE(found.complete()) << fmt::format("{}", fmt::join(found.ambiguous, "; "));
   EXPECT_EQ(found.source.gyro.columns, (std::vector<Column>{"x_w", "y_w", "z_w"}));
   EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"x_a", "y_a", "z_a"}));
+}
+
+TEST(Inspect, NamesOfColumnsOpenNoRow) {
+  Inspection found = inspected(head, same);
+  const std::string name = "gx\nFORGED";
+  for (auto* lines : {&found.evidence, &found.ambiguous, &found.problems}) lines->push_back(name);
+  found.columns.push_back({name, "unused", "", ""});
+  EXPECT_THAT(inspection_text(found), testing::AllOf(HasSubstr("not used: gx\\x0aFORGED"), testing::Not(HasSubstr("\nFORGED"))));
 }
 
 }  // namespace

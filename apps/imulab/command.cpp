@@ -139,8 +139,13 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
       if (row->given && row->names.ends_with("--verbose")) show_evidence(true);
       if (row->file != use) continue;
       for (const std::string& file : option->results()) {
-        if (use == written) will_write(shortest_name(*row), file);
-        if (use == created && !(verb.sharing != nullptr && !verb.sharing->part.empty())) will_create(shortest_name(*row), file);
+        const std::string part = verb.sharing != nullptr && row->names.ends_with("--output") ? verb.sharing->part : "";
+        if (part.starts_with("auto"))
+          will_fill(shortest_name(*row), file);
+        else if (use == written || (use == created && !part.empty()))
+          will_write(shortest_name(*row), file);
+        else if (use == created)
+          will_create(shortest_name(*row), file);
         if (use == read) will_read(file), streams += file == "-";
       }
     }
@@ -296,6 +301,7 @@ int parse_and_do(std::vector<std::string> arguments, const std::vector<std::stri
   const Verb& verb = verb_at(command, arguments);
   if (!parts.empty() && verb.sharing == nullptr) throw Error(parts.front() + ": is a part of another version's work");
   if (!parts.empty()) verb.sharing->joined = parts;
+  for (const std::string& part : parts) will_read(part);
   const std::vector<std::string> given = arguments;
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
@@ -326,7 +332,13 @@ std::string written_text(const std::string& output, const std::string& otherwise
   return output.empty() ? otherwise : "written: " + one_line(output);
 }
 
-void join_parts(std::vector<std::string> arguments, const std::vector<std::string>& parts) { parse_and_do(std::move(arguments), parts); }
+void join_parts(std::vector<std::string> command, const std::vector<std::string>& own, const std::vector<std::string>& parts) {
+  Verb all("imulab", summary);
+  declare(all);
+  expect_command_of_part(verb_at(all, command), command, parts.front());
+  command.insert(command.end(), own.begin(), own.end());
+  parse_and_do(std::move(command), parts);
+}
 
 int run(std::vector<std::string> arguments) {
   try {

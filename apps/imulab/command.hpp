@@ -13,8 +13,9 @@ namespace imulab::command {
 
 /// Runs one command line (without the program's name). 0 done; 1 the data do not support the request; 2 the command or an input file is wrong.
 int run(std::vector<std::string> arguments);
-/// The same of a verb's work that was done in parts: the answer of the whole, from their files. Throws what `run` turns into exit codes.
-void join_parts(std::vector<std::string> arguments, const std::vector<std::string>& parts);
+/// The same of a verb's work that was done in parts: the answer of the whole, from their files, by the command in them and `own` options. Throws what
+/// `run` turns into exit codes.
+void join_parts(std::vector<std::string> command, const std::vector<std::string>& own, const std::vector<std::string>& parts);
 
 /// A result for people, on standard output: the one way there, which shows what would steer a terminal. On a terminal a verdict at its begin has a
 /// color.

@@ -261,5 +261,16 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
   }
 }
 
+TEST_F(CompareCommand, NamesOfFilesOpenNoRowAndNoMessage) {
+  folder.write("x\nimulab: F.json", calibration_text(two_coefficients()));
+  folder.write("y\nimulab: F.json", "{");
+  for (const char* arguments :
+       {"compare 'x\nimulab: F.json' truth.json", "compare 'y\nimulab: F.json' truth.json", "compare '?\nimulab: F' truth.json"}) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_THAT(result.output + result.errors, Not(HasSubstr("\nimulab: F"))) << arguments;
+    EXPECT_THAT(result.output + result.errors, HasSubstr("imulab: F")) << arguments;
+  }
+}
+
 }  // namespace
 }  // namespace imulab

@@ -80,6 +80,12 @@ void will_create(const std::string& option, const fs::path& folder) {
     throw Error(fmt::format("{} {}: exists; expected a new or an empty folder", option, folder.string()));
 }
 
+void will_fill(const std::string& option, const fs::path& folder) {
+  std::error_code none;
+  if (fs::exists(folder, none) && !fs::is_directory(folder, none))
+    throw Error(fmt::format("{} {}: is a file; expected a folder for the parts", option, folder.string()));
+}
+
 void expect_free(const std::string& option, const fs::path& file, bool force) {
   std::error_code none;
   if (file.empty() || file == "-" || force || !fs::is_regular_file(file, none)) return;

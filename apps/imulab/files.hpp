@@ -17,6 +17,8 @@ void will_read(const std::filesystem::path& file);
 void will_write(const std::string& option, const std::filesystem::path& file);
 
 /// The verb makes this folder. Throws Error where it is there and not empty.
+/// A folder that files are added to: one that is there, or a new one.
+void will_fill(const std::string& option, const std::filesystem::path& folder);
 void will_create(const std::string& option, const std::filesystem::path& folder);
 
 /// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where the file of the option exists.

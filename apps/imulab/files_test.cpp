@@ -41,6 +41,9 @@ const std::vector<Row> written_by{
     {"compare", "--report", "compare c.json t.json --report @", {"c.json", "t.json"}},
     {"report", "-o", "report c.json --session S -o @", joined(session_files, {"c.json"})},
     {"predict", "--report", "predict p.toml --method handheld --report @", {"p.toml"}},
+    {"predict", "-o", "predict z.toml --runs 200 --part 1/1 -o @", {"z.toml"}},
+    {"join", "-o", "join part -o @", {"part"}},
+    {"join", "--report", "join part --report @", {"part"}},
     {"plan", "-o", "plan --require 'accel.offset <= 1000 ug' -o @", {}},
     {"plan", "--report", "plan --require 'accel.offset <= 1000 ug' --report @", {}},
     {"compensate", "-o", "compensate c.json S -o @", joined(session_files, {"c.json"})},
@@ -50,6 +53,7 @@ const std::vector<Row> written_by{
     {"import", "-o", "import c.json --gyro t.json -o @ --force", {"c.json", "t.json"}},
     {"navigate", "-o", "navigate c.json S --truth rows.csv -o @", joined(session_files, {"c.json", "rows.csv"})},
     {"navigate", "--report", "navigate c.json S --report @", joined(session_files, {"c.json"})},
+    {"budget", "-o", "budget m.toml --runs 4 --part 1/1 -o @", {"m.toml", "track.csv", "noise.json"}},
     {"budget", "--report", "budget m.toml --runs 0 --report @", {"m.toml", "track.csv", "noise.json"}},
 };
 
@@ -64,6 +68,8 @@ struct Files : testing::Test {
     ASSERT_EQ(run_imulab(folder, "simulate p.toml -o S").exit_code, 0);
     ASSERT_LE(run_imulab(folder, "calibrate S --method handheld -o c.json").exit_code, 1);
     fs::copy(folder / "S", folder / "S2");
+    ASSERT_EQ(run_imulab(folder, "procedure zhang-24 -o z.toml").exit_code, 0);
+    ASSERT_EQ(run_imulab(folder, "plan --require 'accel.offset <= 1000 ug' --part 1/1 -o part").exit_code, 0);
     fs::copy_file(folder / "S/truth.json", folder / "t.json");
     fs::copy_file(folder / "S/recording.csv", folder / "rows.csv");
     folder.write("noise.json", "{}");

@@ -95,6 +95,7 @@ void calibrate_all(const Options& o) {
   if (!o.part.empty()) part = errors_of_option("part", [&] { return part_named(o.part); });
   fs::path place = o.store;
   if (part && o.part.starts_with("auto")) {
+    will_fill("--store", place);
     fs::create_directories(place);
     place /= PartWriter(*part, "").name() + ".db";
   }
@@ -140,7 +141,10 @@ void add_calibrate_all(Verb& fleet) {
   verb.option("--retry", o->retry, "sessions that failed before, too");
   verb.option("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");
-  verb.does = [o] { calibrate_all(*o); };
+  verb.does = [o, &verb] {
+    if (!o->part.empty() && !verb.at("--store").given) throw OptionError("part", o->part + "; expected --store with a store of its own");
+    calibrate_all(*o);
+  };
 }
 
 void list_failures(const Options& o, FleetStore& store) {

@@ -54,12 +54,16 @@ void check(const Options& o) {
 }
 
 void merge(const Options& o) {
+  const std::vector<std::filesystem::path> others = fleet::all_parts({o.others.begin(), o.others.end()});
   FleetStore store(o.store, Access::write);
+  fleet::expect_no_part(store);
   std::int64_t added = 0;
-  for (const std::filesystem::path& other : fleet::all_parts({o.others.begin(), o.others.end()})) added += store.merge(other);
+  for (const std::filesystem::path& other : others) added += store.merge(other);
   if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
   print(fmt::format("{}: {} calibrations added from {}\n", one_line(o.store), added,
                     o.others.size() == 1 ? one_line(o.others.front()) : fmt::format("{} stores", o.others.size())));
+  if (const std::size_t failed = store.failures().size(); failed > 0)
+    note(fmt::format("{} sessions of the store are not calibrated: imulab fleet list --failures names them", failed));
 }
 
 std::int64_t calibration_number(const std::string& text) {

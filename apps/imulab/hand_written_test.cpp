@@ -133,8 +133,8 @@ TEST_F(HandWritten, AllItsProblemsAreSaidAtOnce) {
   const CommandResult result = run("compensate wrong.json session -o wrong.csv");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.errors,
-            "imulab: wrong.json: model.accel.matrix: expected 3 rows of 3 numbers\nwrong.json: model.gyro.matrix: is missing\n"
-            "wrong.json: model.gyro.ofset: is unknown; expected offset\n");
+            "imulab: wrong.json: model.accel.matrix: expected 3 rows of 3 numbers\n  wrong.json: model.gyro.matrix: is missing\n"
+            "  wrong.json: model.gyro.ofset: is unknown; expected offset\n");
 }
 
 }  // namespace

@@ -26,11 +26,12 @@ void join(const Options& o) {
     else
       word += c;
   if (words.empty()) throw Error(o.parts.front() + ": is a part of another program's work; expected one of imulab --part");
-  if (!o.output.empty()) words.insert(words.end(), {"-o", o.output});
-  if (!o.report.empty()) words.insert(words.end(), {"--report", o.report});
-  if (o.json) words.emplace_back("--json");
-  if (o.verbose) words.emplace_back("--verbose");
-  join_parts(std::move(words), o.parts);
+  std::vector<std::string> own;
+  if (!o.output.empty()) own.insert(own.end(), {"-o", o.output});
+  if (!o.report.empty()) own.insert(own.end(), {"--report", o.report});
+  if (o.json) own.emplace_back("--json");
+  if (o.verbose) own.emplace_back("--verbose");
+  join_parts(std::move(words), own, o.parts);
 }
 
 }  // namespace

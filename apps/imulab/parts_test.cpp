@@ -1,4 +1,5 @@
 // Verbs whose work is done in parts, or resumed, as a user types them.
+#include "imulab/core/part_file.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/fleet/store/store.hpp"
 
@@ -93,6 +94,10 @@ TEST_F(SharedRuns, OfAFleet) {
   EXPECT_THAT(error("fleet merge 3.db 1.db alone.db --store more.db"), HasSubstr("alone.db: of these stores some are parts"));
   EXPECT_THAT(error(calibrate + " --part 2/3 --store 1.db"), HasSubstr("1.db: is part 1 of 3"));
   EXPECT_THAT(error(calibrate + " --part 2/3 --store alone.db"), HasSubstr("alone.db: is a store already"));
+  EXPECT_THAT(error("fleet merge alone.db --store 1.db"), HasSubstr("1.db: is part 1 of 3 of a fleet's sessions"));
+  EXPECT_THAT(error(calibrate + " --store 1.db"), HasSubstr("1.db: is part 1 of 3 of a fleet's sessions"));
+  EXPECT_THAT(error(calibrate + " --part 2/3"), HasSubstr("expected --store"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "more.db"));
   EXPECT_THAT(error(calibrate + " --terms accel.offset --part 1/3 --store 1.db"), HasSubstr("(its \"terms\" differs)"));
   run_shell(folder, "echo '# more' >> week/unit2/session.toml");
   EXPECT_THAT(error(calibrate + " --part 1/3 --store 1.db"), HasSubstr("(its \"list\" differs)"));
@@ -134,12 +139,44 @@ TEST_F(SharedRuns, OfABudgetDependOnAllItsInputs) {
   EXPECT_THAT(error(budget + " --checkpoint here"), HasSubstr("(its \"calibration\" differs)"));
 }
 
+TEST_F(SharedRuns, NothingElseIsOverwritten) {
+  run("procedure zhang-24 -o procedure.toml");
+  const auto error = [&](const std::string& arguments) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    return result.errors;
+  };
+  const std::string predict = "predict procedure.toml --runs 200 ";
+  EXPECT_THAT(error(predict + "--part 1/1 -o procedure.toml"), HasSubstr("procedure.toml"));
+  EXPECT_THAT(error(predict + "--part 1/1 -o nowhere/part"), HasSubstr("nowhere is no folder"));
+  EXPECT_THAT(error(predict + "--part 1/1 -o -"), HasSubstr("expected -o"));
+  EXPECT_THAT(error(predict + "--part 1/1 -o part --json"), HasSubstr("--json and --report are of imulab join"));
+  EXPECT_THAT(read_text(folder / "procedure.toml"), HasSubstr("format"));
+  std::filesystem::create_directories(folder / "mine");
+  folder.write("mine/results", "mine");
+  EXPECT_THAT(error(predict + "--checkpoint mine"), HasSubstr("mine: is no checkpoint"));
+  EXPECT_EQ(read_text(folder / "mine/results"), "mine");
+  const std::string plan = "plan --require \"gyro.offset <= 10 deg/h\" ";
+  for (const char* index : {"0", "1"})
+    EXPECT_EQ(
+        run_shell(folder, "JOB_COMPLETION_INDEX=" + std::string(index) + " '" + command_path() + "' " + plan + "--part auto/2 -o plans").exit_code,
+        0);
+  const std::string part = read_text(folder / "plans/part-1-of-2");
+  EXPECT_THAT(error("join plans/part-1-of-2 plans/part-2-of-2 -o plans/part-1-of-2"), HasSubstr("part-1-of-2"));
+  EXPECT_EQ(read_text(folder / "plans/part-1-of-2"), part);
+  PartWriter hostile({1, 1}, std::string("predict\0procedure.toml\0--report\0victim\0", 39));
+  hostile.begin_work("x", 0), hostile.end_work();
+  folder.write("hostile", hostile.bytes());
+  EXPECT_THAT(error("join hostile"), HasSubstr("hostile: its command has --report, which no part has"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "victim"));
+}
+
 TEST_F(SharedRuns, NumbersOfPartsComeFromTheEnvironment) {
   run("procedure zhang-24 -o procedure.toml");
-  const std::string predict = "' predict procedure.toml --runs 1000 --json";
+  const std::string predict = "' predict procedure.toml --runs 1000";
   for (const char* rank : {"0", "1"}) {
-    const CommandResult result =
-        run_shell(folder, "OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=" + std::string(rank) + " '" + command_path() + predict + " --part auto -o parts");
+    const CommandResult result = run_shell(
+        folder, "OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=" + std::string(rank) + " '" + command_path() + predict + " --part auto -o parts");
     EXPECT_THAT(result.output, HasSubstr("written: parts/part-" + std::to_string(1 + rank[0] - '0') + "-of-2")) << result.errors;
   }
   EXPECT_EQ(run_shell(folder, "'" + command_path() + "' join parts/part-* --json").output, run("predict procedure.toml --runs 1000 --json"));

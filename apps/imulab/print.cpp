@@ -27,12 +27,22 @@ void print_json(const JsonFields& object, const Conclusion& conclusion, const st
 
 namespace {
 
+/// Further lines of a message begin with blanks: a line end in a name makes no message of its own.
+std::string as_one_message(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    if (out.ends_with('\n') && c != ' ') out += "  ";
+    out += c;
+  }
+  return out;
+}
+
 /// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out.
 void say(Color color, const std::string& what, const std::string& text) {
   constexpr std::size_t longest = 4096, kept = 1024;
   const std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
   std::fflush(stdout);
-  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(shown));
+  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(as_one_message(shown)));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/tasks/budget.hpp"
@@ -42,20 +43,24 @@ void show_besides_files(const Answer& answer, ShowOptions o) {
   show(answer, o);
 }
 
-/// Does the work of a verb, or a part of it: that is written to `output` in place of the answer.
+/// Does the work of a verb, or a part of it: that is written to -o in place of the answer.
 template <class Work>
-void by_part(const SharingOptions& shared, const std::string& output, const Work& work) {
-  if (!shared.part.empty() && output.empty()) throw OptionError("part", shared.part + "; expected -o with the file of the part");
+void by_part(const SharingOptions& shared, const ShowOptions& o, const Work& work) {
+  std::filesystem::path file = o.output;
+  const bool automatic = shared.part.starts_with("auto");
+  if (!shared.part.empty()) {
+    if (file.empty() || file == "-") throw OptionError("part", shared.part + "; expected -o with the file of the part");
+    if (o.json || !o.report.empty()) throw OptionError("part", shared.part + "; --json and --report are of imulab join, which has the whole");
+    if (automatic) std::filesystem::create_directories(file);
+    const std::filesystem::path folder = automatic ? file : file.parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder)) throw Error(fmt::format("-o {}: {} is no folder", o.output, folder.string()));
+  }
   try {
     work();
   } catch (const PartIsDone& done) {
-    std::filesystem::path file = output;
-    if (shared.part.starts_with("auto")) {
-      std::filesystem::create_directories(file);
-      file /= done.part->name();
-    }
+    if (automatic) file /= done.part->name();
     write_whole(file, done.part->bytes());
-    print(fmt::format("{}\nwritten: {}\n", done.part->summary(), file.string()));
+    print(fmt::format("{}\nwritten: {}\n", done.part->summary(), one_line(file.string())));
   }
 }
 
@@ -141,7 +146,7 @@ void run(const SimulateOptions& o) {
 void run(const PredictOptions& o) {
   PredictionOptions task = task_of(o);
   const Session procedure = session_at(o.procedure);
-  by_part(o.shared, o.output, [&] {
+  by_part(o.shared, o, [&] {
     const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
       task.progress = report;
       return prediction_answer(o.method, procedure, o.procedure, task);
@@ -155,7 +160,7 @@ void run(const PredictOptions& o) {
 void run(const PlanOptions& o) {
   PlanTask task = task_of(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
-  by_part(o.shared, o.output, [&] {
+  by_part(o.shared, o, [&] {
     const auto answer = with_progress("planning", [&](const auto& report) {
       task.progress = report;
       return plan_answer(task, o.output == "-" ? "" : o.output);
@@ -188,7 +193,7 @@ void run(const BudgetVerbOptions& o) {
   for (const std::filesystem::path& named : file.files) will_read(named);
   if (!several_grades(o).empty())
     return show_besides_files(with_progress("Monte Carlo", [&](const auto& report) { return grades_answer(file, o, warn, report); }), o);
-  by_part(o.shared, o.output, [&] {
+  by_part(o.shared, o, [&] {
     const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
     if (!o.output.empty()) write_budget(o.output, *answer.data);
     show_besides_files(answer, o);

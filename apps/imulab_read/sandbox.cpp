@@ -12,6 +12,7 @@
 #include <new>
 #include <string>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <system_error>
 #include <unistd.h>
@@ -69,6 +70,11 @@ void allow_computing(Filter& filter) {
   filter.allow({"tgkill"}, {{0, SCMP_CMP_EQ, static_cast<scmp_datum_t>(::getpid()), 0}});  // abort()
 }
 
+/// The condition that an argument, of which the kernel takes 32 bits, is this one.
+std::vector<scmp_arg_cmp> argument_is(unsigned argument, int number) {
+  return {{argument, SCMP_CMP_MASKED_EQ, 0xffffffff, static_cast<scmp_datum_t>(number)}};
+}
+
 int answers_to = -1;
 
 Filter closed_filter() {
@@ -86,9 +92,11 @@ void enter_sandbox(int pipe, const std::filesystem::path& file) {
   Filter filter = closed_filter();
   filter.allow({"open"}, {{1, SCMP_CMP_MASKED_EQ, writing, O_RDONLY}});
   filter.allow({"openat"}, {{2, SCMP_CMP_MASKED_EQ, writing, O_RDONLY}});
-  filter.allow(
-      {"stat", "stat64", "lstat", "lstat64", "access", "faccessat", "faccessat2", "readlink", "readlinkat", "getcwd", "flock", "fcntl", "fcntl64"});
-  filter.allow({"prctl", "seccomp"});  // to close it
+  filter.allow({"stat", "stat64", "lstat", "lstat64", "access", "faccessat", "faccessat2", "readlink", "readlinkat", "getcwd", "flock"});
+  for (const int command : {F_GETFD, F_SETFD, F_GETFL, F_GETLK, F_SETLK})  // others can make the kernel send signals
+    filter.allow({"fcntl", "fcntl64"}, argument_is(1, command));
+  filter.allow({"seccomp"});  // to close it
+  for (const int option : {PR_SET_NO_NEW_PRIVS, PR_SET_SECCOMP}) filter.allow({"prctl"}, argument_is(0, option));
   filter.load(file);
 }
 

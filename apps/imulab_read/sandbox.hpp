@@ -2,7 +2,7 @@
 //
 // The kernel refuses every call that is not on a list (seccomp, by libseccomp): the program cannot start another, use the network, write to anything
 // but its pipe, or make memory executable. Files can be opened for reading until one is open, and none from then on. Without libseccomp only limits
-// of the process hold: it can write to no file, and open none once one is open.
+// of the process hold: no data get into a file, and none is opened once one is open; but it can remove, rename and empty files, and start programs.
 #pragma once
 
 #include <filesystem>

@@ -17,6 +17,7 @@
 #include <functional>
 #include <string>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -95,6 +96,8 @@ std::vector<Attempt> attempts() {
          ::getrlimit(RLIMIT_CPU, &now);
          return ::setrlimit(RLIMIT_CPU, &now);
        }},
+      {"have signals sent", [](int) { return ::fcntl(STDERR_FILENO, F_SETOWN, 0); }},
+      {"outlive its parent", [](int) { return ::prctl(PR_SET_PDEATHSIG, 0); }},
       {"put off its end", [](int) { return ::alarm(0) == static_cast<unsigned>(-1) ? -1 : 0; }},
   };
 }

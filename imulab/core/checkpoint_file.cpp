@@ -15,6 +15,17 @@
 
 namespace imulab {
 
+namespace {
+
+/// A process died over its header; what else is there is somebody's.
+bool begins_as(const std::filesystem::path& file, std::uint64_t size, std::string_view header) {
+  if (size >= header.size()) return false;
+  std::string bytes(size, 0);
+  return std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(size)) && header.starts_with(bytes);
+}
+
+}  // namespace
+
 CheckpointFile::CheckpointFile(const std::filesystem::path& folder, const std::string& identity, const Sink& sink) : file_(folder / "results") {
   if (identity.empty()) throw Error(folder.string() + ": the work has no identity; expected one, by which the folder knows it");
   std::error_code wrong;
@@ -45,15 +56,16 @@ void CheckpointFile::read(const std::string& identity, const Sink& sink) {
   std::ifstream in(file_, std::ios::binary);
   const std::uint64_t size = file_size(file_);
   SealedReader reader(in, size);
-  std::string format, there, result;
+  std::string format, there;
   const bool named = reader.text(format) && reader.text(there) && reader.seal();
-  if (size >= header.bytes().size() && !named) fail("is no checkpoint of this version; expected a new or an empty folder");
+  if (!named && !begins_as(file_, size, header.bytes())) fail("is no checkpoint of this version; expected a new or an empty folder");
   if (named && there != identity)
     fail(fmt::format(
         "is the checkpoint of another run (its \"{}\" differs); expected a new or an empty folder, or that of an earlier run of this command",
         differing_field(identity, there)));
   std::uint64_t behind = named ? reader.left() : size, block = 0;
   for (bool whole = named; whole;) {
+    std::string result;
     SealedReader one(in, behind);
     whole = one.number(block) && one.text(result) && one.seal();
     if (whole) behind = one.left(), sink(block, std::move(result));

@@ -20,7 +20,6 @@ namespace imulab {
 namespace {
 
 constexpr const char* part_format = "imulab.part/1";
-constexpr std::size_t most_parts = 1'000'000;
 
 std::optional<std::size_t> whole_number(std::string_view text) {
   std::size_t number = 0;
@@ -45,10 +44,10 @@ std::optional<PartNumber> of_array() {
   return PartNumber{(*id - *least) / step + 1, *count};
 }
 
-/// The process of a step of Slurm, or of mpirun.
+/// The process of mpirun, which may have been started in a step of Slurm, or of such a step.
 std::optional<PartNumber> of_tasks() {
   constexpr std::array<std::pair<const char*, const char*>, 3> names{
-      {{"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}, {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"}, {"PMI_RANK", "PMI_SIZE"}}};
+      {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"}, {"PMI_RANK", "PMI_SIZE"}, {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}}};
   for (const auto& [rank, size] : names)
     if (const auto k = from_environment(rank), n = from_environment(size); k && n && *k < *n) return PartNumber{*k + 1, *n};
   return std::nullopt;
@@ -63,6 +62,7 @@ PartNumber by_environment(std::optional<std::size_t> of) {
     part = {(a.number - 1) * t.of + t.number, a.of * t.of};
   } else if (index) {
     if (!of) throw Error("auto: Kubernetes does not say how many parts there are; expected auto/N with the job's completions");
+    if (*index >= *of) throw Error(fmt::format("auto/{}: this is the index {} of the job; expected N as its completions", *of, *index));
     part = {*index + 1, *of};
   } else {
     throw Error("auto: no Slurm array or step, no mpirun, no indexed job of Kubernetes started this process; expected K/N");
@@ -76,6 +76,13 @@ std::uint64_t sum_of(std::uint64_t number, std::uint64_t of, const std::string& 
   return checksum(fmt::format("{}/{} {}", number, of, command));
 }
 
+/// The words of a command as a line.
+std::string readable(std::string command) {
+  std::replace_if(
+      command.begin(), command.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+  return command.substr(0, command.find_last_not_of(' ') + 1);
+}
+
 }  // namespace
 
 PartNumber part_named(const std::string& text) {
@@ -84,7 +91,7 @@ PartNumber part_named(const std::string& text) {
   const bool automatic = text.substr(0, slash) == "auto";
   if (automatic && (of || slash == text.size())) {
     const PartNumber part = by_environment(of);
-    if (part.number <= part.of) return part;
+    if (part.number >= 1 && part.number <= part.of && part.of <= most_parts) return part;
   }
   const std::optional<std::size_t> number = whole_number(text.substr(0, slash));
   if (!number || !of || *number < 1 || *number > *of || *of > most_parts) throw Error(text + "; expected K/N with K from 1 to N, as in 3/8, or auto");
@@ -135,10 +142,11 @@ std::string PartWriter::summary() const {
 
 PartReader::Source PartReader::file(const std::filesystem::path& path) {
   return {path.string(), [path](std::uint64_t& size) -> std::unique_ptr<std::istream> {
-            auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
             std::error_code none;
-            size = file_size(path, none);
-            if (!*in || none) throw Error(path.string() + ": cannot be read; expected a part of a work");
+            size = is_regular_file(path, none) ? file_size(path, none) : 0;
+            auto in = std::make_unique<std::ifstream>();
+            if (size > 0 && !none) in->open(path, std::ios::binary);
+            if (!in->is_open()) throw Error(path.string() + ": cannot be read; expected a part of a work");
             return in;
           }};
 }
@@ -160,13 +168,15 @@ PartReader::PartReader(std::vector<Source> sources) {
     SealedReader reader(*in, size);
     std::string format, command;
     if (!reader.text(format) || format != part_format) throw Error(name + ": is no part of a work; expected a file of --part");
-    if (!reader.text(command) || !reader.number(part.number) || !reader.number(n) || !reader.number(works) || !reader.seal() || n > most_parts)
+    if (!reader.text(command) || !reader.number(part.number) || !reader.number(n) || !reader.number(works) || !reader.seal() || n > most_parts ||
+        works == 0)
       throw Error(name + ": is damaged; expected the part as it was written");
     part.left = reader.left(), part.sum = sum_of(part.number, n, command);
     if (parts_.empty()) command_ = command, of = n, works_ = works;
     const std::string& first = parts_.empty() ? name : parts_.front().source.name;
     if (n != of) throw Error(fmt::format("{}: is one of {} parts, {} one of {}; expected parts of one work", name, n, first, of));
-    if (command != command_ || works != works_) throw Error(fmt::format("{}: is a part of another command than {}", name, first));
+    if (command != command_ || works != works_)
+      throw Error(fmt::format("{}: is a part of another command than {}: {} in place of {}", name, first, readable(command), readable(command_)));
     parts_.push_back(std::move(part));
   }
   std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.number < b.number; });

@@ -17,6 +17,8 @@
 
 namespace imulab {
 
+inline constexpr std::size_t most_parts = 1'000'000;
+
 /// The K-th part of N, from 1 on.
 struct PartNumber {
   std::size_t number = 1, of = 1;

@@ -48,8 +48,8 @@ std::string axis_noise_rows(const ImuNoise& noise) {
 /// The form of the recording's readings, for programs that take them in this form.
 std::string recorded_rows(const std::optional<RecordedAs>& recorded, const char* triad) {
   if (!recorded) return {};
-  std::string text = fmt::format("# {}: recorded in {}, columns along {}, {}, {} of the body\n", triad, plain(recorded->unit),
-                                 plain(recorded->axes[0]), plain(recorded->axes[1]), plain(recorded->axes[2]));
+  std::string text = fmt::format("# {}: recorded in {}, columns along {} {} {} of the body\n", triad, plain(recorded->unit), plain(recorded->axes[0]),
+                                 plain(recorded->axes[1]), plain(recorded->axes[2]));
   if (recorded->counts_per_unit != 1) text += fmt::format("# {}: {} counts to one {}\n", triad, recorded->counts_per_unit, plain(recorded->unit));
   if (recorded->interval_s > 0) text += fmt::format("# {}: increments over {} s\n", triad, recorded->interval_s);
   return text;
@@ -80,7 +80,7 @@ std::string with_plain_cells(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (i == 0 || text[i - 1] == '\n') comment = text[i] == '#';
     const bool opens = comment && i > 0 && (text[i - 1] == ',' || text[i - 1] == ';');
-    if (opens && std::string_view("=+-@").find(text[i]) != std::string_view::npos) out += '\'';
+    if (opens && text::would_run(std::string_view(text).substr(i, text.find_first_of(",;\n", i) - i))) out += '\'';
     out += text[i];
   }
   return out;

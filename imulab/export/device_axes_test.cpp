@@ -155,7 +155,7 @@ TEST(ExportAxes, FilesOfNoiseAloneSayThatTheReadingsMustBeTurned) {
   const TurnedUnit u;
   EXPECT_THAT(export_target("euroc").left_out({u.c}), testing::Contains(HasSubstr("the device's axes, which are not x, y, z of the body")));
   EXPECT_THAT(exported("json-matrix", {u.c}), HasSubstr("\"-x\""));
-  EXPECT_THAT(exported("csv", {u.c}), HasSubstr("# gyro: recorded in deg/s, columns along -z, +x, -y of the body"));
+  EXPECT_THAT(exported("csv", {u.c}), HasSubstr("# gyro: recorded in deg/s, columns along -z +x -y of the body"));
 }
 
 }  // namespace

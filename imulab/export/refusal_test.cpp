@@ -226,5 +226,12 @@ TEST(ExportTargets, EveryFileListsTheNoiseThatItLeavesOut) {
   EXPECT_EQ(gyro_y["K"]["interval"][1], 4e-6);
 }
 
+TEST(ExportRefusal, ASpreadsheetRunsNoCommentOfATable) {
+  Calibration c = si_unit();
+  c.imu = "a, =cmd; @cmd,+cmd";
+  const std::string table = exported("csv", {c});
+  for (const char* shown : {",' =cmd;", ";' @cmd,", ",'+cmd"}) EXPECT_THAT(table, HasSubstr(shown));
+}
+
 }  // namespace
 }  // namespace imulab::export_test

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -17,7 +18,11 @@ std::string reached_text(const RequirementResult& r) {
     const StatedLimit stated = parse_limits(r.text, "", "").front();
     const double reached = r.reached * stated.number / r.limit;
     std::string text;
-    const auto rounded = [](double value, int digits) { return fmt::format("{:.9g}", std::stod(fmt::format("{:.{}g}", value, digits))); };
+    const auto rounded = [](double value, int digits) {
+      const std::string shown = fmt::format("{:.{}g}", value, digits);
+      std::from_chars(shown.data(), shown.data() + shown.size(), value);
+      return fmt::format("{:.9g}", value);
+    };
     for (int digits = 3; digits <= 9; ++digits) {  // as many as tell it from the limit
       text = rounded(reached, digits);
       if (reached == stated.number || text != rounded(stated.number, digits)) break;

@@ -16,7 +16,7 @@ namespace {
 
 std::string origin(const ComparedCalibration& c) {
   const std::string frame = c.frame == "rig" ? "the rig's frame" : "the accelerometers' frame";
-  std::string text = fmt::format("{}  (", c.name);
+  std::string text = fmt::format("{}  (", one_line(c.name));
   if (c.bare)
     text += "no uncertainties: taken as the truth";
   else

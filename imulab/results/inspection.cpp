@@ -36,16 +36,16 @@ std::string inspection_text(const Inspection& inspection) {
   const std::string headline = inspection_headline(inspection);
   const std::size_t word = headline.find(": ") + 2;
   std::string out = text::wrapped(headline.substr(0, word), headline.substr(word));
-  for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", problem);
-  for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", question);
+  for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", one_line(problem));
+  for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", one_line(question));
   out += fmt::format("\n{}\n", one_line(inspection.file));
   out += text::wrapped("  ", fmt::format("{}; {} rows{}", one_line(inspection.format), inspection.rows,
                                          inspection.rate_hz ? fmt::format(", {:.6g} s", inspection.duration_s) : ""));
-  for (const std::string& line : inspection.evidence) out += text::wrapped("  ", line);
+  for (const std::string& line : inspection.evidence) out += text::wrapped("  ", one_line(line));
   std::string unused;
   for (const ColumnFinding& column : inspection.columns)
     if (column.role == "unused") unused += (unused.empty() ? "" : ", ") + column.name;
-  if (!unused.empty()) out += text::wrapped("  ", "not used: " + unused);
+  if (!unused.empty()) out += text::wrapped("  ", "not used: " + one_line(unused));
   if (!inspection.methods.empty()) out += "\nmethods\n";
   for (const MethodFinding& method : inspection.methods)
     out += text::wrapped(fmt::format("  {:<11}{:<5}", method.name, method.supported ? "yes" : "no"), method.why);

@@ -98,7 +98,7 @@ std::string result_comparison_table(const ResultComparison& c, bool details) {
   const std::size_t parts = (c.names.size() + widest - 1) / widest, together = (c.names.size() + parts - 1) / parts;
   std::string out = text::wrapped("", c.headline) + "\n";
   for (std::size_t k = 0; k < c.names.size(); ++k)
-    out += text::wrapped(letter_of(k) + "  ", excerpt(c.names[k]) + (c.notes[k].empty() ? "" : "  (" + excerpt(c.notes[k]) + ")"));
+    out += text::wrapped(letter_of(k) + "  ", excerpt(c.names[k]) + (c.notes[k].empty() ? "" : "  (" + one_line(c.notes[k]) + ")"));
   const std::size_t shown = details ? c.figures.size() : std::min(most, c.figures.size());
   for (std::size_t from = 0; from < c.names.size(); from += together) out += figure_rows(c, shown, from, std::min(from + together, c.names.size()));
   if (shown < c.figures.size()) out += fmt::format("{} more figures that differ less; --verbose lists them\n", c.figures.size() - shown);

@@ -155,7 +155,10 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store
   const BlockRange range = task.part ? blocks_of(*task.part, sessions.size()) : BlockRange{0, sessions.size()};
-  if (task.part) fleet::begin_part(store, *task.part, identity_of(sessions, task));
+  if (task.part)
+    fleet::begin_part(store, *task.part, identity_of(sessions, task));
+  else
+    fleet::expect_no_part(store);
   std::vector<std::unique_ptr<FleetItem>> items(range.size());  // on their way into the store
   counts.sessions = static_cast<std::int64_t>(range.size());
   SharedWork own{.count = range.size(), .work = {}, .take = {}};
@@ -186,6 +189,7 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
 }
 
 std::string add_to_fleet(const fs::path& file, const std::string& unit, const FleetDeclaration& declared, FleetStore& store) {
+  fleet::expect_no_part(store);
   const auto result = [](const char* what, bool added) { return std::string(what) + (added ? "" : " (known)"); };
   if (fs::is_directory(file) || file.extension() == ".toml") {
     const Session session = read_session(fs::absolute(file).lexically_normal());

@@ -1,5 +1,6 @@
 #include "imulab/tasks/plan.hpp"
 
+#include "imulab/core/checkpoint_file.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -258,6 +259,8 @@ PlannedProcedure plan(const PlanTask& task) {
   planning_method().plan.expect_estimated(question.requirements, unit);
   expect_reachable(question, unit);
   question.requirements = with_margin(question.requirements, task.margin, unit, question.turn_rate);
+  if (task.sharing && !task.sharing->checkpoint.empty())  // the folder is this plan's
+    const CheckpointFile mark(task.sharing->checkpoint, identity_of(task, question), [](std::size_t, const std::string&) {});
   PlannedProcedure out;
   out.margin = task.margin;
   out.requirements = task.requirements;

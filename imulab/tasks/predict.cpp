@@ -55,7 +55,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
   verb.option("--runs", o.runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   seed_option(verb, o.seed);
   verb.option("--classical", o.classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
-  verb.option("-o,--output FILE", o.output, "with --part: the part's file").of_command();
+  verb.option("-o,--output FILE", o.output, "with --part: the part's file").writes().of_command();
   sharing_options(verb, o.shared);
   report_option(verb, o.report);
   json_option(verb, o.json);
@@ -68,6 +68,8 @@ Verb& declare(Verb& command, PredictOptions& o) {
 PredictionOptions task_of(const PredictOptions& o) {
   if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
+  if (o.shared.is_divided() && !method(o.method).takes_runs)
+    throw OptionError("part", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.shared.is_divided() && o.runs == 0) throw OptionError("part", "divides a Monte Carlo; expected --runs");
   if (!o.output.empty() && o.shared.part.empty()) throw OptionError("output", "is the file of a --part; a prediction goes to standard output");
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),

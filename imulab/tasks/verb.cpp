@@ -1,6 +1,7 @@
 #include "imulab/tasks/verb.hpp"
 
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/results/conclusion.hpp"
 
 #include <fmt/format.h>
@@ -66,7 +67,8 @@ std::string command_of(const Verb& verb) {
   add(verb.own_name());
   for (const VerbOption& row : verb.options) {
     if (!row.given || row.inherited || (row.keyword.empty() && !row.is_positional())) continue;
-    if (!row.is_positional()) add(row.flags.back());
+    const bool place = row.is_positional();
+    if (!place) add(row.flags.back());
     std::visit(
         [&](const auto* value) {
           using Type = std::decay_t<decltype(*value)>;
@@ -78,12 +80,24 @@ std::string command_of(const Verb& verb) {
           } else if constexpr (std::is_same_v<Type, std::optional<double>>) {
             add(fmt::format("{}", value->value_or(0)));
           } else {
-            add(fmt::format("{}", *value));
+            const std::string text = fmt::format("{}", *value);
+            add(place && text.starts_with('-') ? "./" + text : text);
           }
         },
         row.value);
   }
   return words;
+}
+
+void expect_command_of_part(const Verb& verb, const std::vector<std::string>& words, const std::string& part) {
+  for (const std::string& word : words) {
+    const bool number = word.size() > 1 && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
+    const auto is_word = [&](const VerbOption& row) {
+      return !row.keyword.empty() && std::find(row.flags.begin(), row.flags.end(), word) != row.flags.end();
+    };
+    if (word.starts_with('-') && !number && std::none_of(verb.options.begin(), verb.options.end(), is_word))
+      throw Error(fmt::format("{}: its command has {}, which no part has; expected a file of --part", part, excerpt(word)));
+  }
 }
 
 VerbOption& report_option(Verb& verb, std::string& file) {

@@ -147,6 +147,8 @@ struct SharingOptions {
 
 /// A command line of what was given to a verb, but for what only shows the answer: words that end with a byte 0.
 std::string command_of(const Verb& verb);
+/// Throws Error, with the part's name, for options that command_of never writes: a part is a file of somebody, and names no file that is written.
+void expect_command_of_part(const Verb& verb, const std::vector<std::string>& words, const std::string& part);
 
 // Rows that several verbs have.
 VerbOption& report_option(Verb& verb, std::string& file);

@@ -87,6 +87,7 @@ class Fleet:
         below = [path("place", p) for p in places]
         options = (method, terms, station, operator, time)
         if executor is None:
+            _parts.expect_executor(parts)
             return _imulab.fleet_calibrate(self.store, below, *options, retry, progress, "")
         return _parts.join_fleet(self.store, _parts.by_parts(executor, parts, progress, _parts.fleet, below, *options))
 

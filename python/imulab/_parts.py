@@ -17,10 +17,17 @@ _Result = TypeVar("_Result")
 _PARTS_A_WORKER = 4  # the last one to finish delays the result by one part
 
 
+def expect_executor(parts: int | None) -> None:
+    if parts is not None:
+        raise TypeError("parts: expected an executor, whose workers do them")
+
+
 def by_parts(executor: Executor, parts: int | None, progress: Callable[[float], object] | None, work: Callable[..., _Result], *arguments: Any) -> list[_Result]:
     """The results of `work(*arguments, "K/N")` for all parts, in their order."""
     if not callable(getattr(executor, "submit", None)):
         raise TypeError(f"executor: expected one of concurrent.futures, got {type(executor).__name__}")
+    if parts is not None and (isinstance(parts, bool) or not isinstance(parts, int)):
+        raise TypeError(f"parts: expected a number, got {type(parts).__name__}")
     if parts is not None and parts < 1:
         raise _imulab.Error(f"parts: {parts}; expected at least 1")
     count = parts or _PARTS_A_WORKER * (getattr(executor, "_max_workers", None) or os.cpu_count() or 1)

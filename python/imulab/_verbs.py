@@ -241,9 +241,11 @@ def predict(
 ) -> Prediction:
     """Standard uncertainties of a calibration to come, and the requirements that it misses.
 
-    executor: whose workers do the Monte Carlo in as many `parts` (four a worker): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
+    executor: whose workers do the Monte Carlo in as many `parts` (four a worker, or a processor of this machine): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
     """
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
+    if executor is None:
+        _parts.expect_executor(parts)
     done = [] if executor is None else _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, session, options)
     outcome = _imulab.predict(session._session, options, None if done else _callback(progress), done)
     warn(outcome.warnings)
@@ -352,7 +354,7 @@ def budget(
     """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo.
 
     grade: sensors of this grade, in place of the mission's; several, as a list or with commas, are compared (`Budget.budgets`).
-    executor: whose workers do the Monte Carlo in as many `parts` (four a worker): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
+    executor: whose workers do the Monte Carlo in as many `parts` (four a worker, or a processor of this machine): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
     """
     if grade is not None:
         names = [grade] if isinstance(grade, str) else grade
@@ -360,6 +362,8 @@ def budget(
             raise TypeError(f"grade: expected a name or a list of names, got {grade!r}")
         options["grade"] = ",".join(names)
     file = path("mission", mission)
+    if executor is None:
+        _parts.expect_executor(parts)
     done = [] if executor is None else _parts.by_parts(executor, parts, _callback(progress), _parts.budget, file, options)
     outcome = _imulab.budget(file, options, None if done else _callback(progress), done)
     warn(outcome.warnings)

@@ -143,7 +143,7 @@ FleetOutlier judge(const OutlierInput& input, const FleetModel& all, Eigen::Inde
 // (Sherman and Morrison 1950, doi:10.1214/aoms/1177729893). V' leaves out that the remaining spread grows by 1/(n - 2) of the sample's covariance,
 // and that it is cut at zero anew: both are small beside the margin of `surely`, and who is not surely inside is judged as in a small fleet.
 constexpr double few = 1000;    // up to so many a unit changes the estimate, and each is judged without itself
-constexpr double surely = 0.7;  // of the squared limit: less than the limit of a unit that is measured better than others
+constexpr double surely = 0.7;  // of the squared limit: less than the limit of a unit that is measured worse than others, whose is smaller
 
 /// Squared distances in the spread alone, which are never less than those with the measurement's covariance: who is near by these is near. NaN where
 /// a coefficient is missing.
@@ -162,41 +162,72 @@ Eigen::ArrayXd upper_bounds(const OutlierInput& input, const FleetModel& fleet) 
   return out;
 }
 
-/// The squared distance with the unit's own covariance, nearly (above); infinite where it is not known.
-double nearly_square(const OutlierInput& input, const FleetModel& fleet, Eigen::Index unit, bool inside, const Eigen::MatrixXd& covariance) {
-  constexpr double unknown = std::numeric_limits<double>::infinity();
+/// The squared distance q from the fleet without the unit, nearly (above); infinite where it is not known.
+double nearly_square(double q, double n, bool inside) {
+  const double larger = n / (n - 1), b = larger / (n - 2);
+  if (!inside) return q;
+  return b * q < 1 ? larger * larger * q / (1 - b * q) : std::numeric_limits<double>::infinity();
+}
+
+/// The largest eigenvalue of V^-1 M is at most this, and equal to it where all are the same (Wolkowicz and Styan 1980,
+/// doi:10.1016/0024-3795(80)90258-X): by the mean of the eigenvalues and their scatter. `v`, `m`: lower factors; in pieces of columns, which are zero
+/// above the diagonal.
+double most_eigenvalue(const Eigen::MatrixXd& v, const Eigen::MatrixXd& m) {
+  constexpr Eigen::Index piece = 14;
+  const Eigen::Index p = v.rows();
+  Eigen::MatrixXd lower = Eigen::MatrixXd::Zero(p, p);  // half of A A^T, A = v^-1 m
+  for (Eigen::Index begin = 0; begin < p; begin += piece) {
+    const Eigen::Index rows = p - begin;
+    const Cholesky factor = Cholesky::of_lower(v.bottomRightCorner(rows, rows));
+    const Eigen::MatrixXd a = factor.solve_lower(Eigen::MatrixXd(m.block(begin, begin, rows, std::min(piece, rows))));
+    lower.bottomRightCorner(rows, rows).selfadjointView<Eigen::Lower>().rankUpdate(a);
+  }
+  const auto n = static_cast<double>(p);
+  const double mean = lower.trace() / n, squares = 2 * lower.squaredNorm() - lower.diagonal().squaredNorm();
+  return mean + std::sqrt((n - 1) * std::max(0.0, squares / n - mean * mean));
+}
+
+/// Of one unit, with V = C + spread and M = mean covariance + spread: `square`, q or more than that, infinite where it is not known; `share`, no more
+/// than the least eigenvalue of M^-1 V, and than 1.
+struct UnitBound {
+  double square = std::numeric_limits<double>::infinity(), share = 0;
+};
+
+/// `average`: the factor of M.
+UnitBound unit_bound(const OutlierInput& input, const FleetModel& fleet, const Cholesky& average, Eigen::Index unit,
+                     const Eigen::MatrixXd& covariance) {
   const std::vector<Eigen::Index> there = there_in(input, unit);
   const bool complete = std::ssize(there) == input.values.cols();
   const Eigen::MatrixXd sum = covariance + fleet.spread;
   const Cholesky factor(complete ? sum : Eigen::MatrixXd(sum(there, there)));
-  if (!factor.positive_definite()) return unknown;
+  UnitBound out;
+  if (!factor.positive_definite()) return out;
   const Eigen::VectorXd z = (input.values.row(unit).transpose() - fleet.mean)(there);
-  const double q = factor.solve_lower(z).squaredNorm(), n = fleet.units, larger = n / (n - 1), b = larger / (n - 2);
-  if (!inside) return q;
-  return b * q < 1 ? larger * larger * q / (1 - b * q) : unknown;
+  out.square = factor.solve_lower(z).squaredNorm();
+  if (complete && average.positive_definite()) out.share = std::min(1.0, 1 / most_eigenvalue(factor.lower(), average.lower()));
+  return out;
 }
 
-/// What is known of each complete unit from the round before: `square`, at least its nearly_square; `share`, the least ratio of its variances to the
-/// average's. NaN where nothing is known.
+/// What is known of each unit from the rounds before: the bounds in `fleet`. NaN where nothing is known.
 struct Screened {
   FleetModel fleet;
   Eigen::ArrayXd square, share;
-  Inside inside;
 };
 
-/// The squared distances of the round before, as far as they may have grown with the new estimate. With M = mean covariance + spread and e the
-/// largest eigenvalue of M^-1 (old spread - new spread), V_old <= (1 + e / share) V_new, and the mean has moved by |d|_M / sqrt(share) at most.
-Eigen::ArrayXd grown(const Screened& before, const OutlierInput& input, const FleetModel& fleet, const Inside& inside) {
-  const auto units = static_cast<Eigen::Index>(inside.size());
-  const Cholesky factor(input.mean_covariance + fleet.spread);
-  if (before.inside.empty() || !factor.positive_definite()) return Eigen::ArrayXd::Constant(units, std::numeric_limits<double>::quiet_NaN());
-  const Eigen::MatrixXd half = factor.solve_lower(Eigen::MatrixXd(before.fleet.spread - fleet.spread));
-  const double larger = std::max(0.0, symmetric_eigenvalues(factor.solve_lower(Eigen::MatrixXd(half.transpose()))).maxCoeff());
-  const double moved = factor.solve_lower(Eigen::VectorXd(before.fleet.mean - fleet.mean)).norm();
-  Eigen::ArrayXd out = ((before.square * (1 + larger / before.share)).sqrt() + moved / before.share.sqrt()).square();
-  for (Eigen::Index i = 0; i < units; ++i)
-    if (inside[static_cast<std::size_t>(i)] != before.inside[static_cast<std::size_t>(i)]) out[i] = std::numeric_limits<double>::quiet_NaN();
-  return out;
+/// The bounds in the fleet of a new estimate. With e the largest eigenvalue of M^-1 (old spread - new spread), at least 0, old V >= share old M
+/// becomes V >= (share - (1 - share) e) M; with this share, old V <= (1 + e / share) V, and the mean has moved by |d|_M / sqrt(share) at most.
+void take_to(Screened& screened, const FleetModel& fleet, const Cholesky& average) {
+  if (screened.fleet.units == 0 || !average.positive_definite()) {
+    screened.square.setConstant(std::numeric_limits<double>::quiet_NaN());
+  } else {
+    const Eigen::MatrixXd half = average.solve_lower(Eigen::MatrixXd(screened.fleet.spread - fleet.spread));
+    const double e = std::max(0.0, symmetric_eigenvalues(average.solve_lower(Eigen::MatrixXd(half.transpose()))).maxCoeff());
+    const double moved = average.solve_lower(Eigen::VectorXd(screened.fleet.mean - fleet.mean)).norm();
+    screened.share -= (1 - screened.share) * e;
+    const Eigen::ArrayXd grown = ((screened.square * (1 + e / screened.share)).sqrt() + moved / screened.share.sqrt()).square();
+    screened.square = (screened.share > 0).select(grown, std::numeric_limits<double>::quiet_NaN());
+  }
+  screened.fleet = fleet;
 }
 
 /// The outliers of one round, in the order of the units. `screened`: of the round before, then of this one.
@@ -205,11 +236,16 @@ std::vector<FleetOutlier> outliers_of(const OutlierInput& input, const FleetMode
   std::vector<double> near(p + 1, 0);  // surely inside, by the number of coefficients
   const bool many = fleet.units >= few;
   for (std::size_t k = 1; k <= p && many; ++k) near[k] = surely * limit_of(level, static_cast<double>(k), fleet.units);
-  const Eigen::ArrayXd bounds = upper_bounds(input, fleet), before = grown(screened, input, fleet, inside);
+  const auto belongs = [&](Eigen::Index unit) { return inside[static_cast<std::size_t>(unit)] != 0; };
+  const auto is_near = [&](double square, Eigen::Index unit, std::size_t has) {
+    return many && nearly_square(square, fleet.units, belongs(unit)) <= near[has];
+  };
+  const Cholesky average(input.mean_covariance + fleet.spread);
+  const Eigen::ArrayXd bounds = upper_bounds(input, fleet);
+  take_to(screened, fleet, average);
   std::vector<Eigen::Index> open;
   for (Eigen::Index i = 0; i < input.values.rows(); ++i)
-    if (!(many && (bounds[i] <= near[p] || before[i] <= near[p]))) open.push_back(i);
-  screened.fleet = fleet, screened.inside = inside, screened.square = before;
+    if (!is_near(bounds[i], i, p) && !is_near(screened.square[i], i, p)) open.push_back(i);
   std::vector<FleetOutlier> out;
   constexpr std::size_t block = 512, task = 8;  // covariances in memory, twice; units of one call of a thread
   std::vector<Eigen::MatrixXd> covariances, following;
@@ -226,16 +262,15 @@ std::vector<FleetOutlier> outliers_of(const OutlierInput& input, const FleetMode
       if (t == 0) return read_from(begin + block);
       for (std::size_t k = (t - 1) * task; k < std::min(n, t * task); ++k) {
         const Eigen::Index unit = open[begin + k];
-        const bool own = inside[static_cast<std::size_t>(unit)] != 0;
         const auto has = static_cast<std::size_t>(input.values.row(unit).array().isFinite().count());
         if (has == 0) continue;
         if (many) {
-          const double square = nearly_square(input, fleet, unit, own, covariances[k]);
-          screened.share[unit] = std::min(1.0, (covariances[k].diagonal().array() / input.mean_covariance.diagonal().array()).minCoeff());
-          screened.square[unit] = has == p ? square : std::numeric_limits<double>::quiet_NaN();
-          if (square <= near[has]) continue;
+          const UnitBound bound = unit_bound(input, fleet, average, unit, covariances[k]);
+          screened.square[unit] = has == p ? bound.square : std::numeric_limits<double>::quiet_NaN();
+          screened.share[unit] = bound.share;
+          if (is_near(bound.square, unit, has)) continue;
         }
-        judged[k] = judge(input, fleet, unit, own, covariances[k]);
+        judged[k] = judge(input, fleet, unit, belongs(unit), covariances[k]);
       }
     });
     std::copy_if(judged.begin(), judged.end(), std::back_inserter(out), [&](const FleetOutlier& o) { return o.p_value < level; });
@@ -253,7 +288,7 @@ OutlierSearch find_outliers(const OutlierInput& input, double false_alarm) {
   const double level = false_alarm / std::max<double>(1, static_cast<double>(input.values.rows()));
   Inside inside = start_of(input.values, false_alarm), complete(inside.size());
   for (std::size_t i = 0; i < complete.size(); ++i) complete[i] = input.values.row(static_cast<Eigen::Index>(i)).allFinite();
-  Screened screened{.fleet = {}, .square = {}, .share = Eigen::ArrayXd::Ones(input.values.rows()), .inside = {}};
+  Screened screened{.fleet = {}, .square = Eigen::ArrayXd(input.values.rows()), .share = Eigen::ArrayXd::Ones(input.values.rows())};
   constexpr int rounds = 20;
   for (int round = 0; round < rounds; ++round) {
     const FleetModel fleet = estimate(input, inside);

@@ -153,5 +153,25 @@ TEST(Outliers, OfALargeFleetAreThoseOfTheDefinition) {
   EXPECT_LT(farthest_inside, 1.02 * nearest);
 }
 
+TEST(Outliers, OfALargeFleetThatOthersAndCorrelationsHideAreFound) {
+  // Errors of 41 units are correlated by 0.998. Forty of them are far from the fleet along the direction that is measured best, which widens the
+  // spread of the first estimate so far that the last, within its variances of each coefficient, is near; without the forty it is not.
+  constexpr Eigen::Index units = 2000, far = 40, hidden = units - 1;
+  const RandomStream random(1, "readings");
+  const double half = std::sqrt(0.5);
+  OutlierInput input{Eigen::MatrixXd(units, 2), Eigen::MatrixXd::Identity(2, 2), {}};
+  const Eigen::MatrixXd correlated{{1, 0.998}, {0.998, 1}};
+  input.covariance = [&](Eigen::Index i) { return i < far || i == hidden ? correlated : input.mean_covariance; };
+  for (Eigen::Index i = 0; i < units; ++i) {
+    const auto along = [&](std::uint64_t k) { return random.normal(4 * static_cast<std::uint64_t>(i) + k); };
+    input.values.row(i) << along(0) + 0.05 * along(1), along(2) + 0.05 * along(3);
+    const double off = i == hidden ? 1.5 : i % 2 == 1 ? 4 : -4, common = i == hidden ? 1 : along(0);
+    if (i < far || i == hidden) input.values.row(i) << half * (common + off), half * (common - off);
+  }
+  const std::vector<FleetOutlier> found = find_outliers(input).outliers;
+  EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const FleetOutlier& o) { return o.unit < far; }), far);
+  EXPECT_EQ(std::count_if(found.begin(), found.end(), [](const FleetOutlier& o) { return o.unit == hidden; }), 1);
+}
+
 }  // namespace
 }  // namespace imulab

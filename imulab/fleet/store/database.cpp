@@ -47,17 +47,19 @@ int open(const std::string& uri, int flags, sqlite3** handle) {
   return sqlite3_exec(*handle, "PRAGMA schema_version", nullptr, nullptr, nullptr);
 }
 
-/// A store in a folder where no index of its write-ahead log can be made is read as it is; not so where the log has changes that the store has not.
+/// A store in a folder where no index of its write-ahead log can be made is read as it is; not so where a log has changes that the store has not.
 bool can_be_read_as_it_is(const std::filesystem::path& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   std::error_code none;
   if (::access(folder.c_str(), W_OK) == 0 || !std::filesystem::is_regular_file(path, none)) return false;
-  const std::filesystem::path log = path.string() + "-wal";
-  if (const auto size = std::filesystem::file_size(log, none); !none && size > 0)
-    throw DatabaseError(
-        fmt::format("{}: its last changes are in {}, which only a program that may write in the folder can read; expected a folder "
-                    "that can be written, or a copy of both files in one",
-                    path.string(), log.filename().string()));
+  for (const char* end : {"-wal", "-journal"}) {  // changes to be added, or to be undone
+    const std::filesystem::path log = path.string() + end;
+    if (const auto size = std::filesystem::file_size(log, none); !none && size > 0)
+      throw DatabaseError(
+          fmt::format("{}: its last changes are in {}, which only a program that may write in the folder can read; expected a folder "
+                      "that can be written, or a copy of both files in one",
+                      path.string(), log.filename().string()));
+  }
   return true;
 }
 

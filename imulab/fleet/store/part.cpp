@@ -24,7 +24,9 @@ std::optional<Marked> mark_of(FleetStore& store) {
   if (db.number("SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'part'") == 0) return std::nullopt;
   Statement row(db, "SELECT number, of, task, finished FROM part");
   if (!row.next()) return std::nullopt;
-  return Marked{{static_cast<std::size_t>(row.integer(0)), static_cast<std::size_t>(row.integer(1))}, row.text(2), row.integer(3) != 0};
+  const std::int64_t number = row.integer(0), of = row.integer(1);
+  if (number < 1 || number > of || of > static_cast<std::int64_t>(most_parts)) throw Error(db.file() + ": is damaged: it is a part that cannot be");
+  return Marked{{static_cast<std::size_t>(number), static_cast<std::size_t>(of)}, row.text(2), row.integer(3) != 0};
 }
 
 }  // namespace
@@ -38,15 +40,23 @@ void begin_part(FleetStore& store, PartNumber part, const std::string& task) {
   if (before && before->task != task)
     throw Error(
         fmt::format("{}: is a part of another run (its \"{}\" differs); expected a new store", db.file(), differing_field(task, before->task)));
+  Transaction transaction(db);
   db.run(
       "CREATE TABLE IF NOT EXISTS part (number INTEGER NOT NULL, of INTEGER NOT NULL, task TEXT NOT NULL, finished INTEGER NOT NULL); DELETE FROM "
       "part");
   Statement(db, "INSERT INTO part (number, of, task, finished) VALUES (?, ?, ?, 0)")
       .with(static_cast<std::int64_t>(part.number), static_cast<std::int64_t>(part.of), task)
       .run();
+  transaction.commit();
 }
 
 void end_part(FleetStore& store) { store.database().run("UPDATE part SET finished = 1"); }
+
+void expect_no_part(FleetStore& store) {
+  if (const auto mark = mark_of(store))
+    throw Error(fmt::format("{}: is part {} of {} of a fleet's sessions; expected another store (imulab fleet merge joins the parts in one)",
+                            store.database().file(), mark->part.number, mark->part.of));
+}
 
 std::vector<std::filesystem::path> all_parts(std::vector<std::filesystem::path> stores) {
   std::map<std::size_t, std::filesystem::path> parts;

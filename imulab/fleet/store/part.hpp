@@ -11,10 +11,13 @@
 namespace imulab::fleet {
 
 /// Marks a store as a part that is being made, or goes on with it. `task`: a work's identity. Throws Error where the store is another part, or has
-/// units that are none of this part's.
+/// units without being one.
 void begin_part(FleetStore& store, PartNumber part, const std::string& task);
 /// Marks it as finished.
 void end_part(FleetStore& store);
+
+/// Throws Error where the store is a part, which takes nothing else.
+void expect_no_part(FleetStore& store);
 
 /// The stores in the order of their parts; as they are where none of them is a part. Throws Error for parts that are missing, there twice, of
 /// different tasks or not finished.

@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 #include <sys/types.h>
+#include <unistd.h>
 
 namespace imulab::recording_io {
 
@@ -26,6 +27,7 @@ struct ChildTask {
   std::filesystem::path file;
   std::string library;
   ChildLimits limits;
+  pid_t parent = ::getpid();  ///< without which the child ends
 };
 ChildTask child_task(const std::filesystem::path& file, const std::string& library);
 
@@ -33,8 +35,8 @@ ChildTask child_task(const std::filesystem::path& file, const std::string& libra
 using StartChild = std::function<pid_t(int pipe, int memory)>;
 
 /// Starts a child and calls `take` for each part that it sends; the program is not touched by what happens in the child. Throws Error with the text
-/// of an Error that the child's work throws, and "FILE: is damaged: LIBRARY failed on it (segmentation fault)" where the child dies or exceeds its
-/// limits. May be called from several threads at once.
+/// of an Error that the child's work throws, and "FILE: is damaged: LIBRARY failed on it (segmentation fault)" where the child dies, exceeds its
+/// limits or sends nonsense; it is killed then. May be called from several threads at once.
 void run_in_child(const ChildTask& task, const StartChild& start, const std::function<void(FromChild&)>& take);
 
 /// The child: `work` sends its answer, within the limits of the task, silently, without a core file or any other descriptor, and not longer than the

@@ -4,9 +4,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <limits>
 #include <new>
+#include <poll.h>
 #include <sys/mman.h>
+#include <system_error>
 #include <unistd.h>
+#include <utility>
 
 namespace imulab::recording_io {
 namespace {
@@ -16,12 +20,21 @@ constexpr std::size_t through_slots = 4096;
 
 }  // namespace
 
-SharedSlots::SharedSlots() : descriptor_(::memfd_create("imulab", MFD_CLOEXEC | MFD_ALLOW_SEALING)) {
+int beyond_standard(int descriptor) {
+  if (descriptor < 0 || descriptor > STDERR_FILENO) return descriptor;
+  const int copy = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1), why = errno;
+  ::close(descriptor);
+  errno = why;
+  return copy;
+}
+
+SharedSlots::SharedSlots() : descriptor_(beyond_standard(::memfd_create("imulab", MFD_CLOEXEC | MFD_ALLOW_SEALING))) {
   // Sealed, since reading what a child has cut off would end this process.
   if (descriptor_ < 0 || ::ftruncate(descriptor_, sizeof(Memory)) != 0 ||
       ::fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+    const int why = errno;
     if (descriptor_ >= 0) ::close(descriptor_);
-    throw std::bad_alloc();
+    throw std::system_error(why, std::generic_category());
   }
   map();
   ::sem_init(&memory_->empty, 1, count);
@@ -91,11 +104,23 @@ void ToParent::write_all(const char* data, std::size_t size) const {
   }
 }
 
+void FromChild::wait_for_pipe() const {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(end_ - std::chrono::steady_clock::now()).count();
+  if (left <= 0) throw NoAnswer::late;
+  pollfd pipe{.fd = descriptor_, .events = POLLIN, .revents = 0};
+  ::poll(&pipe, 1, static_cast<int>(std::min<std::int64_t>(left, std::numeric_limits<int>::max())));  // in vain: the next reading comes here again
+}
+
 void FromChild::from_pipe(char* data, std::size_t size) const {
   while (size > 0) {
     const ssize_t got = ::read(descriptor_, data, size);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) throw NoAnswer();
+    if (got < 0 && errno == EAGAIN) {
+      wait_for_pipe();
+      continue;
+    }
+    if (got == 0) throw NoAnswer::ended;
+    if (got < 0) reject();
     data += got;
     size -= static_cast<std::size_t>(got);
   }
@@ -130,7 +155,7 @@ std::uint64_t FromChild::number() const {
 
 std::size_t FromChild::most(std::size_t size) const {
   const std::uint64_t n = number();
-  if (n > most_bytes_ / size) throw NoAnswer();
+  if (n > most_bytes_ / size) reject();
   return static_cast<std::size_t>(n);
 }
 
@@ -140,7 +165,7 @@ std::size_t FromChild::count(std::size_t size) {
   return n;
 }
 
-void FromChild::reject() const { throw NoAnswer(); }
+void FromChild::reject() const { throw NoAnswer::nonsense; }
 
 std::string FromChild::text() {
   std::string t(count(1), '\0');

@@ -1,7 +1,11 @@
 #include "imulab/formats/recording/child_tables.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -28,9 +32,10 @@ void send_numbers(ToParent& to, const std::vector<Number>& numbers) {
 }
 
 template <class Number>
-std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::size_t all) {
+std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::size_t all, std::size_t room) {
   if (numbers.empty()) numbers.reserve(all);
   const std::size_t more = from.count(sizeof(Number));
+  if (more > room) from.reject();
   from.parts(more * sizeof(Number), [&](const char* part, std::size_t bytes) {
     const auto* const first = reinterpret_cast<const Number*>(part);
     numbers.insert(numbers.end(), first, first + bytes / sizeof(Number));
@@ -38,26 +43,26 @@ std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::
   return more;
 }
 
-/// The rows of one column that came, and how many it has in all.
-struct Received {
-  std::size_t rows, all;
-};
-
-/// Rows of one column; the columns of integers with numbers too large for them become numbers.
-Received receive_rows(FromChild& from, RawColumn& column) {
+/// Rows of one of `columns`, which have `all` rows, as the first part says: how many came. The columns of integers with numbers too large for them
+/// become numbers.
+std::size_t receive_rows(FromChild& from, RawColumn& column, std::size_t columns, std::optional<std::size_t>& all) {
   const auto as_numbers = [&] {
     column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
     column.integers = {};
   };
   const bool integers = from.number() == 0;
-  const std::size_t all = from.most(sizeof(double)), before = column.size();
+  if (!all)
+    all = from.most(columns * sizeof(double));
+  else if (from.number() != *all)
+    from.reject();
+  const std::size_t room = *all - column.size();
   if (integers) {
-    if (receive_numbers(from, column.integers, all) > 0 && !column.numbers.empty()) as_numbers();
-  } else {
-    if (!column.integers.empty()) as_numbers();
-    receive_numbers(from, column.numbers, all);
+    const std::size_t rows = receive_numbers(from, column.integers, *all, room);
+    if (rows > 0 && !column.numbers.empty()) as_numbers();
+    return rows;
   }
-  return {column.size() - before, all};
+  if (!column.integers.empty()) as_numbers();
+  return receive_numbers(from, column.numbers, *all, room);
 }
 
 }  // namespace
@@ -85,14 +90,17 @@ void send_tables(ToParent& to, const std::vector<TableDescription>& tables) {
 TableRows columns_in_child(const ChildTask& task, std::size_t columns, const StartChild& start) {
   TableRows table;
   table.columns.resize(columns);
+  std::optional<std::size_t> all;
   std::optional<ReadingMeter> meter;
   run_in_child(task, start, [&](FromChild& from) {
     const std::uint64_t index = from.number();
     if (index >= columns) from.reject();
-    const Received received = receive_rows(from, table.columns[index]);
-    if (!meter) meter.emplace(columns * received.all);
-    meter->add(received.rows);
+    const std::size_t rows = receive_rows(from, table.columns[index], columns, all);
+    if (!meter) meter.emplace(columns * *all);
+    meter->add(rows);
   });
+  if (std::any_of(table.columns.begin(), table.columns.end(), [&](const RawColumn& c) { return c.size() != all.value_or(0); }))
+    throw Error(fmt::format("{}: is damaged: {} failed on it (rows are missing); expected a whole file", task.file.string(), task.library));
   return table;
 }
 

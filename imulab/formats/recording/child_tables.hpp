@@ -16,7 +16,8 @@ std::vector<TableDescription> describe_in_child(const ChildTask& task, const Sta
 /// The child's answer.
 void send_tables(ToParent& to, const std::vector<TableDescription>& tables);
 
-/// The columns that a child sends by a column_sender, all at last of one length. Throws Error as run_in_child does.
+/// The columns that a child sends by a column_sender, all at last of the one length that it states. Throws Error as run_in_child does, also where
+/// they are not.
 TableRows columns_in_child(const ChildTask& task, std::size_t columns, const StartChild& start);
 /// Sends some more rows of a column: its index, the numbers, and how many rows there are in all.
 using SendColumn = std::function<void(std::size_t, const RawColumn&, std::size_t)>;

@@ -6,6 +6,7 @@
 
 #include "tests/tested_build.hpp"
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
@@ -108,7 +109,7 @@ TEST(Child, AnySizeComesAsItWasSent) {
     std::vector<double> numbers(count);
     for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<double>(i) / 3;
     const TableRows table = columns_sent(1, [&](const SendColumn& send) {
-      send(0, {.numbers = numbers, .integers = {}}, count), send(0, {{1}, {}}, count);
+      send(0, {.numbers = numbers, .integers = {}}, count + 1), send(0, {{1}, {}}, count + 1);
     });
     numbers.push_back(1);
     EXPECT_EQ(table.columns[0].numbers, numbers) << count;
@@ -202,6 +203,55 @@ TEST(Child, NonsenseIsAnError) {
               }),
               HasSubstr("its answer makes no sense"));
   EXPECT_FALSE(has_children());
+}
+
+/// Readers take it for granted that all columns have one length, and that it is the stated one.
+TEST(Child, ColumnsOfOtherLengthsAreAnError) {
+  using Sent = std::vector<std::array<std::size_t, 3>>;  // column, rows, rows in all
+  for (const Sent& sent : {Sent{{0, 3, 3}, {1, 2, 3}}, Sent{{0, 3, 3}}, Sent{{0, 3, 3}, {1, 4, 3}}, Sent{{0, 3, 3}, {1, 4, 4}},
+                           Sent{{0, 2, 3}, {1, 2, 3}}, Sent{{0, 0, 0}, {1, 1, 0}}, Sent{{0, 1, std::size_t{1} << 60}}})
+    EXPECT_THROW(columns_sent(2,
+                              [&](const SendColumn& send) {
+                                for (const auto& [column, rows, all] : sent) send(column, {std::vector<double>(rows, 1), {}}, all);
+                              }),
+                 Error)
+        << sent.size() << ' ' << sent.back()[1];
+  EXPECT_FALSE(has_children());
+}
+
+/// A child that was taken over puts off its alarm, and ends neither when its answer does nor when the pipe is closed.
+TEST(Child, ThatDoesNotEndIsKilled) {
+  const auto stay = [] {
+    ::alarm(0);
+    std::signal(SIGPIPE, SIG_IGN);
+    while (true) ::pause();
+  };
+  ChildTask impatient = task;
+  impatient.limits.wall_s = 1;
+  EXPECT_THAT(error_of_child(stay, impatient), HasSubstr("no end after 1 s)"));  // in silence
+  const auto error = [&](const std::function<void(ToParent&, int pipe)>& last) {
+    try {
+      const StartChild start = [&](int pipe, int memory) {
+        const pid_t id = ::fork();
+        if (id == 0) answer_parent(pipe, memory, task, [&](ToParent& to) { last(to, pipe), stay(); });
+        return id;
+      };
+      describe_in_child(task, start);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(error([](ToParent& to, int) { to.number(0), to.flush(); }), HasSubstr("its answer makes no sense"));
+  EXPECT_THAT(error([](ToParent&, int pipe) { ::close(pipe); }), HasSubstr("(killed)"));
+  EXPECT_EQ(error([](ToParent& to, int) { to.number(ChildMarks::end), to.flush(); }), "no error");
+  EXPECT_FALSE(has_children());
+}
+
+TEST(Child, WithoutItsParentItEnds) {
+  ChildTask orphan = task;
+  orphan.parent = 1;
+  EXPECT_THAT(error_of_child([] {}, orphan), HasSubstr("does not start (it ended with code 1)"));
 }
 
 /// Nor does one end this program that takes the memory away which both share.

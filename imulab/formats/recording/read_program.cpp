@@ -77,22 +77,43 @@ std::filesystem::path own_file() {
   return std::filesystem::read_symlink("/proc/self/exe", unknown);
 }
 
-/// The folders from that of `own` up in which nobody else puts programs.
-std::vector<std::filesystem::path> own_folders(const std::filesystem::path& own) {
-  struct stat program {};
-  std::vector<std::filesystem::path> folders;
-  if (::stat(own.c_str(), &program) != 0) return folders;
+/// A place where imulab-read may be, and why the file that is there is not taken; empty where it is, or none is there.
+struct ReadPlace {
+  std::filesystem::path program;
+  std::string why;
+};
+
+ReadPlace read_place(const std::filesystem::path& program) {
+  struct stat status {};
+  if (::stat(program.c_str(), &status) != 0) return {program, errno == ENOENT || errno == ENOTDIR ? "" : std::generic_category().message(errno)};
+  if (!S_ISREG(status.st_mode)) return {program, "is no file"};
+  return {program, ::access(program.c_str(), X_OK) == 0 ? "" : "may not be run"};
+}
+
+/// The places in the folders from that of `own` up. Others than root and the owner of `own` may have put a program there, unless it and its folders
+/// are theirs.
+std::vector<ReadPlace> own_places(const std::filesystem::path& own) {
+  struct stat self {};
+  std::vector<ReadPlace> places;
+  if (::stat(own.c_str(), &self) != 0) return places;
   for (std::filesystem::path folder = own.parent_path();; folder = folder.parent_path()) {
+    ReadPlace place = read_place(folder / "libexec/imulab-read");
     struct stat status {};
-    if (::stat(folder.c_str(), &status) == 0 && (status.st_uid == 0 || status.st_uid == program.st_uid) && (status.st_mode & S_IWOTH) == 0)
-      folders.push_back(folder);
-    if (folder == folder.parent_path()) return folders;
+    if (::stat(place.program.c_str(), &status) == 0)
+      for (const std::filesystem::path& part : {folder, folder / "libexec", place.program}) {
+        if (!place.why.empty() || ::stat(part.c_str(), &status) != 0) break;
+        if ((status.st_mode & S_IWOTH) != 0) place.why = fmt::format("everybody may write to {}", part.string());
+        if (status.st_uid != 0 && status.st_uid != self.st_uid)
+          place.why = fmt::format("{} belongs to neither root nor the owner of {}", part.string(), own.filename().string());
+      }
+    places.push_back(std::move(place));
+    if (folder == folder.parent_path()) return places;
   }
 }
 
 /// Starts imulab-read with a request, which it reads from memory: there is nobody to wait for.
 pid_t start_read_program(const std::filesystem::path& program, const std::string& request, int pipe, int memory) {
-  const RequestFile text(::memfd_create("imulab", MFD_CLOEXEC));
+  const RequestFile text(beyond_standard(::memfd_create("imulab", MFD_CLOEXEC)));
   if (text.number() < 0 || ::pwrite(text.number(), request.data(), request.size(), 0) != static_cast<ssize_t>(request.size())) return -1;
   posix_spawn_file_actions_t actions;
   if (::posix_spawn_file_actions_init(&actions) != 0) throw std::bad_alloc();
@@ -136,8 +157,9 @@ std::string to_text(const ReadRequest& request) {
   append_text(out, request.format);
   append_text(out, request.task.file.string());
   append_text(out, request.task.library);
-  for (const std::uint64_t n : {request.task.limits.memory_bytes, std::uint64_t{request.task.limits.computing_s},
-                                std::uint64_t{request.task.limits.wall_s}, std::uint64_t{request.describes}})
+  for (const std::uint64_t n :
+       {request.task.limits.memory_bytes, std::uint64_t{request.task.limits.computing_s}, std::uint64_t{request.task.limits.wall_s},
+        static_cast<std::uint64_t>(request.task.parent), std::uint64_t{request.describes}})
     recording_io::append<std::uint64_t>(out, n);
   append_text(out, request.topic);
   recording_io::append<std::uint64_t>(out, request.columns.size());
@@ -162,6 +184,7 @@ ReadRequest read_request(std::string_view text) {
   request.task.limits.memory_bytes = from.number();
   request.task.limits.computing_s = static_cast<unsigned>(from.number());
   request.task.limits.wall_s = static_cast<unsigned>(from.number());
+  request.task.parent = static_cast<pid_t>(from.number());
   request.describes = from.number() != 0;
   request.topic = from.text();
   for (std::uint64_t left = from.number(); left > 0; --left)
@@ -185,15 +208,15 @@ TableRows columns_by_program(const ProgramFormat& format, const TableRequest& re
 }
 
 std::filesystem::path find_read_program(const std::filesystem::path& own) {
-  std::vector<std::filesystem::path> places;
-  for (const std::filesystem::path& folder : own_folders(own)) places.push_back(folder / "libexec/imulab-read");
-  places.push_back(std::filesystem::path(build().programs) / "imulab-read");
-  places.emplace_back("/usr/libexec/imulab-read");
-  if (const char* const named = std::getenv("IMULAB_READ"); named != nullptr && *named != '\0') places.emplace_back(named);
-  for (const std::filesystem::path& place : places)
-    if (::access(place.c_str(), X_OK) == 0) return place;
+  std::vector<ReadPlace> places = own_places(own);
+  places.push_back(read_place(std::filesystem::path(build().programs) / "imulab-read"));
+  places.push_back(read_place("/usr/libexec/imulab-read"));
+  if (const char* const named = std::getenv("IMULAB_READ"); named != nullptr && *named != '\0') places.push_back(read_place(named));
   std::string where;
-  for (const std::filesystem::path& place : places) where += (where.empty() ? "" : ", ") + place.string();
+  for (const ReadPlace& place : places) {
+    if (place.why.empty() && ::access(place.program.c_str(), X_OK) == 0) return place.program;
+    where += (where.empty() ? "" : ", ") + place.program.string() + (place.why.empty() ? "" : ": " + place.why);
+  }
   throw Error(
       fmt::format("the program imulab-read, which reads it, was not found ({}); expected it in libexec beside imulab, as packages install it, or "
                   "its place in the environment variable IMULAB_READ",

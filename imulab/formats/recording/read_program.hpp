@@ -31,9 +31,9 @@ struct ProgramFormat {
 std::vector<TableDescription> describe_by_program(const ProgramFormat& format, const TableRequest& request);
 TableRows columns_by_program(const ProgramFormat& format, const TableRequest& request, const std::vector<Column>& columns);
 
-/// libexec/imulab-read: in the folder of the program or module `own`, or the nearest one above it, that belongs to root or to the owner of `own` and
-/// that not everybody may write to; then where imulab was configured to be installed, /usr, and the file that IMULAB_READ names. Throws Error that
-/// lists these places where there is none.
+/// libexec/imulab-read: in the folder of the program or module `own`, or the nearest one above it, where that folder, libexec and imulab-read belong
+/// to root or to the owner of `own` and not everybody may write to them; then where imulab was configured to be installed, /usr, and the file that
+/// IMULAB_READ names. Throws Error where there is none, which lists these places and why a file there is not taken.
 std::filesystem::path find_read_program(const std::filesystem::path& own);
 
 }  // namespace imulab::recording_io

@@ -10,8 +10,11 @@
 #include "tests/temporary_folder.hpp"
 #include "tests/tested_build.hpp"
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <string>
+#include <unistd.h>
+#include <vector>
 
 namespace imulab::recording_io {
 namespace {
@@ -21,7 +24,7 @@ using testing::HasSubstr;
 
 TEST(ReadProgram, RequestsArriveAsTheyWere) {
   const ReadRequest request{.format = "HDF5",
-                            .task = {"a b.h5", "libhdf5", {123'456'789'012, 7, 42}},
+                            .task = {"a b.h5", "libhdf5", {123'456'789'012, 7, 42}, 4711},
                             .describes = false,
                             .topic = std::string("/imu\0t", 6),
                             .columns = {"/imu/gyro.1", 3, ""}};
@@ -32,6 +35,7 @@ TEST(ReadProgram, RequestsArriveAsTheyWere) {
   EXPECT_EQ(got.task.limits.memory_bytes, 123'456'789'012u);
   EXPECT_EQ(got.task.limits.computing_s, 7u);
   EXPECT_EQ(got.task.limits.wall_s, 42u);
+  EXPECT_EQ(got.task.parent, 4711);
   EXPECT_FALSE(got.describes);
   EXPECT_EQ(got.topic, request.topic);
   EXPECT_EQ(got.columns, request.columns);
@@ -63,23 +67,42 @@ TEST(ReadProgram, TheNearestIsTaken) {
   EXPECT_EQ(find_read_program(installed.own), beside);
 }
 
+/// The program, or the error.
+std::string found_program(const Installed& installed) {
+  try {
+    return find_read_program(installed.own).string();
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+bool is_installed() { return fs::exists("/usr/libexec/imulab-read") || fs::exists("/usr/local/libexec/imulab-read"); }
+
 TEST(ReadProgram, WhereEverybodyMayWriteThereMayBeAnybodysProgram) {
   const Installed installed;
   const fs::path outer = installed.put("a"), inner = installed.put("a/b");
-  fs::permissions(installed.own.parent_path(), fs::perms::others_write, fs::perm_options::add);
-  EXPECT_EQ(find_read_program(installed.own), outer);
+  for (const fs::path& part : {inner, inner.parent_path(), installed.own.parent_path()}) {
+    fs::permissions(part, fs::perms::others_write, fs::perm_options::add);
+    EXPECT_EQ(found_program(installed), outer) << part;
+    fs::remove(outer);
+    if (!is_installed()) EXPECT_THAT(found_program(installed), HasSubstr(inner.string() + ": everybody may write to " + part.string() + ", "));
+    installed.put("a");
+    fs::permissions(part, fs::perms::others_write, fs::perm_options::remove);
+  }
+  EXPECT_EQ(found_program(installed), inner);
+}
+
+TEST(ReadProgram, AFolderIsNoProgram) {
+  const Installed installed;
+  const fs::path outer = installed.put("a");
+  fs::create_directories(installed.folder / "a/b/libexec/imulab-read");
+  EXPECT_EQ(found_program(installed), outer);
 }
 
 TEST(ReadProgram, TheEnvironmentComesLast) {
-  if (fs::exists("/usr/libexec/imulab-read") || fs::exists("/usr/local/libexec/imulab-read")) GTEST_SKIP() << "imulab is installed";
+  if (is_installed()) GTEST_SKIP() << "imulab is installed";
   const Installed installed;
-  const auto message = [&] {
-    try {
-      return find_read_program(installed.own).string();
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-  };
+  const auto message = [&] { return found_program(installed); };
   EXPECT_THAT(message(), HasSubstr("a/b/libexec/imulab-read, "));
   EXPECT_THAT(message(), HasSubstr("/usr/libexec/imulab-read); expected it in libexec beside imulab, as packages install it, or its place in the "
                                    "environment variable IMULAB_READ"));
@@ -94,7 +117,7 @@ TEST(ReadProgram, TheEnvironmentComesLast) {
 TEST(ReadProgram, ErrorsSayWhatToDo) {
   const TableRequest request{.file = recording_file("groups.h5")};
   if (built_without(request)) GTEST_SKIP();
-  if (fs::exists("/usr/libexec/imulab-read") || fs::exists("/usr/local/libexec/imulab-read")) GTEST_SKIP() << "imulab is installed";
+  if (is_installed()) GTEST_SKIP() << "imulab is installed";
   const TemporaryFolder folder;
   fs::copy_file(command_path(), folder / "imulab");
   const std::string inspect = "./imulab inspect '" + request.file.string() + "' --topic /imu/t";
@@ -106,6 +129,30 @@ TEST(ReadProgram, ErrorsSayWhatToDo) {
   EXPECT_THAT(wrong.errors, HasSubstr("imulab-read, the program that reads it, does not start (it ended with code 1)"));
   EXPECT_EQ(run_shell(folder, "IMULAB_READ='" + find_read_program(command_path()).string() + "' " + inspect).exit_code,
             run_shell(folder, "'" + command_path() + "' inspect '" + request.file.string() + "' --topic /imu/t").exit_code);
+}
+
+/// Programs are also started without standard input, output and errors.
+TEST(ReadProgram, StandardDescriptorsMayBeClosed) {
+  const TableRequest request{.file = recording_file("groups.h5"), .topic = "/imu/t"};
+  if (built_without(request)) GTEST_SKIP();
+  for (const std::vector<int>& closed : std::vector<std::vector<int>>{{}, {0}, {1}, {2}, {0, 1, 2}}) {
+    std::vector<int> kept;
+    for (const int number : closed) kept.push_back(::fcntl(number, F_DUPFD_CLOEXEC, 10));
+    for (const int number : closed) ::close(number);
+    const std::string error = error_of(request, {1});
+    for (std::size_t k = 0; k < kept.size(); ++k) ::dup2(kept[k], closed[k]), ::close(kept[k]);
+    EXPECT_EQ(error, "no error") << testing::PrintToString(closed);
+  }
+}
+
+TEST(ReadProgram, LimitOnSizesOfFilesIsNamed) {
+  const TableRequest request{.file = recording_file("groups.h5")};
+  if (built_without(request)) GTEST_SKIP();
+  const TemporaryFolder folder;
+  const CommandResult result = run_shell(folder, "ulimit -f 512 && '" + command_path() + "' inspect '" + request.file.string() + "' --topic /imu/t");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("groups.h5: cannot be read: no memory to share with imulab-read: File too large; expected a limit on the size "
+                                       "of files (ulimit -f) of "));
 }
 
 }  // namespace

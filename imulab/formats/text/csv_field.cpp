@@ -16,6 +16,8 @@ bool is_plain_number(std::string_view text) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
+}  // namespace
+
 /// Spreadsheets take the wide forms of these characters, too (U+FF1D and so on).
 bool would_run(std::string_view text) {
   if (text.starts_with('\t') || text.starts_with('\r') || text.starts_with('\n')) return true;
@@ -24,8 +26,6 @@ bool would_run(std::string_view text) {
     if (text.starts_with(sign)) return !is_plain_number(text);
   return false;
 }
-
-}  // namespace
 
 std::string csv_field(std::string_view text) {
   const std::string shown = (would_run(text) ? "'" : "") + one_line(text);

@@ -11,4 +11,7 @@ namespace imulab::text {
 /// be.
 std::string csv_field(std::string_view text);
 
+/// Whether a spreadsheet would run a cell of this text.
+bool would_run(std::string_view cell);
+
 }  // namespace imulab::text

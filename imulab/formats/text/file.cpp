@@ -8,8 +8,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <memory>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -128,13 +130,18 @@ void WholeFile::write_at(std::uint64_t place, std::string_view text) {
   }
 }
 
-void WholeFile::commit() {
+void WholeFile::put_down() {
   if (temporary_.empty()) return;
   struct stat before {};  // mkstemp's file is private: a file that was there keeps its mode
   const bool replaces = ::stat(path_.c_str(), &before) == 0 && S_ISREG(before.st_mode);
   const mode_t mode = replaces ? before.st_mode & 07777 : usual_mode(0666);
   if (::fchmod(descriptor_, mode) != 0) fail(path_, "cannot be written");
   put_on_disk(descriptor_, path_);
+}
+
+void WholeFile::commit() {
+  if (temporary_.empty()) return;
+  put_down();
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
   end_unfinished(temporary_);
   temporary_.clear();
@@ -175,15 +182,30 @@ NewFolder::~NewFolder() {
 
 void NewFolder::move_each() {
   std::vector<fs::path> files;
-  for (const fs::directory_entry& file : fs::directory_iterator(filling_)) files.push_back(file.path());
+  std::vector<std::unique_ptr<WholeFile>> behind;  // links, whose targets may be on another disk, and devices
+  for (const fs::directory_entry& file : fs::directory_iterator(filling_)) {
+    const fs::path place = place_ / file.path().filename();
+    errno = EISDIR;
+    if (fs::is_directory(place)) fail(place, "cannot be written");
+    const fs::file_status status = fs::symlink_status(place);
+    if (!fs::exists(status) || fs::is_regular_file(status)) {
+      files.push_back(file.path());
+      continue;
+    }
+    behind.push_back(std::make_unique<WholeFile>(place));
+    behind.back()->write(MappedFile(file.path()).text());
+    behind.back()->put_down();
+  }
   for (const fs::path& file : files) {
-    const fs::path place = behind_links(place_ / file.filename());
+    const fs::path place = place_ / file.filename();
     struct stat before {};
-    const bool replaces = ::stat(place.c_str(), &before) == 0 && S_ISREG(before.st_mode);
+    const bool replaces = ::stat(place.c_str(), &before) == 0;
     if ((replaces && ::chmod(file.c_str(), before.st_mode & 07777) != 0) || ::rename(file.c_str(), place.c_str()) != 0)
       fail(place, "cannot be written");
   }
-  ::rmdir(filling_.c_str());
+  for (const std::unique_ptr<WholeFile>& file : behind) file->commit();
+  std::error_code ignored;
+  fs::remove_all(filling_, ignored);
   put_name_on_disk(place_ / "");
 }
 

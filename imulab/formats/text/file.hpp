@@ -60,6 +60,8 @@ class WholeFile {
   const std::string& temporary() const { return temporary_; }
   /// The name that it gets.
   const std::filesystem::path& path() const { return path_; }
+  /// On the disk under its temporary name, with its mode: the name is all that commit() adds.
+  void put_down();
   void commit();
 
  private:
@@ -70,7 +72,7 @@ class WholeFile {
 
 /// A folder whose files appear all together: filled under another name, renamed at commit(), or removed. One that exists already keeps what it has
 /// (`Existing::add`): its new files are filled in below it, and at commit(), when all of them are on the disk, they are renamed one after the other.
-/// Only then could a kill leave a part of them, each whole.
+/// Only then could a kill leave a part of them, each whole. Where a name is a link, the file is put beside the link's target before, on its disk.
 class NewFolder {
  public:
   enum class Existing { refuse, add };  ///< refuse: throws Error where the folder exists and is not empty

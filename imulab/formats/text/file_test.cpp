@@ -8,10 +8,12 @@
 #include "tests/temporary_folder.hpp"
 #include <fcntl.h>
 #include <fstream>
+#include <iterator>
 #include <set>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -134,6 +136,34 @@ TEST(File, AFolderThatExistsGetsAllNewFilesOrNone) {
   EXPECT_EQ(names(), (std::set<std::string>{"a", "b", "old"}));
   EXPECT_EQ(MappedFile(folder / "out/a").text(), "new");
   EXPECT_EQ(std::filesystem::status(folder / "out/a").permissions(), std::filesystem::perms(0600));
+}
+
+TEST(File, AFolderThatExistsHasLinksToOtherDisks) {
+  const TemporaryFolder folder;
+  char other[] = "/dev/shm/imulab-XXXXXX";  // another disk, where there is one
+  const bool there = ::mkdtemp(other) != nullptr;
+  const std::filesystem::path far = there ? std::filesystem::path(other) : folder / "far";
+  std::filesystem::create_directories(far);
+  std::filesystem::create_directories(folder / "out/place");
+  write_whole(far / "b", "old");
+  std::filesystem::create_symlink(far / "b", folder / "out/b");
+  const auto add = [&](const std::vector<std::string>& names) {
+    NewFolder filled(folder / "out", NewFolder::Existing::add);
+    for (const std::string& name : names) write_whole(filled.path() / name, "new");
+    filled.commit();
+  };
+  EXPECT_THAT([&] { add({"a", "b", "place"}); }, testing::ThrowsMessage<Error>(HasSubstr("place: cannot be written")));  // a folder
+  std::filesystem::create_symlink("gone/c", folder / "out/c");                                                           // a link into no folder
+  EXPECT_THAT([&] { add({"a", "b", "c"}); }, testing::ThrowsMessage<Error>(HasSubstr("c: cannot be written")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/a"));
+  EXPECT_EQ(MappedFile(far / "b").text(), "old");
+  add({"a", "b"});
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "out/b"));
+  for (const std::filesystem::path& file : {far / "b", folder / "out/a"}) EXPECT_EQ(MappedFile(file).text(), "new");
+  const auto count = [](const std::filesystem::path& place) { return std::distance(std::filesystem::directory_iterator(place), {}); };
+  EXPECT_EQ(count(far), 1);
+  EXPECT_EQ(count(folder / "out"), 4);
+  std::filesystem::remove_all(far);
 }
 
 }  // namespace
