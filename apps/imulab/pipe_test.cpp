@@ -36,6 +36,11 @@ TEST_F(Pipe, AResultThatCannotBePrintedIsAnError) {
   }
 }
 
+TEST_F(Pipe, WhereNobodyHearsAnErrorTheExitCodeSaysIt) {
+  EXPECT_EQ(shell("imulab predict nowhere 2>&-").exit_code, 2);
+  EXPECT_EQ(shell("imulab predict nowhere 2>/dev/full").exit_code, 2);
+}
+
 TEST_F(Pipe, WhatIsWrongInAStreamIsNamed) {
   EXPECT_THAT(shell("echo 'format = 1' | imulab predict -").errors, testing::HasSubstr("imulab: standard input:1: format"));
   EXPECT_THAT(shell("echo '{' | imulab export - --to c-header").errors, testing::HasSubstr("imulab: standard input"));

@@ -42,7 +42,9 @@ void say(Color color, const std::string& what, const std::string& text) {
   constexpr std::size_t longest = 4096, kept = 1024;
   const std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
   std::fflush(stdout);
-  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(as_one_message(shown)));
+  const std::string line =
+      fmt::format("imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(as_one_message(shown)));
+  std::fwrite(line.data(), 1, line.size(), stderr);  // which may be closed: the exit code says it, too
 }
 
 }  // namespace
