@@ -44,7 +44,6 @@ class PartWriter {
   /// `command`: what makes the same works again, for whoever joins the parts.
   PartWriter(PartNumber part, std::string command);
 
-  PartNumber part() const { return part_; }
   std::string name() const;  ///< "part-3-of-8"
   BlockRange begin_work(const std::string& identity, std::size_t count);
   void add(const std::string& result) { works_.text(result); }

@@ -27,7 +27,7 @@ Verb& declare(Verb& command, PredictOptions& o);
 /// The prediction that these options ask for. Throws OptionError.
 PredictionOptions task_of(const PredictOptions& o);
 
-/// Predicts as the method of that name does, shared by what names the procedure and the options. `name`: of the procedure, on the page.
+/// Predicts as the method of that name does, and gives `options.sharing` the identity of its work. `name`: of the procedure, on the page.
 /// Throws OptionError for terms that the method does not know, and as `predict`.
 AnswerOf<Prediction> prediction_answer(std::string_view method, const Session& procedure, const std::string& name, PredictionOptions options);
 /// The worst standard uncertainties, or what is not determined.
