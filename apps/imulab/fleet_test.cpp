@@ -268,13 +268,14 @@ TEST_F(FleetCommand, BadInput) {
 TEST_F(FleetCommand, ReadsAStoreInAFolderThatCannotBeWritten) {
   draw(2, 1);
   namespace fs = std::filesystem;
-  // Nobody's rights, or ours where we are not root: the folder may be read, and no more.
-  const std::string reader = (geteuid() == 0 ? "setpriv --reuid 65534 --regid 65534 --clear-groups '" : "'") + command_path() + "' ";
+  // Root without its privilege to write where nobody may: the folder may be read, and no more.
+  const std::string reader =
+      (geteuid() == 0 ? "setpriv --inh-caps=-all --bounding-set=-dac_override,-dac_read_search '" : "'") + command_path() + "' ";
   const auto shut = [&](const std::string& name, bool log) {
     fs::create_directories(folder / name);
     fs::copy(folder / "fleet.db", folder / (name + "/fleet.db"));
     if (log) fs::copy(folder / "fleet.db-wal", folder / (name + "/fleet.db-wal"));
-    fs::permissions(folder / name, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
+    fs::permissions(folder / name, fs::perms::owner_read | fs::perms::owner_exec);
   };
   shut("whole", false);
   const CommandResult read = run_shell(folder, reader + "fleet list --store whole/fleet.db");

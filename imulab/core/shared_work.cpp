@@ -31,7 +31,9 @@ class InOrder {
     have_[block - range_.begin] = true;
     waiting_.emplace(block, std::move(result));
     for (auto next = waiting_.find(next_); next != waiting_.end(); next = waiting_.find(next_)) {
-      take_(next_++, next->second);
+      next_ = range_.end;  // if `take` throws, no other thread's block is taken after it
+      take_(next->first, next->second);
+      next_ = next->first + 1;
       waiting_.erase(next);
     }
   }

@@ -235,6 +235,23 @@ TEST(SharedWork, WhatABlockThrowsIsThrown) {
   EXPECT_THAT([&] { for_each(work, &here); }, ThrowsMessage<Error>(HasSubstr("block 50")));
 }
 
+TEST(SharedWork, NothingIsTakenAfterAResultThatCannotBe) {
+  std::atomic<bool> thrown = false;
+  std::vector<std::size_t> taken;
+  SharedWork work{.count = 2, .work = {}, .take = {}};
+  work.work = [&](std::size_t block) -> std::string {
+    while (block == 1 && !thrown) std::this_thread::yield();  // it is done by another thread, later
+    return "";
+  };
+  work.take = [&](std::size_t block, const std::string&) {
+    taken.push_back(block);
+    thrown = true;
+    throw Error("cannot be taken");
+  };
+  EXPECT_THROW(for_each(work), Error);
+  EXPECT_EQ(taken, std::vector<std::size_t>{0});
+}
+
 TEST(SharedWork, FieldsOfAnIdentityStayApart) {
   const std::string one = work_identity("fleet", {{"station", "A B"}, {"operator", "C"}});
   EXPECT_NE(one, work_identity("fleet", {{"station", "A"}, {"operator", "B C"}}));
