@@ -1,10 +1,10 @@
 // Reading a bag. Target: half the speed of copying what its chunks hold, so that a bag costs little more than its bytes.
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
-#include "imulab/formats/text/file.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,5 @@
 // Reading binary recordings whose bytes are the numbers. Target: half the speed of copying the file.
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/file.hpp"

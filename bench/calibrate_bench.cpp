@@ -1,8 +1,9 @@
 // From columns in memory to a calibration. Targets: rest detection 10 million samples/s; each method on a nine-minute session at 100 Hz (like the
 // public handheld records) in 40 ms, so that loading, not the estimate, dominates the time of the command.
-#include "imulab/recording/rests.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
 
 #include <benchmark/benchmark.h>
 

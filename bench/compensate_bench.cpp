@@ -1,12 +1,12 @@
 // Compensation of columns in memory, all coefficients on. Target: 30 million samples/s on one core, or half of what copying the same bytes
 // reaches in the same run. Outliers: 10 million samples/s. A stream: a third of the reader's own speed on the same file in the same run.
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stream.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/outlier_filter.hpp"
-#include "imulab/recording/compensate_recording.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
 // Error budget. Target: an hour at 100 Hz with every coefficient, every noise term, start and barometer in at most 0.5 s on one core.
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/budget/specification.hpp"
 

@@ -1,14 +1,15 @@
 // The hybrid method on 25 min at 100 Hz (149,800 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read
 // from its CSV file and calibrated with all iterations and tests of terms within 1 s.
-#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/hybrid/filter.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,8 +1,7 @@
 // Noise of a log at rest, one axis. Targets on one core: the Allan deviation of 1e7 samples at 92 averaging times, with noise types and bounds, in
 // 0.4 s; the coefficients of 3 h at 400 Hz, with their intervals, in 0.25 s.
 #include "imulab/core/random.hpp"
-#include "imulab/noise/deviation.hpp"
-#include "imulab/noise/noise_fit.hpp"
+#include "imulab/noise.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
 // Reading recordings. Target: 250 MB/s of text on one core, so that an hour at 1 kHz (0.4 GB) opens in two seconds.
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
 

@@ -1,8 +1,9 @@
 // From a calibration and its recording in memory to the page. Target: a day at 200 Hz in 3 s.
-#include "imulab/recording/rests.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
 #include "imulab/report/calibration_page.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
 
 #include <benchmark/benchmark.h>
 

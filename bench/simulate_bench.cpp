@@ -1,7 +1,7 @@
 // Samples per second of a simulation, noise included. Targets on one core: 5 million per second with white noise, 2 million with all terms.
-#include "imulab/core/parallel.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/simulate.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,8 +1,8 @@
 // Whole turntable procedures per second at the level of rest means and turn sums (target: 30,000 on one core): Zhang's procedure with drawn table
 // errors, g and noise, its readings, and their calibration to second order.
-#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,12 +1,12 @@
 // The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the
 // choice of terms, within 0.5 s.
-#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/simulate.hpp"
 
 #include <benchmark/benchmark.h>
 

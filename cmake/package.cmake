@@ -31,7 +31,8 @@ configure_file(cmake/imulab.pc.in imulab.pc @ONLY)
 configure_file(cmake/imulabConfig.cmake.in imulabConfig.cmake @ONLY)
 write_basic_package_version_file(imulabConfigVersion.cmake COMPATIBILITY SameMajorVersion)
 install(TARGETS imulab EXPORT imulabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY imulab DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+file(GLOB IMULAB_PUBLIC_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/imulab/*.hpp) # those in the rooms are internal
+install(FILES ${IMULAB_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/imulab)
 install(EXPORT imulabTargets NAMESPACE imulab:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulabConfig.cmake cmake/dependencies.cmake cmake/optional_dependencies.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/imulabConfigVersion.cmake

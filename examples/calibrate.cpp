@@ -3,7 +3,11 @@
 // Your arrays come from a driver, a log or a ROS bag; here a simulated unit that is turned by hand stands in for them.
 #include <cstdio>
 #include <exception>
-#include <imulab/imulab.hpp>
+#include <imulab/calibrate.hpp>
+#include <imulab/files.hpp>
+#include <imulab/procedure.hpp>
+#include <imulab/recording.hpp>
+#include <imulab/simulate.hpp>
 
 using namespace imulab;
 

@@ -2,7 +2,10 @@
 // rate [rad/s] and specific force [m/s^2] on standard output. With --reject-outliers spikes are replaced, and samples come out two samples later.
 #include <cstdio>
 #include <exception>
-#include <imulab/imulab.hpp>
+#include <imulab/compensate.hpp>
+#include <imulab/error.hpp>
+#include <imulab/files.hpp>
+#include <imulab/outlier_filter.hpp>
 #include <queue>
 #include <string_view>
 

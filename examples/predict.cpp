@@ -1,13 +1,14 @@
 // Tells before any data how good a calibration will be and what limits it: Zhang's procedure (2010) on a table of 2 arcsec.
 #include <cstdio>
 #include <exception>
-#include <imulab/imulab.hpp>
+#include <imulab/predict.hpp>
+#include <imulab/procedure.hpp>
 
 using namespace imulab;
 
 int main() try {
   const Session procedure = zhang_24_procedure({.rest = 60, .table = 2 * unit::arcsec, .grade = "navigation"});
-  const Prediction prediction = turntable::predict(turntable::plan_of(procedure));
+  const Prediction prediction = predict("turntable", procedure);
   for (Eigen::Index i = 0; i < prediction.sigma.size(); ++i) {
     const Coefficient& c = coefficient(prediction.coefficients[static_cast<std::size_t>(i)]);
     const UserUnit unit = user_unit(c, prediction.sigma[i]);

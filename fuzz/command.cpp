@@ -1,8 +1,8 @@
 // Any command line, an argument a line, in a folder of small files of its own.
 #include "apps/imulab/command.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

@@ -1,7 +1,7 @@
 // Text as a number: the reader of stamps against arithmetic on the digits themselves, the readers of readings against the C library.
 #include "imulab/formats/text/decimal.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/csv.hpp"
 
 #include "fuzz/fuzzed_file.hpp"

@@ -1,12 +1,13 @@
 // Recordings on their way: a stream against the same bytes as a file, the inspection of a file of which nothing is known, and a bag that is copied
 // with its readings replaced.
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/compensated_file.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
-#include "imulab/recording/compensate_recording.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include "fuzz/fuzzed_file.hpp"

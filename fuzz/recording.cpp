@@ -1,9 +1,9 @@
 // Any bytes as a recording of one format.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/plain_text.hpp"
-#include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
-#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigate.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

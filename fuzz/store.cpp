@@ -1,10 +1,10 @@
 // Any bytes where a program keeps what it goes on from: a fleet's store, the folder of a shared work.
-#include "imulab/fleet/store/store.hpp"
-
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/sealed.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/file.hpp"
 

@@ -1,8 +1,8 @@
 // numpy arrays <-> columns. The Python side has made them arrays of double already; here their shapes and strides are read.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording.hpp"
 
 #include <cstdint>
 #include <pybind11/numpy.h>

@@ -1,8 +1,10 @@
 // Fleets: each call opens the store, and closes it again.
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/tasks/fleet.hpp"
 #include "imulab/tasks/fleet_page.hpp"
 

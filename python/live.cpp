@@ -1,12 +1,14 @@
 // live: rows of arrays as they come.
 #include "imulab/tasks/live.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/clock.hpp"
-#include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/recording/readings.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 

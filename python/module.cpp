@@ -1,9 +1,10 @@
 // The extension under the package imulab: it converts arguments and results, and computes nothing itself. python/imulab has the interface.
 #include "python/module.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/text/file.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/compare.hpp"
 #include "imulab/tasks/navigate.hpp"

@@ -1,12 +1,12 @@
 // The parts of the module, one a source file, and what they share: long work beside the interpreter, answers, and options as keywords.
 #pragma once
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
+#include "imulab/calibrate.hpp"
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
-#include "imulab/estimate/method.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/error.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/tasks/calibrate.hpp"
 
 #include "python/arrays.hpp"

@@ -1,13 +1,13 @@
 // trajectory, navigate, budget.
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/recording/solution.hpp"
-#include "imulab/navigation/navigation_error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/navigate.hpp"
 #include "imulab/tasks/trajectory.hpp"
 #include "imulab/tasks/usable.hpp"
+#include "imulab/units.hpp"
 
 #include "python/module.hpp"
 #include <pybind11/stl.h>

@@ -1,10 +1,9 @@
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/session.hpp"
 
 #include "python/module.hpp"
 #include <pybind11/stl.h>

@@ -1,10 +1,10 @@
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/session/file.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/tasks/inspect.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>

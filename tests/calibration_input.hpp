@@ -1,6 +1,7 @@
 // For tests of the methods: an input that owns what it refers to.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
 
 #include <algorithm>

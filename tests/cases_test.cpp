@@ -1,5 +1,5 @@
 // Logs as people bring them, with what is right (shared/cases/README.md). They are not part of the project.
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -2,8 +2,9 @@
 // to north and south. No integrator is involved.
 #pragma once
 
-#include "imulab/core/units.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/units.hpp"
 
 #include <cmath>
 #include <numbers>

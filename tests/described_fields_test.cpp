@@ -1,5 +1,5 @@
 // A field that is added to a description is written, read and listed; and the documentation names every field that the descriptions of results have.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/model/calibration_fields.hpp"
 #include "imulab/noise/noise_fields.hpp"

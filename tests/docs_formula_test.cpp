@@ -1,6 +1,6 @@
 // The documentation's statements about the sensor model, applied: the code of the tutorial by hand, and the signs.
-#include "imulab/core/units.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,10 +1,11 @@
 // Calibrations and noise for tests of exports and imports.
 #pragma once
 
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/export/target.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 

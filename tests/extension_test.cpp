@@ -1,18 +1,21 @@
 // docs/architecture.md, "Extending": a method, a recording format and an export target for this test alone, each a row more in a copy of its table.
 // The page shows this code.
 #include "apps/imulab/help.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/export/target.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
+#include "imulab/formats/import/format.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/recording/session.hpp"
 #include "imulab/rig/ideal_recording.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/session.hpp"
+#include "imulab/simulate.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/predict.hpp"
 
@@ -20,8 +23,10 @@
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <regex>
 
 namespace imulab {
@@ -165,6 +170,40 @@ TEST(Extension, ARecordingFormatIsAFileAndARow) {
   EXPECT_DOUBLE_EQ(recording.interval_s, 0.01);
   EXPECT_EQ(recording.gyro[1], (std::vector{0.2, 0.4, 0.3}));
   EXPECT_THROW(read_imu7_session(folder, recording_formats()), Error) << "not without its row";
+}
+
+/// The table of a page that begins with this line.
+std::string rows_below(const std::string& page, const std::string& head) {
+  const std::string text = read_text(std::string(IMULAB_SOURCE "/docs/") + page);
+  const std::size_t begin = text.find(head);
+  EXPECT_NE(begin, std::string::npos) << page << ": " << head;
+  return text.substr(begin, text.find("\n\n", begin) - begin);
+}
+
+TEST(Extension, EveryRecordingFormatIsDocumentedAndFuzzed) {
+  const std::string rows = rows_below("formats.md", "| format | tables (`topic`) | columns |");
+  const std::string fuzzed = read_text(IMULAB_SOURCE "/fuzz/recording.cpp");
+  std::vector<std::string> parts;  // of the names of formats
+  const std::regex call("read_all\\(\"([^\"]+)\"");
+  for (std::sregex_iterator i(fuzzed.begin(), fuzzed.end(), call), end; i != end; ++i) parts.push_back((*i)[1]);
+  for (const RecordingFormat& format : recording_formats()) {
+    EXPECT_THAT(rows, HasSubstr(std::string(format.name.substr(0, format.name.find(' '))))) << format.name << ": docs/formats.md";
+    if (format.recognizes_path != nullptr) continue;  // of several files, each of which is in another format
+    EXPECT_TRUE(std::ranges::any_of(parts, [&](const std::string& part) { return format.name.find(part) != std::string_view::npos; }))
+        << format.name << ": expected a target of fuzz/recording.cpp";
+  }
+}
+
+TEST(Extension, EveryTargetAndImportIsDocumentedAndFuzzed) {
+  const std::string targets = rows_below("export.md", "| target | for |"), imports = rows_below("import.md", "| format |");
+  for (const ExportTarget& target : export_targets()) EXPECT_THAT(targets, HasSubstr("\n| `" + std::string(target.name) + "` |"));
+  std::vector<std::string> seeds;
+  for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/tests/imports")) seeds.push_back(read_text(entry.path()));
+  for (const import_io::ImportFormat& format : import_io::import_formats()) {
+    EXPECT_THAT(imports, HasSubstr(std::string(format.name)));
+    EXPECT_TRUE(std::ranges::any_of(seeds, [&](const std::string& seed) { return format.recognizes(seed); }))
+        << format.name << ": expected a file of tests/imports, from which the fuzzer begins";
+  }
 }
 
 /// The row of an option, here at the end of the table of `calibrate`.

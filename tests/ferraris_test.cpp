@@ -1,7 +1,8 @@
 // A real Ferraris session (imucal, MIT): six faces by hand against a box, then three turns of 360 deg.
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/files.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

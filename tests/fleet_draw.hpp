@@ -1,9 +1,9 @@
 // Fleets drawn with what is known of them: for tests of the store and of its statistics.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/calibration.hpp"
+#include "imulab/units.hpp"
 
 #include <cmath>
 #include <cstdint>

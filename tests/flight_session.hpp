@@ -2,11 +2,9 @@
 #pragma once
 
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
-#include "imulab/formats/recording/solution.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/files.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <cmath>

@@ -1,13 +1,14 @@
 // For tests of what a calibration by hand needs next: a simulated unit that is turned as it is told.
 #pragma once
 
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/estimate/method.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/recording/turn.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
+#include "imulab/units.hpp"
 
 #include <vector>
 

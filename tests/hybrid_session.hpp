@@ -1,13 +1,15 @@
 // For tests of the hybrid method: an IMU on the path of Cheng's turns.
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include "tests/calibration_input.hpp"
 

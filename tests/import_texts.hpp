@@ -1,7 +1,7 @@
 // Files of other programs in tests/imports.
 #pragma once
 
-#include "imulab/formats/import/calibration.hpp"
+#include "imulab/exchange.hpp"
 
 #include "tests/run_command.hpp"
 #include <string>

@@ -1,5 +1,5 @@
 // Logs of autopilots as they are in the field: beside the readings they hold averages, biases and health of the sensors, and old ones name no units.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"

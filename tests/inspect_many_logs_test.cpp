@@ -1,9 +1,10 @@
 // Two hundred logs as people have them, drawn at random: units, clocks, delimiters, decimal marks, encodings, orders of columns, headers, one file or
 // two. Each is understood, or asked about; never understood wrongly.
-#include "imulab/core/units.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,9 @@
 // Logs that mislead: each is asked about, or right; none is understood wrongly.
-#include "imulab/core/units.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

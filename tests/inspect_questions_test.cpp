@@ -1,10 +1,11 @@
 // What inspect asks and takes where names, axes and units contradict the data, or the data do not show them.
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/results/inspection.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,8 +1,10 @@
 // Rules that every method in the table of methods keeps.
-#include "imulab/core/error.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -44,6 +44,8 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
   run(folder, "cmake -S '" IMULAB_SOURCE "/examples' -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
   ASSERT_FALSE(HasFailure());
 
+  EXPECT_EQ(run(folder, "ls prefix/include/imulab"), run(folder, "cd '" IMULAB_SOURCE "/imulab' && ls *.hpp")) << "public headers, and no others";
+
   // The unit of the example, recorded once more by the command: the same coefficients.
   run(folder, "prefix/bin/imulab procedure handheld -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
   EXPECT_THAT(run(folder, "build/calibrate"), HasSubstr("verdict: good\n"));

@@ -1,6 +1,7 @@
 // Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; three
 // starts.
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <gmock/gmock.h>
 

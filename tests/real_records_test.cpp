@@ -1,9 +1,10 @@
 // Two calibrations of one real sensor from different data agree within what they state: without a truth, the test of the stated uncertainties.
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

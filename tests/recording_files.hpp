@@ -1,7 +1,7 @@
 // For tests of recording formats: the files of tests/recordings/, which other software wrote, and the samples in them (tests/recordings/imu.py).
 #pragma once
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 
 #include <gmock/gmock.h>

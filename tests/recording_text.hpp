@@ -1,6 +1,7 @@
 // For tests of recording files: a recording's text, read as the file that a session names.
 #pragma once
 
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 

@@ -1,6 +1,6 @@
 // The white noise of the rests, which every method of one recording writes into its calibration.
 #include "imulab/estimate/method.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 #include "imulab/tasks/simulate.hpp"
 
 #include <gmock/gmock.h>

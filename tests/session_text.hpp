@@ -1,7 +1,7 @@
 // For tests of session files: a session's text, read as the file.
 #pragma once
 
-#include "imulab/formats/session/file.hpp"
+#include "imulab/files.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <string>

@@ -1,9 +1,10 @@
 // For tests of the estimators: a simulated recording with everything that is known about it.
 #pragma once
 
-#include "imulab/recording/rests.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/simulate.hpp"
 
 namespace imulab {
 

@@ -1,13 +1,13 @@
 // For tests of the turntable: readings of an IMU at the level of rest means and turn sums.
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_readings.hpp"
+#include "imulab/units.hpp"
 
 #include "tests/table_steps.hpp"
 

@@ -1,9 +1,9 @@
 // For tests of the turntable: Zhang's procedure (2010, section 2), an irregular one, and a table and a site for them.
 #pragma once
 
-#include "imulab/core/units.hpp"
-#include "imulab/recording/session.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <array>
 #include <vector>

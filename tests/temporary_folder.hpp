@@ -1,7 +1,7 @@
 // A folder for a test's files, removed at its end.
 #pragma once
 
-#include "imulab/formats/text/file.hpp"
+#include "imulab/files.hpp"
 
 #include <filesystem>
 #include <random>

@@ -1,8 +1,8 @@
 // For tests of exports: a calibration that has every term.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 
 #include <cmath>
 

@@ -1,10 +1,11 @@
 // For tests of whole-unit calibration: an IMU in the chamber, on the rate table and on the centrifuge of Dai's procedure.
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/simulate.hpp"
 
 #include <Eigen/Core>
 

@@ -1,8 +1,7 @@
 // Conformance on a real sensor: the Xsens MTi record of imu_tk (BSD), moved by hand, raw counts, and the factory's calibration of that IMU.
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/solution.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/files.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // Messages that advise are tested by doing what they say; logs as people bring them.
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/files.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

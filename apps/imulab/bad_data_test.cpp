@@ -1,5 +1,5 @@
 // Well-formed files whose data are poor: a warning (exit code 0), or what cannot be determined is said and the rest is written (1).
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -3,15 +3,15 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/help.hpp"
 #include "apps/imulab/sessions.hpp"
-#include "imulab/core/build.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/nearest_name.hpp"
-#include "imulab/core/parallel.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/decimal.hpp"
-#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/unfinished.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/version.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

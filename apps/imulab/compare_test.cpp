@@ -1,6 +1,6 @@
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/files.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

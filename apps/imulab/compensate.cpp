@@ -1,8 +1,11 @@
 // imulab compensate CALIBRATION SESSION -o OUT
+#include "imulab/compensate.hpp"
+
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/compensated_file.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/stream.hpp"
@@ -11,7 +14,6 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/conclusion.hpp"

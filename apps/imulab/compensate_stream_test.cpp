@@ -1,6 +1,7 @@
 // imulab compensate CALIBRATION - --session SESSION: the same rows as of a file, as they come, in memory that does not grow.
 #include "imulab/core/random.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

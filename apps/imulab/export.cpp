@@ -2,14 +2,15 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/export/target.hpp"
-#include "imulab/formats/noise/file.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>
@@ -175,7 +176,8 @@ std::vector<PlannedExport> planned_exports(const ExportInput& input, const Optio
       continue;
     }
     out.push_back({&target, input.options.imu_model, fs::path(o.output) / target.file});
-    if (target.name == "openvins" && !given(o, "--model")) out.push_back({&target, "rpng", fs::path(o.output) / "kalibr_imu_chain_rpng.yaml"});
+    if (target.takes & ExportTarget::imu_model && !given(o, "--model"))
+      out.push_back({&target, "rpng", fs::path(o.output) / "kalibr_imu_chain_rpng.yaml"});
   }
   for (const PlannedExport& planned : out) will_write("-o", planned.file), expect_free("-o", planned.file, o.force);
   return out;
@@ -243,29 +245,33 @@ void add_export(Verb& app) {
   verb.option("CALIBRATION", o->calibration, "calibration.json").required().reads();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
-  const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "json-matrix", "csv"},
-      autopilots{"px4", "ardupilot"};
-  const auto belongs = [&](const VerbOption& option, const std::vector<std::string_view>& targets) { o->of_targets.push_back({&option, targets}); };
+  const auto belongs = [&](const VerbOption& option, ExportTarget::Takes taken) {
+    std::vector<std::string_view> takers;
+    for (const ExportTarget& target : export_targets())
+      if (target.takes & taken) takers.push_back(target.name);
+    o->of_targets.push_back({&option, takers});
+  };
   belongs(verb.option("--noise FILE", o->noise,
                       "noise.json, from imulab noise: for targets that hold noise; without it those that need it have the white noise of the "
                       "calibration's rests")
               .reads(),
-          noisy);
+          ExportTarget::noise);
   belongs(verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
               .one_of({"worst", "mean"})
               .show_default(),
-          noisy);
+          ExportTarget::noise);
   belongs(verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6),
-          noisy);
+          ExportTarget::noise);
   belongs(
       verb.option("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
-      {"vins"});
-  belongs(verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(), {"openvins"});
+      ExportTarget::variance_matched);
+  belongs(verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
+          ExportTarget::imu_model);
   belongs(
       verb.option("--topic NAME", o->choices.topic, "kalibr, kalibr-imu, openvins: the IMU's topic; absent: that of the calibration's bag, or /imu0"),
-      {"kalibr", "kalibr-imu", "openvins"});
+      ExportTarget::topic);
   belongs(verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 3).show_default(),
-          autopilots);
+          ExportTarget::instance);
   allow_undetermined_option(verb, o->allow_undetermined);
   add_c_header_options(verb, o->c_header);
   verb.option("--force", o->force, "--to all: replace existing files");

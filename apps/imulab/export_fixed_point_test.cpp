@@ -1,9 +1,9 @@
 // The exported compensation in integers is as exact as the header says.
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,9 +1,9 @@
 // Headers of several IMUs in one program.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/export/target.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 

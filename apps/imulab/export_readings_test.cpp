@@ -1,6 +1,7 @@
 // The exported header takes readings as the driver gives them.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/c_header.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"

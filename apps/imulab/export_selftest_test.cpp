@@ -1,7 +1,7 @@
 // The exported header checks itself, gives all samples of its filter, and stands names and readings of any kind.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/c_header.hpp"
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // `imulab export` to every target: what it writes, says and refuses.
 #include "imulab/core/random.hpp"
-#include "imulab/export/target.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/results/noise.hpp"
 

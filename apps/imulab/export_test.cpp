@@ -1,10 +1,10 @@
 // The exported header compiles as C99 and as C++ without a warning and does what the library does.
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/export/c_header.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/files.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

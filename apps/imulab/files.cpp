@@ -1,6 +1,7 @@
 #include "apps/imulab/files.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/several_files.hpp"

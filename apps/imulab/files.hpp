@@ -1,7 +1,7 @@
 // The files of the verb that runs: what it writes replaces nothing that it reads, and nothing else that it writes.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <filesystem>
 #include <string>

@@ -3,9 +3,11 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
-#include "imulab/fleet/store/sample.hpp"
+#include "imulab/fleet/statistics/statistics.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
@@ -14,6 +16,7 @@
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/fleet_page.hpp"
 
@@ -131,7 +134,7 @@ void add_calibrate_all(Verb& fleet) {
   const auto o = std::make_shared<Options>();
   Verb& verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
   verb.option("DIR", o->files, "folders with sessions in them or below them").required().takes_several(1);
-  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(method_names());
+  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(offered_methods());
   verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
   store_option(verb, o->store);
   add_declared(verb, o->declared);
@@ -302,7 +305,7 @@ void add_stats(Verb& fleet) {
   const auto o = std::make_shared<StatsOptions>();
   Verb& verb = fleet.verb("stats", "Spread, outliers, drift and stations of the units");
   store_option(verb, o->store);
-  verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(method_names());
+  verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(offered_methods());
   verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.offset <= 5 mg\": capability Cp and Cpk");
   verb.option("--due LIMITS", o->due, "how far a calibration may be off, as in \"accel.offset <= 2 mg\": when each unit is to be calibrated again");
   verb.option("--false-alarm P", o->false_alarm, "probability of any outlier in a fleet without").in_range(1e-9, 0.5).show_default();

@@ -1,7 +1,10 @@
-#include "imulab/core/units.hpp"
+#include "imulab/fleet.hpp"
+
+#include "imulab/files.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/sample.hpp"
-#include "imulab/fleet/store/store.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

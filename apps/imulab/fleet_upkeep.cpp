@@ -1,11 +1,11 @@
 // imulab fleet check|merge|export|remove
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"

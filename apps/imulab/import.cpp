@@ -1,8 +1,8 @@
 // imulab import FILE -o calibration.json
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/import/calibration.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/json.hpp"
 
 #include <fmt/format.h>

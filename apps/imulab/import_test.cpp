@@ -1,5 +1,5 @@
 // `imulab import`: a calibration that the other commands take.
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,8 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/inspection.hpp"

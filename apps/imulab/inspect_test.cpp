@@ -1,8 +1,7 @@
 // A recording without a session: what the command makes of it.
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/compare.hpp"
+#include "imulab/files.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/model/compare.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // imulab join PART...
 #include "apps/imulab/command.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <memory>
 #include <utility>

@@ -4,14 +4,14 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/session/file.hpp"
-#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/readings.hpp"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,6 @@
 // `imulab live` as a user types it: a stream from a pipe, and what becomes of it where it ends badly.
+#include "imulab/formats/text/file.hpp"
+
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 

@@ -4,7 +4,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/terminal.hpp"

@@ -1,4 +1,4 @@
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

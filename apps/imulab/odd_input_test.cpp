@@ -1,7 +1,7 @@
 // Odd but legal recordings give the calibration that the plain one gives.
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/files.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // Verbs whose work is done in parts, or resumed, as a user types them.
 #include "imulab/core/part_file.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/store/sample.hpp"
-#include "imulab/fleet/store/store.hpp"
 
 #include <gmock/gmock.h>
 

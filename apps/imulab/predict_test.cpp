@@ -1,4 +1,4 @@
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,15 +1,14 @@
-#include "imulab/rig/procedure.hpp"
+#include "imulab/procedure.hpp"
 
 #include "apps/imulab/command.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
-#include "imulab/model/grade.hpp"
-#include "imulab/model/requirement.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/tasks/procedures.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

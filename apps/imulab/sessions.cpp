@@ -2,13 +2,13 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/several_files.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
 

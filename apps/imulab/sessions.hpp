@@ -1,10 +1,10 @@
 // Sessions, recordings and calibrations as verbs take them: a recording in place of a session is inspected first.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/formats/recording/signals.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <filesystem>
 #include <string>

@@ -1,10 +1,9 @@
 // The command lines as a user types them.
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,7 @@
 // `imulab trajectory` as a user types it: the folder it makes comes back to its truth when it is integrated, and what is wrong is named.
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>

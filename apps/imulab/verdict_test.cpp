@@ -1,5 +1,5 @@
 // The verdict about what was required: the same in the terminal, the exit code, the JSON and the page, also of a saved result.
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 // Where a calibration comes from, and whether that is still there.
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // HDF5 as libhdf5 reads it. Only what is requested is read, some rows at a time. Data outside the file, which a file may name, are not: by then
 // nothing more can be opened.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child_tables.hpp"

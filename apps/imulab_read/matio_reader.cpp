@@ -1,5 +1,5 @@
 // MATLAB's files of version 4 and 5 as libmatio reads them: variables, and fields of structures.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child_tables.hpp"

@@ -1,6 +1,6 @@
 #include "apps/imulab_read/sandbox.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/child.hpp"
 
 #include <fmt/core.h>

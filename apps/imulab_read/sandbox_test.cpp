@@ -1,9 +1,9 @@
 // What a program in the sandbox tries in vain, and what it has to be able to do.
 #include "apps/imulab_read/sandbox.hpp"
 
-#include "imulab/core/build.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/child.hpp"
+#include "imulab/version.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/core/checkpoint_file.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/sealed.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

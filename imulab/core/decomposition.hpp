@@ -2,7 +2,7 @@
 // hot loops on matrices of a few rows use Eigen's own, whose size is fixed.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

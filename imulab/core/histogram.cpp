@@ -1,6 +1,6 @@
 #include "imulab/core/histogram.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,6 @@
 #include "imulab/core/memory.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,7 @@
 #include "imulab/core/parallel.hpp"
 
+#include "imulab/parallel.hpp"
+
 #ifdef IMULAB_WITH_TBB
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>

@@ -1,4 +1,4 @@
-// Work on several threads, in this one place. In a build without TBB everything is done sequentially, with the same results.
+// Loops on several threads, in this one place. In a build without TBB everything is done sequentially, with the same results.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,5 @@ void isolate_parallel(const std::function<void()>& work);
 
 /// Samples that one call of a parallel loop over samples computes.
 inline constexpr std::size_t samples_per_task = 1024;
-
-/// The threads of a parallel loop, at least 1.
-std::size_t parallel_threads();
-
-/// While it exists, parallel loops of the whole program use at most this number of threads.
-class ThreadLimit {
- public:
-  explicit ThreadLimit(std::size_t threads);
-  ~ThreadLimit();
-  ThreadLimit(ThreadLimit&&) noexcept;
-  ThreadLimit& operator=(ThreadLimit&&) noexcept;
-
- private:
-  struct Control;
-  std::unique_ptr<Control> control_;
-};
 
 }  // namespace imulab

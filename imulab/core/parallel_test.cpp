@@ -1,5 +1,7 @@
 #include "imulab/core/parallel.hpp"
 
+#include "imulab/parallel.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "imulab/core/part_file.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

@@ -26,13 +26,4 @@ class RandomStream {
   std::uint64_t seed_, stream_;
 };
 
-// A declared size of what a simulation draws.
-
-/// A number that a simulation draws from: one sigma of a draw, or exactly itself.
-struct Spread {
-  double value = 0;
-  bool fixed = false;
-  bool operator==(const Spread&) const = default;
-};
-
 }  // namespace imulab

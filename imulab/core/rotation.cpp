@@ -1,5 +1,7 @@
 #include "imulab/core/rotation.hpp"
 
+#include "imulab/eigen.hpp"
+
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 

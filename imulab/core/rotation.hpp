@@ -1,14 +1,11 @@
 // Rotations as 3x3 direction cosine matrices and rotation vectors. `C_ab` takes a vector from frame b to frame a.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 
 #include <cmath>
 
 namespace imulab {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 /// The matrix of the cross product: skew(a) b = a x b.
 template <class T>

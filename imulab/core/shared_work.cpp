@@ -1,10 +1,11 @@
 #include "imulab/core/shared_work.hpp"
 
-#include "imulab/core/build.hpp"
 #include "imulab/core/checkpoint_file.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/part_file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/version.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/core/stated_limit.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/core/stated_limit.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 
 #include <cmath>
 

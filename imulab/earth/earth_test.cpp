@@ -1,6 +1,6 @@
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <GeographicLib/Ellipsoid.hpp>
 #include <GeographicLib/NormalGravity.hpp>

@@ -1,8 +1,8 @@
 #include "imulab/estimate/method.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/calibrate.hpp"
 #include "imulab/core/nearest_name.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -15,9 +15,14 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/plan.hpp"
+#include "imulab/predict.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/joined.hpp"
 #include "imulab/recording/resampling.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 
@@ -237,6 +242,12 @@ std::vector<Method> methods_by_equipment() {
   return out;
 }
 
+std::vector<std::string_view> method_names() {
+  std::vector<std::string_view> names;
+  for (const Method& m : methods_by_equipment()) names.push_back(m.name);
+  return names;
+}
+
 const Method& planning_method() {
   return *std::ranges::find_if(all, [](const Method& m) { return m.plan.design != nullptr; });
 }
@@ -284,6 +295,16 @@ Prediction predict(const Method& method, const Session& procedure, const Predict
   errors_at(procedure.file, [&] { procedure.site.gravity(); });
   if (method.predict == nullptr) throw Error(fmt::format("the method {} has no prediction", method.name));
   return method.predict(procedure, options);
+}
+
+Prediction predict(std::string_view name, const Session& procedure, const PredictionOptions& options) {
+  return predict(method(name), procedure, options);
+}
+
+TurnPath plan_path(const Session& unit, const PathLimits& limits, const std::function<void(int)>& progress) {
+  const PathPlanner& planner = planning_method().plan;
+  planner.expect_estimated(limits.requirements, unit);
+  return planner.design(limits, unit, progress, nullptr);
 }
 
 }  // namespace imulab

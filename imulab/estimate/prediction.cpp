@@ -1,6 +1,7 @@
 #include "imulab/estimate/prediction.hpp"
 
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/predict.hpp"
 
 #include <algorithm>
 #include <array>

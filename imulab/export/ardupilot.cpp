@@ -1,6 +1,6 @@
 // ArduPilot: parameters as ground stations load them (ArduPilot/ardupilot: libraries/AP_InertialSensor/AP_InertialSensor_Backend.cpp,
 // AP_InertialSensor_tempcal.cpp, AP_InertialSensor.cpp).
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/autopilot.hpp"
 #include "imulab/export/device_axes.hpp"
 #include "imulab/export/targets.hpp"

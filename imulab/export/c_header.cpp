@@ -1,10 +1,11 @@
 #include "imulab/export/c_header.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/c_header_fixed.hpp"
 #include "imulab/export/c_header_parts.hpp"
 #include "imulab/export/loss.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 

@@ -1,7 +1,7 @@
 // A calibration as a self-contained C99 and C++ header for firmware (docs/export.md).
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
 #include <optional>
 #include <string>

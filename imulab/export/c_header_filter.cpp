@@ -1,5 +1,5 @@
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "imulab/export/c_header_fixed.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/export/c_header_parts.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/unit_names.hpp"

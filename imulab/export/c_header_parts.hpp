@@ -2,9 +2,9 @@
 // names.
 #pragma once
 
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/export/c_header.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "imulab/export/consumer_model.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/Geometry>
 

@@ -7,7 +7,7 @@
 // place in it.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
 namespace imulab::export_io {
 

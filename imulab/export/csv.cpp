@@ -1,10 +1,10 @@
 // A table for spreadsheets and scripts: imulab's own coefficients, one a row, with their standard uncertainties.
+#include "imulab/coefficient.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
 #include "imulab/formats/text/csv_field.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/export/device_axes.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/write.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // Files for programs that take the device's own readings are for its axes, which need not be those of the body.
 #include "imulab/export/device_axes.hpp"
 
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

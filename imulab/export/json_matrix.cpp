@@ -1,9 +1,9 @@
 // Matrices and biases as JSON, for programs of one's own: the whole model, in the form in which biases are subtracted from readings.
+#include "imulab/coefficient.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,9 +1,10 @@
 #include "imulab/export/loss.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/export/device_axes.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

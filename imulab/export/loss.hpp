@@ -1,7 +1,7 @@
 // The parts of a calibration that a target cannot hold, and their size in the output, in user units.
 #pragma once
 
-#include "imulab/export/input.hpp"
+#include "imulab/exchange.hpp"
 
 #include <string>
 #include <vector>

@@ -1,9 +1,10 @@
 // The stated loss of a target is its actual loss.
 #include "imulab/export/loss.hpp"
 
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/export/consumer_model.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

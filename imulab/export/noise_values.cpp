@@ -1,6 +1,6 @@
 #include "imulab/export/noise_values.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
 

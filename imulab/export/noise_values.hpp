@@ -1,7 +1,7 @@
 // The noise of an IMU as other programs take it: white noise N and random walk K, one number for a triad or one an axis.
 #pragma once
 
-#include "imulab/export/input.hpp"
+#include "imulab/exchange.hpp"
 
 #include <array>
 #include <string>

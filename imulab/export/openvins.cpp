@@ -1,12 +1,13 @@
 // OpenVINS: kalibr_imu_chain.yaml (rpng/open_vins, commit 6948812: core/VioManagerOptions.h, state/State.h and State.cpp, state/Propagator.cpp).
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/device_axes.hpp"
 #include "imulab/export/loss.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // Targets of parameters, registers and tables: as targets_test.cpp.
+#include "imulab/coefficient.hpp"
 #include "imulab/export/consumer_model.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // Names, units and values that a target cannot take are refused or named; every file says at its head what it holds and what not.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

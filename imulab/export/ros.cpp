@@ -1,10 +1,10 @@
 // ROS: the covariances of sensor_msgs/Imu as YAML (docs.ros.org: row-major about x, y, z; all zero: unknown; first element -1: no estimate).
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/loss.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
 

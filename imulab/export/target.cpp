@@ -1,7 +1,6 @@
-#include "imulab/export/target.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -12,25 +11,30 @@ namespace imulab {
 
 const std::vector<ExportTarget>& export_targets() {
   namespace to = export_io;
+  constexpr auto noise = ExportTarget::noise, variance = ExportTarget::variance_matched, model = ExportTarget::imu_model, topic = ExportTarget::topic,
+                 instance = ExportTarget::instance;
   static const std::vector<ExportTarget> targets{
       {"c-header", "compensation for firmware, one header without a library", "imu_calibration.h",
        [](const ExportInput& input) { return c_header(input.calibration, {.prefix = input.options.prefix}); },
        [](const ExportInput& input) { return left_out_of_c_header(input.calibration); }},
-      {"kalibr-imu", "Kalibr's imu.yaml: noise", "kalibr_imu.yaml", to::kalibr_imu_text, to::left_out_of_noise_files, to::warnings_of_walk, true},
+      {"kalibr-imu", "Kalibr's imu.yaml: noise", "kalibr_imu.yaml", to::kalibr_imu_text, to::left_out_of_noise_files, to::warnings_of_walk, true,
+       noise | topic},
       {"kalibr", "Kalibr's result form: matrices, g-sensitivity, noise", "kalibr_result.yaml", to::kalibr_text, to::left_out_of_kalibr,
-       to::warnings_of_walk, true},
+       to::warnings_of_walk, true, noise | topic},
       {"openvins", "OpenVINS' kalibr_imu_chain.yaml", "kalibr_imu_chain.yaml", to::openvins_text, to::left_out_of_openvins, to::warnings_of_walk,
-       true},
-      {"vins", "VINS-Fusion and VINS-Mono: noise of a sample", "vins.yaml", to::vins_text, to::left_out_of_noise_files, to::warnings_of_walk, true},
-      {"euroc", "EuRoC's sensor.yaml: noise", "sensor.yaml", to::euroc_text, to::left_out_of_noise_files, to::warnings_of_walk, true},
-      {"ros", "covariances of ROS' sensor_msgs/Imu", "ros_covariance.yaml", to::ros_text, to::left_out_of_ros, to::warnings_of_white, true},
+       true, noise | topic | model},
+      {"vins", "VINS-Fusion and VINS-Mono: noise of a sample", "vins.yaml", to::vins_text, to::left_out_of_noise_files, to::warnings_of_walk, true,
+       noise | variance},
+      {"euroc", "EuRoC's sensor.yaml: noise", "sensor.yaml", to::euroc_text, to::left_out_of_noise_files, to::warnings_of_walk, true, noise},
+      {"ros", "covariances of ROS' sensor_msgs/Imu", "ros_covariance.yaml", to::ros_text, to::left_out_of_ros, to::warnings_of_white, true, noise},
       {"ros-filter", "parameters of ROS' imu_filter_madgwick and imu_complementary_filter", "imu_filter.yaml", to::ros_filter_text,
-       to::left_out_of_ros, to::warnings_of_white, true},
-      {"px4", "parameters of PX4", "px4.params", to::px4_text, to::left_out_of_px4, to::px4_warnings},
-      {"ardupilot", "parameters of ArduPilot", "ardupilot.param", to::ardupilot_text, to::left_out_of_ardupilot, to::ardupilot_warnings},
+       to::left_out_of_ros, to::warnings_of_white, true, noise},
+      {"px4", "parameters of PX4", "px4.params", to::px4_text, to::left_out_of_px4, to::px4_warnings, false, instance},
+      {"ardupilot", "parameters of ArduPilot", "ardupilot.param", to::ardupilot_text, to::left_out_of_ardupilot, to::ardupilot_warnings, false,
+       instance},
       {"vectornav", "commands for VectorNav's registers", "vectornav.txt", to::vectornav_text, to::left_out_of_vectornav},
-      {"json-matrix", "matrices and biases as JSON", "matrix.json", to::json_matrix_text, to::left_out_of_matrices},
-      {"csv", "coefficients as a table", "calibration.csv", to::csv_text, to::left_out_of_matrices},
+      {"json-matrix", "matrices and biases as JSON", "matrix.json", to::json_matrix_text, to::left_out_of_matrices, nullptr, false, noise},
+      {"csv", "coefficients as a table", "calibration.csv", to::csv_text, to::left_out_of_matrices, nullptr, false, noise},
   };
   return targets;
 }

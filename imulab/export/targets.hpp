@@ -1,7 +1,7 @@
 // The targets' functions, one source each: for the table in target.cpp.
 #pragma once
 
-#include "imulab/export/input.hpp"
+#include "imulab/exchange.hpp"
 
 #include <string>
 #include <vector>

@@ -1,9 +1,9 @@
 // Every target's file, read back and put into the equation of its consumer, does what `compensate` does, as far as the target holds it; what is said
 // to be lost is what is lost.
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/loss.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // The topic of the IMU in the files of Kalibr and OpenVINS.
-#include "imulab/export/target.hpp"
+#include "imulab/exchange.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 // VINS-Fusion and VINS-Mono (HKUST-Aerial-Robotics/VINS-Fusion, commit be55a93: vins_estimator/src/factor/integration_base.h): four numbers of noise.
-#include "imulab/core/units.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

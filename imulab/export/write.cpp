@@ -1,6 +1,6 @@
 #include "imulab/export/write.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

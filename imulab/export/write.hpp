@@ -1,7 +1,7 @@
 // The common form of all targets: numbers, matrices, the comment at the head of a file.
 #pragma once
 
-#include "imulab/export/input.hpp"
+#include "imulab/exchange.hpp"
 
 #include <string>
 #include <string_view>

@@ -1,10 +1,10 @@
 #include "imulab/inspection/declared.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 #include "imulab/inspection/evidence.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/coverage.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,15 +1,15 @@
 #include "imulab/inspection/inspection.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/even_rows.hpp"
 #include "imulab/inspection/evidence.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/inspection/time.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/integers.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 
 #include "imulab/inspection/signals.hpp"
 #include "imulab/inspection/triads.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <cstddef>

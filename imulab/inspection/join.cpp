@@ -1,6 +1,6 @@
 #include "imulab/inspection/join.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/time.hpp"
 

@@ -1,8 +1,8 @@
 #include "imulab/inspection/names.hpp"
 
 #include "imulab/core/text.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

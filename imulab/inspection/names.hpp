@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/inspection/signals.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <string>

@@ -1,7 +1,7 @@
 // The columns of one table of a recording, before anybody knows what they are.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <string>

@@ -3,11 +3,12 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/inspection/names.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
-#include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rest_means.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

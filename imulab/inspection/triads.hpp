@@ -1,9 +1,9 @@
 // Which columns are the accelerometers and which the gyros: at rest the former measure gravity, and the latter turn it from one rest to the next.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/inspection/signals.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

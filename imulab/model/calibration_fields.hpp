@@ -1,9 +1,9 @@
 // The fields of a calibration in its file, each stated once (core/fields.hpp; docs/formats.md).
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/core/fields.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/calibration.hpp"
+#include "imulab/units.hpp"
 
 namespace imulab {
 

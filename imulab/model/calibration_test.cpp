@@ -1,4 +1,4 @@
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
 #include <gtest/gtest.h>
 

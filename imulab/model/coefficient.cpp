@@ -1,7 +1,7 @@
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,12 +1,11 @@
-#include "imulab/model/compare.hpp"
+#include "imulab/compare.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/error.hpp"
+#include "imulab/frame.hpp"
 #include "imulab/model/gauge.hpp"
-#include "imulab/model/user_value.hpp"
 
 #include <Eigen/LU>
 

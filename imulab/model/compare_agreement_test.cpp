@@ -1,9 +1,9 @@
 // Several calibrations with one truth.
+#include "imulab/coefficient.hpp"
+#include "imulab/compare.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compare.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>

@@ -1,11 +1,12 @@
-#include "imulab/model/compare.hpp"
+#include "imulab/compare.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 
 #include <Eigen/LU>
 

@@ -1,7 +1,7 @@
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>

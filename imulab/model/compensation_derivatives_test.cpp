@@ -1,5 +1,7 @@
+#include "imulab/model/compensation_derivatives.hpp"
+
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/compensate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,8 @@
 #include "imulab/model/conclusion.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/core/stated_limit.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

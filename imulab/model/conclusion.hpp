@@ -1,22 +1,13 @@
 // What a verb concludes about what was asked: the begin of its JSON, its page and its table.
 #pragma once
 
+#include "imulab/calibration.hpp"
+
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace imulab {
-
-/// A requirement, and what was reached.
-struct RequirementResult {
-  std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
-  std::string coefficient;  ///< the worst of them; of other results the figure: "gyro.x.N", "CEP"
-  double limit = 0;         ///< SI
-  double reached = 0;       ///< SI, of a coefficient its standard uncertainty; infinite: not determined
-  bool met = false;
-  std::string note = {};  ///< how it was judged, where that is not plain: "by the bound"
-  bool operator==(const RequirementResult&) const = default;
-};
 
 /// What was reached, in the unit of the requirement's text: "1.3 nmi/h"; "not determined".
 std::string reached_text(const RequirementResult& requirement);

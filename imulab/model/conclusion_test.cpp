@@ -1,5 +1,7 @@
 #include "imulab/model/conclusion.hpp"
 
+#include "imulab/calibration.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>

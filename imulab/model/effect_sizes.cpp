@@ -1,6 +1,6 @@
 // Sizes of effects, and the play of hysteresis.
+#include "imulab/grade.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/model/grade.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "imulab/model/effects.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 

@@ -11,8 +11,8 @@
 // offsets and scales are those of its mean.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
 
 #include <array>
 #include <map>
@@ -97,12 +97,6 @@ struct EffectColumn {
   int number;
 
   OutputChange at(const EffectState& state) const { return effect->phi(state, number); }
-};
-
-/// A unit's effect, exactly: c of a column.
-struct EffectValue {
-  EffectColumn column;
-  double value;  ///< SI
 };
 
 /// All rows.

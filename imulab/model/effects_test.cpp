@@ -1,7 +1,8 @@
 #include "imulab/model/effects.hpp"
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/error.hpp"
 
 #include <gtest/gtest.h>
 

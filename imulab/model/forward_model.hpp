@@ -3,9 +3,9 @@
 // n = Fa f, the reading from its zero Da, and Ug likewise. A2 and A3 here are about this zero, those of the sensor model about a reading of 0.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/sensor_model.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "imulab/model/forward_model.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,8 @@
-#include "imulab/model/frame.hpp"
+#include "imulab/frame.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/frame_axes.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

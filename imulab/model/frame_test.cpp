@@ -1,10 +1,11 @@
-#include "imulab/model/frame.hpp"
+#include "imulab/frame.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 #include "imulab/model/gauge.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 

@@ -3,8 +3,8 @@
 // reference.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/eigen.hpp"
 
 #include <functional>
 #include <vector>

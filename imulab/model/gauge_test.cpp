@@ -1,8 +1,8 @@
 #include "imulab/model/gauge.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/error.hpp"
 
 #include <gtest/gtest.h>
 

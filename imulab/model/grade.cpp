@@ -1,8 +1,9 @@
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/published_grades.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,8 @@
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/published_grades.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/outlier_filter.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 #include <cmath>

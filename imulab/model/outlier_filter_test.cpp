@@ -1,4 +1,4 @@
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/outlier_filter.hpp"
 
 #include "imulab/core/random.hpp"
 

@@ -1,9 +1,9 @@
-#include "imulab/model/requirement.hpp"
-
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/core/stated_limit.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
-#include "imulab/model/requirement.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
 // The noise terms of one sensor axis as samples: means over the sample's interval, each term from random streams of its own.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/imu_noise.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/grade.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "imulab/model/user_value.hpp"
-
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 #include "imulab/navigation/inertial_samples.hpp"
 
+#include "imulab/navigate.hpp"
 #include "imulab/recording/clock.hpp"
 
 #include <algorithm>

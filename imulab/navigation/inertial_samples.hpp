@@ -1,18 +1,13 @@
 // A compensated recording as increments for a navigator, one after the other without gaps.
 #pragma once
 
-#include "imulab/navigation/integration/increment.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/recording.hpp"
 
 #include <functional>
 #include <vector>
 
 namespace imulab {
-
-/// A time without samples.
-struct MissingTime {
-  double begin = 0, length = 0;  // s
-};
 
 struct InertialSamples {
   double begin = 0;  // of the first sample's interval [s]

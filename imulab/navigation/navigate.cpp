@@ -1,12 +1,14 @@
-#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigate.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/recording/compensate_recording.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/inertial_samples.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
-#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigate.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/rotation.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/navigation/navigation_error.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <Eigen/Dense>
 #include <gmock/gmock.h>

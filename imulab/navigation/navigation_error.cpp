@@ -1,7 +1,8 @@
 #include "imulab/navigation/navigation_error.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
 
 #include <fmt/format.h>

@@ -1,9 +1,10 @@
 #include "imulab/navigation/navigation_error.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>

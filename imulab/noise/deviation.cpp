@@ -1,7 +1,6 @@
-#include "imulab/noise/deviation.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/noise/degrees_of_freedom.hpp"
 #include "imulab/noise/phase.hpp"
 

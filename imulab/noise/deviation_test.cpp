@@ -1,11 +1,10 @@
 // Published values: NIST SP 1065 (Riley 2008), table 31 (NBS14, 10 points) and tables 32 to 34 (1000 points); bounds that Stable32 prints for the
 // same 1000 points. A published value has to be met to all digits that it is printed with, where the tables agree with themselves: SP 1065 prints one
 // Hadamard deviation as 70.80608 and as 70.80607 (it is 70.806073), and 3.9108606e-2 as 3.910860e-2.
-#include "imulab/noise/deviation.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/noise/degrees_of_freedom.hpp"
 #include "imulab/noise/phase.hpp"
 

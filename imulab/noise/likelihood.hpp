@@ -6,7 +6,7 @@
 // Rounding to steps r and quantization come after the sensor's low-pass.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/noise/spectral_terms.hpp"
 #include "imulab/noise/spectrum.hpp"
 

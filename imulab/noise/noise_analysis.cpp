@@ -1,8 +1,9 @@
 #include "imulab/noise/noise_analysis.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
 
 #include <Eigen/Cholesky>
@@ -129,6 +130,11 @@ void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, c
 }
 
 }  // namespace
+
+NoiseAnalysis analyze_noise(Recording recording, const Session& session, const NoiseOptions& options) {
+  const StillPart still = still_part(std::move(recording), session);
+  return analyze_noise(still.recording, still, options);
+}
 
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options) {
   RecordingView r = recording;

@@ -1,5 +1,5 @@
-#include "imulab/core/error.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/error.hpp"
+#include "imulab/noise.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/fields.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/noise.hpp"
 
 #include <array>
 #include <cmath>

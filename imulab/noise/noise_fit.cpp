@@ -1,7 +1,8 @@
 #include "imulab/noise/noise_fit.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/noise/noise_interval.hpp"
 #include "imulab/noise/noise_terms.hpp"
 

@@ -1,11 +1,12 @@
 // Simulated rates with known coefficients: by imulab's own simulation, and by another construction of every term.
 #include "imulab/noise/noise_fit.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/noise.hpp"
 
 #include <gmock/gmock.h>
 

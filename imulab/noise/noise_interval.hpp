@@ -7,7 +7,7 @@
 // coefficient undetermined, with an upper bound.
 #pragma once
 
-#include "imulab/model/imu_noise.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/noise/likelihood.hpp"
 
 namespace imulab::noise {

@@ -1,7 +1,7 @@
 #include "imulab/noise/noise_terms.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/noise/spectral_terms.hpp"
 
 #include <algorithm>

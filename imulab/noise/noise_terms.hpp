@@ -1,8 +1,8 @@
 // Which terms a spectrum needs, and how well the model then fits.
 #pragma once
 
+#include "imulab/noise.hpp"
 #include "imulab/noise/likelihood.hpp"
-#include "imulab/noise/noise_fit.hpp"
 #include "imulab/noise/spectrum.hpp"
 
 #include <optional>

@@ -1,6 +1,6 @@
 #include "imulab/noise/phase.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/Core>
 #include <fmt/core.h>

@@ -1,6 +1,6 @@
 #include "imulab/noise/spectrum.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

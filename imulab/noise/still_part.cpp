@@ -1,14 +1,16 @@
 #include "imulab/noise/still_part.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
 #include "imulab/recording/slow_motion.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/format.h>
 

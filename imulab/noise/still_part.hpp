@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/recording/recording_view.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <string>
 #include <vector>

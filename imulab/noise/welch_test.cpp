@@ -1,4 +1,4 @@
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/noise/spectrum.hpp"
 
 #include <gtest/gtest.h>

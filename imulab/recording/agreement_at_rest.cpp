@@ -1,9 +1,10 @@
 #include "imulab/recording/agreement_at_rest.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/recording/overview.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 

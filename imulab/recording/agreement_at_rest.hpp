@@ -2,9 +2,9 @@
 // rests takes gravity's direction from one to the other.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
-#include "imulab/model/sensor_model.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "imulab/recording/agreement_at_rest.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 #include "imulab/recording/clock.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>

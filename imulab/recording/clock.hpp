@@ -2,7 +2,7 @@
 // single late stamps.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,8 @@
-#include "imulab/recording/compensate_recording.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/outlier_filter.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/outlier_filter.hpp"
+#include "imulab/recording/compensated_readings.hpp"
 
 #include <fmt/core.h>
 

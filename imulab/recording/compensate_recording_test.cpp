@@ -1,7 +1,5 @@
-#include "imulab/recording/compensate_recording.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 

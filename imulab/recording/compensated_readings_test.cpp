@@ -1,5 +1,7 @@
+#include "imulab/recording/compensated_readings.hpp"
+
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
+#include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,7 @@
 // The directions in which a recording shows gravity to the accelerometers: the contribution of each rest, and the directions without any.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
 
 #include <vector>
 

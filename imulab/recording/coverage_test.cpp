@@ -1,6 +1,6 @@
 #include "imulab/recording/coverage.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

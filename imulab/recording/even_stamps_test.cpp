@@ -1,5 +1,5 @@
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <gtest/gtest.h>

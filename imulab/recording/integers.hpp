@@ -1,7 +1,7 @@
 // Whole readings whose sign a file prints wrongly: -132 as 65404, or 65404 as -132.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 // Several recordings of one unit as one: on one clock, with time missing between them. A method that works on rests and turns needs no more.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <span>
 #include <string>

@@ -1,10 +1,10 @@
-#include "imulab/recording/make_recording.hpp"
-
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/unit_names.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
-#include "imulab/recording/make_recording.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/recording/overview.hpp"
 
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // A recording thinned to what a picture can show, compensated on the way.
 #pragma once
 
-#include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording_view.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <cstddef>
 #include <vector>

@@ -1,6 +1,6 @@
 #include "imulab/recording/overview.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gtest/gtest.h>
 

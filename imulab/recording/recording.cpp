@@ -1,4 +1,4 @@
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
 #include "imulab/recording/recording_view.hpp"
 

@@ -1,7 +1,7 @@
 // A recording as methods read it that take one column after the other: its columns are in memory, or on disk.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Readings that stand in the data twice, where a logger wrote a buffer again or files were joined that overlap.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
 #include <cstddef>
 #include <optional>

@@ -1,7 +1,7 @@
 #include "imulab/recording/repeated_rows.hpp"
 
 #include "imulab/core/random.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording.hpp"
 
 #include <gtest/gtest.h>
 

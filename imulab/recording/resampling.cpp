@@ -1,6 +1,6 @@
 #include "imulab/recording/resampling.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/core.h>
 

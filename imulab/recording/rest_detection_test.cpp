@@ -1,5 +1,6 @@
 #include "imulab/core/random.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The means of a recording's rests, and the noise of its samples there.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording.hpp"
 
 #include <cstddef>
 #include <vector>

@@ -5,7 +5,7 @@
 #include "imulab/recording/rest_or_motion.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

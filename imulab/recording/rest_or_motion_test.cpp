@@ -2,9 +2,10 @@
 #include "imulab/recording/rest_or_motion.hpp"
 
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

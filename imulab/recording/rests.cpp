@@ -1,11 +1,13 @@
-#include "imulab/recording/rests.hpp"
+#include "imulab/rests.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 

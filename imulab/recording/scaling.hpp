@@ -1,9 +1,9 @@
 // Readings centered and scaled, so that the equations are well conditioned whatever the raw unit, and the sensor model of such readings.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/sensor_model.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/recording/rest_means.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <vector>
 

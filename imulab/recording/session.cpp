@@ -1,9 +1,9 @@
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/grade.hpp"
 
 #include <fmt/core.h>
 

@@ -3,10 +3,10 @@
 #pragma once
 
 #include "imulab/core/fields.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/recording/session.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <cmath>
 #include <optional>

@@ -1,5 +1,5 @@
 // Lost samples between kept ones: a smooth motion is restored, everything else stays as it is.
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <gtest/gtest.h>

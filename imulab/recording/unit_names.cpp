@@ -1,6 +1,6 @@
 #include "imulab/recording/unit_names.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <array>

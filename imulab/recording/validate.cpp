@@ -1,9 +1,11 @@
 #include "imulab/recording/validate.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/session_fields.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,9 @@
-#include "imulab/recording/validate.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,10 @@
-#include "imulab/core/units.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/results/budget.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,11 @@
 // Values with their uncertainties, as a certificate states them; correlations; tests of terms.
-#include "imulab/model/user_value.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,11 @@
 // Curves: convergence of the hybrid method, temperature and nonlinearity with their bands.
-#include "imulab/core/units.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/predict.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Core>
 #include <fmt/format.h>

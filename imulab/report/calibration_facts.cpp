@@ -1,10 +1,10 @@
 #include "imulab/report/calibration_facts.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,11 @@
 // A calibration as a page: verdict, pictures of its effect and its data, and the certificate.
 #pragma once
 
-#include "imulab/estimate/method.hpp"
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
 #include "imulab/recording/overview.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <optional>
 #include <string>

@@ -1,11 +1,11 @@
 // Pictures from the recordings, and the residuals.
-#include "imulab/core/units.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/results/live.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

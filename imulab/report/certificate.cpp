@@ -1,6 +1,6 @@
 #include "imulab/report/certificate.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/report/assets.hpp"
@@ -8,6 +8,7 @@
 #include "imulab/report/certificate_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/start.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/format.h>
 

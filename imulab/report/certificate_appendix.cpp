@@ -1,6 +1,6 @@
 // The appendix of a certificate: all coefficients, the model, the fit, and the files.
+#include "imulab/calibration.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/user_value.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/certificate_parts.hpp"

@@ -1,9 +1,11 @@
 // Results, conformity, traceability and signature of a certificate.
-#include "imulab/model/frame.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/certificate_parts.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

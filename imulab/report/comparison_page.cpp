@@ -1,7 +1,6 @@
 #include "imulab/report/comparison_page.hpp"
 
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"

@@ -1,12 +1,13 @@
 #include "imulab/report/navigation_page.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/start.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/results/budget.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // The pictures of a noise analysis: deviations and spectra.
 #pragma once
 
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/noise.hpp"
 
 #include <functional>
 #include <span>

@@ -1,12 +1,12 @@
 #include "imulab/report/noise_page.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/noise_figures.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/results/noise.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "imulab/model/conclusion.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/noise.hpp"
+#include "imulab/recording/recording_view.hpp"
 
 #include <string>
 

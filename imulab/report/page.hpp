@@ -2,7 +2,7 @@
 // by their hashes and no others, so text can never run.
 #pragma once
 
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/model/conclusion.hpp"
 
 #include <functional>

@@ -1,7 +1,7 @@
 // Pictures that are not curves: values with their intervals, shares, correlations, directions on a sphere.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
 
 #include <cstddef>
 #include <optional>

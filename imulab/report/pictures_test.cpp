@@ -2,6 +2,7 @@
 
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

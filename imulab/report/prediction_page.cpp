@@ -1,9 +1,9 @@
 #include "imulab/report/prediction_page.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -11,6 +11,7 @@
 #include "imulab/results/prediction.hpp"
 #include "imulab/results/shares.hpp"
 #include "imulab/rig/pose_on_table.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/format.h>
 

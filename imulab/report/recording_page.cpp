@@ -1,11 +1,11 @@
 #include "imulab/report/recording_page.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

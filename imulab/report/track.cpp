@@ -1,9 +1,9 @@
 #include "imulab/report/track.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/report/start.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

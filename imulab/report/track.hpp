@@ -1,9 +1,9 @@
 // Tracks on the Earth and errors over time, for the pages of navigation.
 #pragma once
 
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <array>
 #include <optional>

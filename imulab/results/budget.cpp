@@ -1,9 +1,10 @@
 #include "imulab/results/budget.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/model/published_grades.hpp"
 #include "imulab/results/over_time.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,15 @@
 #include "imulab/results/calibration.hpp"
 
+#include "imulab/calibrate.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/requirement.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/results/conclusion.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/format.h>
 

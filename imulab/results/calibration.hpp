@@ -1,7 +1,8 @@
 // A calibration for people, in at most 80 columns, and how well an IMU is known, in a line a triad.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/model/conclusion.hpp"
 
 #include <cstddef>
 #include <functional>

@@ -1,11 +1,11 @@
 #include "imulab/results/compare_results.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/results/budget.hpp"
 #include "imulab/results/noise.hpp"
 #include "imulab/results/over_time.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

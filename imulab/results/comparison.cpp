@@ -1,9 +1,8 @@
 #include "imulab/results/comparison.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_value.hpp"
 #include "imulab/results/result_comparison.hpp"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // Comparisons of calibrations as JSON and as a table.
 #pragma once
 
-#include "imulab/model/compare.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/compare.hpp"
 #include "imulab/model/conclusion.hpp"
-#include "imulab/model/requirement.hpp"
 
 #include <optional>
 #include <string>

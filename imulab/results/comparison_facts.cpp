@@ -1,10 +1,10 @@
 // What a comparison of calibrations concludes: dates, tolerances, the order of its rows.
+#include "imulab/coefficient.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/frame.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/results/comparison.hpp"
 
 #include <fmt/format.h>

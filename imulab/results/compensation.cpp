@@ -1,8 +1,8 @@
 #include "imulab/results/compensation.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/results/over_time.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,8 @@
 // Compensated recordings: counts, and what a picture shows of them.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/model/conclusion.hpp"
 #include "imulab/recording/overview.hpp"
 
 #include <cstddef>

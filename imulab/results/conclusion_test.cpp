@@ -1,6 +1,6 @@
 #include "imulab/results/conclusion.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/results/summary.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 #include "imulab/results/inspection.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"

@@ -1,11 +1,10 @@
 #include "imulab/results/live.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // A calibration by hand while the unit is being turned: as a picture for a terminal, and as lines.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/estimate/method.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/eigen.hpp"
 
 #include <optional>
 #include <string>

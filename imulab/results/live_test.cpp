@@ -1,6 +1,6 @@
 #include "imulab/results/live.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

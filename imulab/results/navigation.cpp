@@ -1,10 +1,11 @@
 #include "imulab/results/navigation.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,9 @@
 // Results of navigation as JSON and as tables.
 #pragma once
 
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/budget.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
-#include "imulab/navigation/navigate.hpp"
-#include "imulab/navigation/navigation_error.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 
 #include <optional>
 #include <string>

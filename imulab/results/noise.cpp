@@ -1,8 +1,8 @@
 #include "imulab/results/noise.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // The noise of an IMU, for people.
 #pragma once
 
-#include "imulab/formats/noise/file.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/files.hpp"
+#include "imulab/noise.hpp"
 
 #include <array>
 #include <string>

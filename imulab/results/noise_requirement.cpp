@@ -1,10 +1,10 @@
 #include "imulab/results/noise_requirement.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stated_limit.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/results/noise.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Limits on the noise of an IMU: "gyro.N <= 0.1 deg/sqrt(h), accel.B <= 20 ug".
 #pragma once
 
-#include "imulab/model/conclusion.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/noise.hpp"
 
 #include <string>
 #include <string_view>

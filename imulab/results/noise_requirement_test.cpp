@@ -1,7 +1,8 @@
 #include "imulab/results/noise_requirement.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/conclusion.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

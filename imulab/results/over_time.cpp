@@ -1,7 +1,8 @@
 #include "imulab/results/over_time.hpp"
 
 #include "imulab/formats/text/json_fields.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/results/budget.hpp"
 
 #include <algorithm>

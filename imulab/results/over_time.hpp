@@ -1,9 +1,9 @@
 // Results over time in JSON: navigation, error budgets and compensated recordings read back, and the quantities of a budget as files name them.
 #pragma once
 
-#include "imulab/core/units.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/results/summary.hpp"
+#include "imulab/units.hpp"
 
 #include <array>
 #include <string_view>

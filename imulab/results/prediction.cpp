@@ -1,15 +1,15 @@
 #include "imulab/results/prediction.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/estimate/turn_path.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/model/user_value.hpp"
+#include "imulab/plan.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/results/shares.hpp"
 #include "imulab/rig/pose_on_table.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

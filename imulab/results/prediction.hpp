@@ -1,7 +1,7 @@
 // Predicted uncertainties and tolerances of a procedure as tables.
 #pragma once
 
-#include "imulab/estimate/prediction.hpp"
+#include "imulab/predict.hpp"
 
 #include <string>
 #include <vector>

@@ -1,13 +1,13 @@
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/results/budget.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/navigation.hpp"
 #include "imulab/results/prediction.hpp"
 #include "imulab/results/summary.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,9 +1,9 @@
 // The fields of what `compare`, `predict` and `plan` print with --json, each stated once (core/fields.hpp; docs/formats.md).
 #pragma once
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
-#include "imulab/model/user_value.hpp"
 #include "imulab/results/summary.hpp"
 
 #include <array>

@@ -1,8 +1,8 @@
 // The shares of the error sources in the variance of every coefficient, as columns of a table of 80 columns.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/estimate/prediction.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/predict.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,13 +1,13 @@
 // Results of verbs as values that their JSON gives back, for reports.
 #pragma once
 
-#include "imulab/estimate/turn_path.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/compare.hpp"
-#include "imulab/model/requirement.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/compare.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
-#include "imulab/noise/noise_analysis.hpp"
+#include "imulab/noise.hpp"
+#include "imulab/plan.hpp"
+#include "imulab/predict.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/navigation.hpp"

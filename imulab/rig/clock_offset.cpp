@@ -1,7 +1,7 @@
 #include "imulab/rig/clock_offset.hpp"
 
-#include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/eigen.hpp"
 
 #include <algorithm>
 #include <cmath>

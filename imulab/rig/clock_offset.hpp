@@ -1,8 +1,8 @@
 // Clocks of a table's log and of the IMU: by how much the one is ahead of the other, and gains.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <optional>
 #include <span>

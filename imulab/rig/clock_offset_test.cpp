@@ -1,7 +1,7 @@
 #include "imulab/rig/clock_offset.hpp"
 
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/simulate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The three machines of a whole-unit calibration (Dai 2011 section 3).
-#include "imulab/core/error.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/error.hpp"
+#include "imulab/procedure.hpp"
 
 #include <algorithm>
 #include <array>

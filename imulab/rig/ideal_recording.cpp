@@ -1,7 +1,7 @@
 #include "imulab/rig/ideal_recording.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/error.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/rig/mean_motion.hpp"
 

@@ -1,10 +1,10 @@
 // The readings of an ideal IMU on a procedure's motion: the exact means of rate and specific force over every sample.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/rig/motion.hpp"
-#include "imulab/rig/rig_errors.hpp"
+#include "imulab/session.hpp"
+#include "imulab/simulate.hpp"
 
 #include <span>
 #include <vector>

@@ -1,8 +1,9 @@
 #include "imulab/rig/machine.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

@@ -8,11 +8,11 @@
 //                                                     upward part comes from Earth's horizontal rate
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/rig/motion.hpp"
-#include "imulab/rig/rig_errors.hpp"
+#include "imulab/simulate.hpp"
 
 #include <span>
 #include <string>

@@ -1,9 +1,10 @@
 #include "imulab/rig/machine_points.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/thermal_scale.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,11 +1,11 @@
 // The points that a session's machines give: each step of a chamber, rate table or centrifuge one, the means of its samples with their noise.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <optional>

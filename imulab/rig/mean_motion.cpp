@@ -1,6 +1,7 @@
 #include "imulab/rig/mean_motion.hpp"
 
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,8 @@
 // The output of ideal sensors: means of rate and specific force over each sample's interval, from the closed form of the motion.
 #pragma once
 
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/rig/motion.hpp"
 
 #include <array>

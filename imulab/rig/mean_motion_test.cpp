@@ -1,8 +1,9 @@
 #include "imulab/rig/mean_motion.hpp"
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

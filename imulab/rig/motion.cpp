@@ -1,10 +1,12 @@
 #include "imulab/rig/motion.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

@@ -6,11 +6,10 @@
 //   sensed_motion(body, {.rate_ie_n = earth_rate_enu(0.8), .gravity = 9.81}).rate   // rad/s, of an ideal IMU
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/rotation.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/recording/session.hpp"
-#include "imulab/rig/rig_errors.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/session.hpp"
+#include "imulab/simulate.hpp"
 
 #include <array>
 #include <optional>

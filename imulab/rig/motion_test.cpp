@@ -1,7 +1,7 @@
 #include "imulab/rig/motion.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,8 @@
 #include "imulab/rig/pose_on_table.hpp"
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
 

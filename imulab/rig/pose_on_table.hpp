@@ -3,9 +3,10 @@
 // A turn about an axis carries the axes inside it: the outer axis carries the middle one, which carries the inner one.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/rig/motion.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,9 +1,9 @@
-#include "imulab/rig/procedure.hpp"
+#include "imulab/procedure.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,11 @@
-#include "imulab/rig/procedure.hpp"
+#include "imulab/procedure.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

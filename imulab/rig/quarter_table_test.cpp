@@ -1,6 +1,6 @@
-#include "imulab/core/units.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/pose_on_table.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,10 @@
 #include "imulab/rig/rig_errors.hpp"
 
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,17 +1,9 @@
-// The error sources of a turntable by name, in one flat list. Their effect on the attitude is in table_attitude.hpp, and over time in motion.hpp.
-// Machines' errors are in the same list; their effect is in machine.hpp.
-//
-// - orthogonality: l_outer = (o1, o2, 1), l_middle = (m1, 1, m2), l_inner = (1, i1, i2) in n at zero angles, then normalized;
-// - zero: a constant angle error of each axis (outer: north; middle and inner: the IMU's level at zero angles);
-// - tilt: the whole table is tilted about east and about north;
-// - angle: angle error of a stop. An axis has one from the start and draws a new one only when it is commanded to move;
-// - timing: a commanded rotation lasts longer by this time, and ends at its angle.
-//
-// A table with fewer axes is one whose procedure does not use the others: an axis that stays at zero throughout has neither orthogonality nor angle
-// errors (its zero error remains: the IMU's mounting).
+// The commands of steps to a table's axes, and its error sources by their effect. Their effect on the attitude is in table_attitude.hpp, and over
+// time in motion.hpp; that of machines' errors in machine.hpp.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
+#include "imulab/simulate.hpp"
 
 #include <array>
 #include <cstdint>
@@ -20,38 +12,6 @@
 #include <vector>
 
 namespace imulab {
-
-enum class RigErrorKind { orthogonality, zero, tilt, angle, timing, mount, rate, radius };
-
-struct RigErrorSource {
-  static constexpr std::size_t at_start = static_cast<std::size_t>(-1);
-
-  RigErrorKind kind = RigErrorKind::zero;
-  std::size_t axis = 0;         ///< by RigAxis; of a tilt: 0 about east, 1 about north; of a mount: the body axis it turns about
-  std::size_t element = 0;      ///< of an orthogonality: 0 or 1, as in i1, i2
-  std::size_t step = at_start;  ///< of an angle or timing error: the step (of its recording) that draws it, from 0
-  Mount place{};                ///< of a mount or radius: which
-  double known = 0;             ///< rad, s, m or relative: the declared value; the mean of the draws
-  double sigma = 0;             ///< likewise: of its draw; 0 where it is known exactly
-
-  /// "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3": steps count from 1; of machines "rate",
-  /// "mount.+z+x.y", "radius.+z+x".
-  std::string name() const;
-  bool operator==(const RigErrorSource&) const = default;
-};
-
-/// Every error source of a recording's rig, as declared: of the table or machine first, then by step or mount. A hand (kind none)
-/// has none.
-std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source);
-
-/// Error sources and their values. Empty: a rig without errors.
-struct RigErrors {
-  std::vector<RigErrorSource> sources;
-  std::vector<double> values;  ///< rad, s, m or relative
-};
-
-/// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.
-RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed);
 
 inline constexpr double same_time = 1e-9;   ///< s: rounding of a time in a file
 inline constexpr double same_angle = 1e-9;  ///< rad: below what a decimal number of degrees in a file can mean

@@ -1,8 +1,7 @@
-#include "imulab/rig/rig_errors.hpp"
-
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,10 +2,10 @@
 // derivatives. At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/session.hpp"
 
 #include <Eigen/Geometry>
 

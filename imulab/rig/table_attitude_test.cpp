@@ -1,7 +1,8 @@
 #include "imulab/rig/table_attitude.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
 #include "imulab/rig/table_motion.hpp"
 
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
+#include "imulab/simulate.hpp"
 
 #include <fmt/core.h>
 #include <unsupported/Eigen/AutoDiff>

@@ -1,8 +1,7 @@
 // The true inputs of an IMU during a table's steps, as a function of every error of the table and of the site, with exact derivatives.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/rig/table_plan.hpp"
 
 #include <array>

@@ -1,7 +1,7 @@
 // From a recording to the means and sums of its steps, and to a calibration.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/rig/table_plan.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

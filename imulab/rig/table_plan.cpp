@@ -1,12 +1,12 @@
 #include "imulab/rig/table_plan.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/rest_means.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

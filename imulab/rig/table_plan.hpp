@@ -1,9 +1,9 @@
 // The times of a turntable's steps that a calibration uses: the middle of each hold, and each turn with parts of the rests around it.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <optional>

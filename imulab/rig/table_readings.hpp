@@ -2,10 +2,11 @@
 // of the forward model and in the table's truth.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/sensor_model.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/rig/table_motion.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <Eigen/SparseCore>
 

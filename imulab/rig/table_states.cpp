@@ -1,7 +1,7 @@
 #include "imulab/rig/table_states.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <array>

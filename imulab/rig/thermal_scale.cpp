@@ -1,6 +1,6 @@
 #include "imulab/rig/thermal_scale.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 namespace imulab {
 

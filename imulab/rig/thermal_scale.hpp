@@ -3,7 +3,7 @@
 //   thermal_scale("K").reading(25)   // 298.15
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <string>
 

@@ -1,7 +1,8 @@
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

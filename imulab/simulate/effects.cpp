@@ -35,7 +35,7 @@ std::vector<EffectValue> drawn_effects(const Session& procedure, std::uint64_t s
   for (const auto& [name, sigma] : sizes) {
     const Effect& effect = *find_effect(name);
     const RandomStream draws(seed, "truth effect " + name);
-    for (int k = 0; k < effect.columns(setting); ++k) out.push_back({{&effect, k}, sigma * draws.normal(static_cast<std::uint64_t>(k))});
+    for (int k = 0; k < effect.columns(setting); ++k) out.push_back({name, k, sigma * draws.normal(static_cast<std::uint64_t>(k))});
   }
   return out;
 }
@@ -48,6 +48,8 @@ void add_effects(Recording& motion, std::span<const EffectValue> effects, double
   state.full_rate = std::max(1.0, largest(motion.gyro));
   double mean = 0;
   for (const TemperatureProfile::State& t : temperatures) mean += t.unit / static_cast<double>(temperatures.size());
+  std::vector<EffectColumn> columns;
+  for (const EffectValue& e : effects) columns.push_back({find_effect(e.name), e.column});
   PlayOperator play(gravity);
   const double last = std::max(motion.time_s(motion.size() - 1), 1e-9);
   for (std::size_t k = 0; k < motion.size(); ++k) {
@@ -57,9 +59,9 @@ void add_effects(Recording& motion, std::span<const EffectValue> effects, double
     state.play = play(state.force);
     if (!temperatures.empty()) state.warming = temperatures[k].unit - mean;
     OutputChange sum;
-    for (const EffectValue& e : effects) {
-      const OutputChange change = e.column.at(state);
-      sum.force += e.value * change.force, sum.rate += e.value * change.rate;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const OutputChange change = columns[i].at(state);
+      sum.force += effects[i].value * change.force, sum.rate += effects[i].value * change.rate;
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
       motion.accel[axis][k] += sum.force[static_cast<Eigen::Index>(axis)];
@@ -75,7 +77,7 @@ namespace imulab {
 std::vector<EffectEstimate> stated_effects(std::span<const EffectValue> effects) {
   std::vector<EffectEstimate> out;
   for (const EffectValue& e : effects) {
-    const Effect& effect = *e.column.effect;
+    const Effect& effect = *find_effect(e.name);
     if (out.empty() || out.back().name != effect.name) out.push_back({std::string(effect.name), std::string(effect.unit_name), {}, {}, true});
     out.back().values.push_back(e.value / effect.unit);
     out.back().sigma.push_back(0);

@@ -1,10 +1,11 @@
 // Effects of a simulated IMU (model/effects.hpp): drawn once, and added to its true motion.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
+#include "imulab/simulate.hpp"
 #include "imulab/simulate/temperature.hpp"
 
 #include <cstdint>

@@ -1,10 +1,10 @@
 // A perfect IMU on a rate table, a centrifuge and in a chamber.
 #include "imulab/rig/machine.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

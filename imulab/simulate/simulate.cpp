@@ -1,16 +1,17 @@
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/model/published_grades.hpp"
 #include "imulab/model/sensor_noise.hpp"
-#include "imulab/recording/session.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/session.hpp"
 #include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/temperature.hpp"
 
@@ -109,8 +110,8 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, recording.interval_s),
                accel_limits = limits_of(truth.accel_noise, source.accel, recording.interval_s);
   std::vector<TemperatureProfile::State> temperatures;
-  const bool warms =
-      std::any_of(truth.effects.begin(), truth.effects.end(), [](const EffectValue& e) { return e.column.effect->needs & Effect::by_thermometer; });
+  const bool warms = std::any_of(truth.effects.begin(), truth.effects.end(),
+                                 [](const EffectValue& e) { return find_effect(e.name)->needs & Effect::by_thermometer; });
   if (warms || truth.model.gyro.temperature || truth.model.accel.temperature || source.gyro_temperature || source.accel_temperature)
     temperatures =
         temperatures_at(samples, TemperatureProfile(recorded_motion(procedure, source, rig), procedure.rig_of(source)), recording.interval_s);

@@ -1,7 +1,7 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/simulate/temperature.hpp"
 

@@ -4,9 +4,9 @@
 //   const Recording recording = simulate_motion(motion::ideal_increments(flown, 0.01), 0.01, truth, seed);
 #pragma once
 
-#include "imulab/navigation/integration/increment.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/mission.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
 #include <cstdint>
 #include <optional>

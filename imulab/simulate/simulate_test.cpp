@@ -1,13 +1,13 @@
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/grade.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

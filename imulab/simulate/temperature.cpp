@@ -1,7 +1,7 @@
 #include "imulab/simulate/temperature.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/core.h>
 

@@ -5,11 +5,11 @@
 //   zeros  the temperature that the IMU's zeros follow: T with play, min(max(zeros, T - h), T + h): h behind, against the direction of change
 #pragma once
 
-#include "imulab/model/sensor_model.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/rig/motion.hpp"
 #include "imulab/rig/thermal_scale.hpp"
+#include "imulab/sensor_model.hpp"
+#include "imulab/session.hpp"
 
 #include <cstdint>
 #include <optional>

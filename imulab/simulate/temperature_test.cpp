@@ -1,9 +1,9 @@
 #include "imulab/simulate/temperature.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
 #include "imulab/rig/machine.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 // A drawn IMU with many coefficients.
-#include "imulab/core/units.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/model/grade.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

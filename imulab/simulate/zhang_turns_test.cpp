@@ -1,6 +1,6 @@
 // Zhang 2010 eq 8 (its Delta_g) against a simulated turntable: the independent check of axes, zero and angle errors together.
-#include "imulab/core/units.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 #include "imulab/tasks/budget.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/tasks/content.hpp"

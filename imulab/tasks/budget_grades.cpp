@@ -1,6 +1,6 @@
 // Several grades of sensors on one mission, side by side.
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/results/compare_results.hpp"
 #include "imulab/tasks/budget.hpp"

@@ -1,14 +1,16 @@
 #include "imulab/tasks/calibrate.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
-#include "imulab/fleet/store/sample.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/results/live.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
 
@@ -88,7 +90,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   declarations_option(verb, o.declarations);
   std::string summaries;
   for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
-  verb.option("--method METHOD", o.method, summaries).required().one_of(method_names());
+  verb.option("--method METHOD", o.method, summaries).required().one_of(offered_methods());
   verb.option("-o,--output FILE", o.output, "the calibration file to write; - for standard output").writes().of_command();
   verb.option("--terms TERMS", o.terms,
               fmt::format("coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full ({}): "
@@ -114,7 +116,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   return verb;
 }
 
-std::vector<std::string> method_names(bool predicting) {
+std::vector<std::string> offered_methods(bool predicting) {
   std::vector<std::string> names;
   for (const Method& m : methods())
     if (!predicting || m.predict != nullptr) names.emplace_back(m.name);

@@ -1,8 +1,9 @@
 // Calibrates a session: reads its recordings, runs the method, and fills in the origin of the result. Shared by the command and the Python module.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <functional>
@@ -34,7 +35,7 @@ struct CalibrationTask {
 };
 
 /// The names of all methods, or of those with a prediction.
-std::vector<std::string> method_names(bool predicting = false);
+std::vector<std::string> offered_methods(bool predicting = false);
 
 /// The task that these options ask for; reads the prior. Throws OptionError for what is wrong, or not of the method.
 CalibrationTask task_of(const CalibrateOptions& o);

@@ -1,10 +1,10 @@
 #include "imulab/tasks/compare.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/compare.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compare.hpp"
-#include "imulab/model/requirement.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/tasks/usable.hpp"
 

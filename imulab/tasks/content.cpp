@@ -1,5 +1,6 @@
 #include "imulab/tasks/content.hpp"
 
+#include "imulab/files.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 

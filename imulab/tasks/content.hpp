@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/shared_work.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <filesystem>
 #include <string>

@@ -1,13 +1,14 @@
 #include "imulab/tasks/fleet.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/fleet/store/part.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/noise/file.hpp"
+#include "imulab/fleet/store/store.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "imulab/core/part_file.hpp"
-#include "imulab/fleet/store/store.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <cstdint>
 #include <filesystem>

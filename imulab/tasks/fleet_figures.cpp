@@ -1,8 +1,8 @@
 #include "imulab/tasks/fleet_figures.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // The pictures of a fleet's page.
 #pragma once
 
-#include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet.hpp"
 
 #include <string>
 #include <vector>

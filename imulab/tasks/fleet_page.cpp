@@ -1,11 +1,12 @@
 #include "imulab/tasks/fleet_page.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/fleet/statistics/control.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/tasks/fleet_figures.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // A fleet as a page.
 #pragma once
 
-#include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet.hpp"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,8 @@
 #include "imulab/tasks/inspect.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/several_files.hpp"

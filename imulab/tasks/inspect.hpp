@@ -3,7 +3,7 @@
 
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstddef>

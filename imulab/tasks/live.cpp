@@ -1,12 +1,14 @@
 #include "imulab/tasks/live.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/memory.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/rest_means.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // A calibration by hand while its recording grows: the state so far, and what is missing. Shared by the command and the Python module.
 #pragma once
 
-#include "imulab/estimate/method.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/calibrate.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/results/live.hpp"
 
 #include <optional>

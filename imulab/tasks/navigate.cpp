@@ -1,14 +1,15 @@
 #include "imulab/tasks/navigate.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/recording/solution.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/session/file.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/navigation_figures.hpp"
+#include "imulab/units.hpp"
 
 #include <map>
 #include <utility>

@@ -1,7 +1,7 @@
 // Navigates a session: the solution, its errors against a reference, and the part of them that the calibration explains.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/results/navigation.hpp"
 #include "imulab/tasks/verb.hpp"
 

@@ -1,8 +1,9 @@
 #include "imulab/tasks/navigation_figures.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
@@ -217,8 +218,7 @@ double radius_of(double part, const Eigen::Vector2d& mean, const Eigen::Matrix2d
 
 std::vector<RequirementResult> assess(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, std::string_view limits) {
   const MissionErrors errors{budget, monte_carlo ? &*monte_carlo : nullptr};
-  const std::string by =
-      monte_carlo ? fmt::format("of {} Monte Carlo runs", monte_carlo->runs) : "by the linear propagation, without a Monte Carlo";
+  const std::string by = monte_carlo ? fmt::format("of {} Monte Carlo runs", monte_carlo->runs) : "by the linear propagation, without a Monte Carlo";
   std::vector<RequirementResult> out;
   for (const StatedLimit& limit : limits_of(limits, budget_example)) {
     const FoundFigure found = find_figure(limit, stated_figures(budget_figures()));

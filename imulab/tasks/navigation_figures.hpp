@@ -1,8 +1,8 @@
 // The figures of error budgets and navigations on which a requirement may be, and their units.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/core/stated_limit.hpp"
-#include "imulab/model/conclusion.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/results/navigation.hpp"

@@ -1,8 +1,10 @@
 #include "imulab/tasks/noise.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stored.hpp"
+#include "imulab/noise/noise_analysis.hpp"
 #include "imulab/report/noise_page.hpp"
 #include "imulab/results/noise.hpp"
 #include "imulab/results/noise_requirement.hpp"

@@ -1,8 +1,8 @@
 // The noise of logs at rest: one log, or several together.
 #pragma once
 
-#include "imulab/noise/noise_analysis.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/noise.hpp"
+#include "imulab/session.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdint>

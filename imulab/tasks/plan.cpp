@@ -1,15 +1,16 @@
 #include "imulab/tasks/plan.hpp"
 
 #include "imulab/core/checkpoint_file.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/report/prediction_page.hpp"
-#include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/calibrate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // Finds the shortest path of turns and rests with which a method meets requirements.
 #pragma once
 
-#include "imulab/estimate/turn_path.hpp"
-#include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/plan.hpp"
 #include "imulab/results/summary.hpp"
 #include "imulab/tasks/verb.hpp"
 

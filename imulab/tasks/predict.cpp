@@ -44,7 +44,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
   verb.option("procedure", o.procedure, "the procedure or session to predict").required().reads();
   verb.option("--method METHOD", o.method,
               fmt::format("the method of the calibration; Monte Carlo and tolerances are of {} alone", names_of_methods(&Method::takes_runs)))
-      .one_of(method_names(true))
+      .one_of(offered_methods(true))
       .show_default();
   verb.option("--terms TERMS", o.terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
       .show_default();
@@ -76,8 +76,8 @@ PredictionOptions task_of(const PredictOptions& o) {
                             .effects = o.effects == "table" && !o.classical,
                             .runs = o.runs,
                             .seed = o.seed,
-                            .classical = o.classical,
-                            .sharing = o.shared.sharing()};
+                            .classical = o.classical};
+  if (std::optional<Sharing> sharing = o.shared.sharing()) options.sharing = std::make_shared<Sharing>(*std::move(sharing));
   if (o.require) options.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
   return options;
 }

@@ -1,11 +1,11 @@
 #include "imulab/tasks/procedures.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/results/prediction.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

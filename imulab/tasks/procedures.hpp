@@ -2,8 +2,8 @@
 // (docs/procedures.md).
 #pragma once
 
-#include "imulab/estimate/prediction.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/predict.hpp"
+#include "imulab/session.hpp"
 
 #include <span>
 #include <string>

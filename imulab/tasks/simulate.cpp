@@ -1,15 +1,16 @@
 #include "imulab/tasks/simulate.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/simulate.hpp"
 #include "imulab/simulate/effects.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,10 @@
 // A procedure carried out by a virtual rig on a virtual IMU: a session with recordings, and the truth that a calibration should find.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdint>

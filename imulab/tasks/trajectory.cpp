@@ -1,10 +1,8 @@
 #include "imulab/tasks/trajectory.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/solution.hpp"
-#include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"

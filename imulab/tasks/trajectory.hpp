@@ -1,11 +1,11 @@
 // Flies a mission: the truth, and the readings of an IMU on it.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/formats/session/mission.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdint>

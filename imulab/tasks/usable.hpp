@@ -1,8 +1,8 @@
 // Calibrations that may be applied, and the recordings that they fit.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/session.hpp"
 
 #include <string>
 #include <vector>

@@ -2,9 +2,9 @@
 // the Python module are read from it.
 #pragma once
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
 #include "imulab/model/conclusion.hpp"
 
 #include <array>

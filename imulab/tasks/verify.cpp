@@ -1,6 +1,7 @@
 #include "imulab/tasks/verify.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/json.hpp"
 
 #include <fmt/core.h>

@@ -2,11 +2,11 @@
 // they agree with the stated covariance?
 #pragma once
 
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
 
 #include <Eigen/Core>
 

@@ -1,11 +1,10 @@
 // The proof by a drive (Cheng 2014, sec 3.3): one IMU, calibrated by the classical method on a good table and on a poor one and by the hybrid method
 // on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/mission.hpp"
-#include "imulab/navigation/navigate.hpp"
-#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

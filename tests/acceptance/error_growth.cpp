@@ -1,8 +1,8 @@
 // The linear covariance of navigation errors against full integrations, at full size.
-#include "imulab/core/units.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/budget/specification.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/shared_runs.hpp"

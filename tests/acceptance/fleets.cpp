@@ -1,10 +1,14 @@
 // Fleets drawn with known spread, drift, station bias and outliers, through a store: do the intervals of all statistics cover, and are outliers found
 // at the stated rate?
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/fleet/store/sample.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet/store/database.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,11 +1,12 @@
 // Fleets whose sessions are simulated, written, and calibrated by the documented commands: `fleet calibrate --method handheld`, then `fleet stats`.
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/fleet/store/sample.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/tasks/fleet.hpp"
 #include "imulab/tasks/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/shared_runs.hpp"

@@ -2,11 +2,10 @@
 // all navigated without aiding from the exact start.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/formats/session/mission.hpp"
-#include "imulab/navigation/navigate.hpp"
-#include "imulab/navigation/navigation_error.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -2,10 +2,11 @@
 // of a second is an unknown of its own, tied to its neighbors by the gyros' increments; the accelerometers' increments are gravity's in that
 // attitude, since the velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one
 // after the other.
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

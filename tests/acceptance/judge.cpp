@@ -1,6 +1,6 @@
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 // imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures. Before these, --checkpoint DIR goes on
 // from where it ended, and --part K/N -o FILE does a part of every test; imulab_accept --join FILE... tells what came out.
-#include "imulab/core/error.hpp"
 #include "imulab/core/part_file.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/formats/text/file.hpp"
+#include "imulab/files.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,11 @@
 #include "tests/acceptance/mems_unit.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/rig/procedure.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/simulate.hpp"
 
 #include "tests/calibration_input.hpp"
 

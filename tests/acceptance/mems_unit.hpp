@@ -1,7 +1,7 @@
 // A MEMS IMU of Dai 2011, table 2, drawn and calibrated.
 #pragma once
 
-#include "imulab/model/sensor_model.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <cstdint>
 

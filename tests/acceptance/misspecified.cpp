@@ -1,14 +1,14 @@
 // Every method with its defaults on units and data that are not ideal (docs/validation.md): all terms of the model, correlated noise, a delay between
 // the triads, late stamps, a bumped rest. What is stated has to hold all the same.
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_noise.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

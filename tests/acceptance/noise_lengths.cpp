@@ -2,8 +2,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/sensor_noise.hpp"
-#include "imulab/noise/deviation.hpp"
-#include "imulab/noise/noise_fit.hpp"
+#include "imulab/noise.hpp"
 
 #include <fmt/core.h>
 

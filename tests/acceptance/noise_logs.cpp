@@ -3,8 +3,8 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/noise.hpp"
 #include "imulab/noise/likelihood.hpp"
-#include "imulab/noise/noise_fit.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

@@ -1,7 +1,8 @@
 // Do predictions agree with what calibrate states of simulated sessions, and with the scatter of its estimates?
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 
 #include <fmt/core.h>
 

@@ -1,14 +1,16 @@
 // Simulated sessions and their Fisher information. The information is derived independently of the estimators: every attitude is an unknown of its
 // own, and the readings' derivatives are differences of the predicted readings.
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 // The runs of an acceptance test on all cores; in parts, which are joined; or again from where it ended (docs/cluster.md).
 #pragma once
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <Eigen/Core>

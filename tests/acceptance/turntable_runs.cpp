@@ -1,12 +1,12 @@
 // Simulated recordings on a turntable whose errors are drawn, and their Fisher information, derived independently of the estimator: readings with
 // white noise alone as a function of the coefficients and of every error of the table, which are unknowns with a prior; derivatives by differences;
 // the table's errors eliminated; and the second order of what remains of them.
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/rig/table_readings.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,13 +1,13 @@
 // Simulated whole-unit sessions, and their Fisher information, derived independently of the estimator: raw means as a function of the coefficients
 // and of every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,7 @@
 #include "imulab/estimate/coarse/coarse.hpp"
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/rotation.hpp"
 
 #include <Eigen/LU>
 

@@ -2,7 +2,8 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

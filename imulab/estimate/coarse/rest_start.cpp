@@ -1,13 +1,14 @@
 #include "imulab/estimate/coarse/rest_start.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

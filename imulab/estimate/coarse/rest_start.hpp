@@ -2,6 +2,7 @@
 // And whether the gyros turn with the accelerometers: those of another recording, or on another clock, do not, and no method can calibrate them.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/prior.hpp"

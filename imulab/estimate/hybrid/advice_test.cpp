@@ -1,7 +1,7 @@
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,9 @@
 // Faults on a table or a bench, and the response of the hybrid method.
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,9 +2,10 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
+#include "imulab/units.hpp"
 
 #include <cmath>
 

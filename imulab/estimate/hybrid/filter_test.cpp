@@ -1,5 +1,6 @@
 #include "imulab/estimate/hybrid/filter.hpp"
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 
 #include <gtest/gtest.h>

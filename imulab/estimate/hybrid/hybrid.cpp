@@ -1,17 +1,18 @@
 #include "imulab/estimate/hybrid/hybrid.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/coarse/rest_start.hpp"
 #include "imulab/estimate/hybrid/latitude_at_rest.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/conclusion.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/recording/rest_means.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

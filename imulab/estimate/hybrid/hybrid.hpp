@@ -2,6 +2,7 @@
 // A table only turns the IMU; its angles are not used.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
 
 namespace imulab::hybrid {

@@ -1,10 +1,10 @@
 #include "imulab/estimate/hybrid/hybrid.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>

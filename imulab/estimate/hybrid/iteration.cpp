@@ -33,13 +33,14 @@
 //   begin again (kernel::refine).
 #include "imulab/estimate/hybrid/iteration.hpp"
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/heading_error.hpp"
 #include "imulab/estimate/hybrid/turns.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <cmath>

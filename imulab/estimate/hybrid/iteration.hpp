@@ -2,8 +2,8 @@
 // explain.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/estimate/hybrid/filter.hpp"
-#include "imulab/model/calibration.hpp"
 
 #include <cstddef>
 #include <optional>

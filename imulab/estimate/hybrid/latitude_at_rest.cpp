@@ -1,8 +1,8 @@
 #include "imulab/estimate/hybrid/latitude_at_rest.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,8 +1,8 @@
 // The latitude that the gyros show at rest, without any turn: the Earth's rate along gravity and across it.
 #pragma once
 
-#include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/rest_means.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <optional>
 #include <vector>

@@ -2,8 +2,8 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "imulab/estimate/hybrid/motion_information.hpp"
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <Eigen/Cholesky>

@@ -5,7 +5,7 @@
 //   0    = int f_n x phi + int C df            the velocity is zero at both ends
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 

@@ -1,10 +1,11 @@
 #include "imulab/estimate/hybrid/motion_information.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

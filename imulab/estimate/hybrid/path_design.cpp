@@ -1,7 +1,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/path_search.hpp"
 
 #include <algorithm>

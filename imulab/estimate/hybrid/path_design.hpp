@@ -2,11 +2,12 @@
 // the smallest uncertainties in a given time (docs/plan.md).
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/turn_path.hpp"
-#include "imulab/model/requirement.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/plan.hpp"
+#include "imulab/procedure.hpp"
 
 #include <functional>
 #include <optional>

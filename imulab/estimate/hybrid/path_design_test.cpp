@@ -1,7 +1,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

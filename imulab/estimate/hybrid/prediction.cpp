@@ -1,19 +1,21 @@
 #include "imulab/estimate/hybrid/prediction.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/iteration.hpp"
 #include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/model/frame.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/recording/rests_of_view.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

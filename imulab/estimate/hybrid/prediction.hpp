@@ -2,10 +2,10 @@
 // exact motion (docs/predict.md). It is the Cramer-Rao bound of the method's linear model.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/model/requirement.hpp"
 #include "imulab/rig/pose_on_table.hpp"
 
 #include <vector>

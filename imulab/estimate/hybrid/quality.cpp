@@ -1,9 +1,9 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/turns.hpp"
-#include "imulab/recording/compensate_recording.hpp"
+#include "imulab/recording/compensated_readings.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -6,7 +6,7 @@
 // which is what the filter with c among its states arrives at. Its time would grow with the cube of their number, that of U with the number.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"

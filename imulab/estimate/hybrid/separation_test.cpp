@@ -2,8 +2,9 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/estimate/hybrid/filter.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

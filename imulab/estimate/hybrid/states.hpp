@@ -2,11 +2,11 @@
 // first, group by group, then the errors of attitude and velocity.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <set>

@@ -1,6 +1,6 @@
 #include "imulab/estimate/hybrid/states.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,7 @@
 // The hybrid method's terms beyond Cheng's 21: found where present, left out where absent.
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/model/sensor_noise.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,7 +1,8 @@
 #include "imulab/estimate/hybrid/turns.hpp"
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/recording/compensate_recording.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/recording/compensated_readings.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

@@ -2,9 +2,9 @@
 // degrees, and no model explains it.
 #pragma once
 
-#include "imulab/model/sensor_model.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <cstddef>
 #include <string>

@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/clocks.hpp"
 
-#include "imulab/core/units.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,9 +1,9 @@
 // The clocks of a recording and of its steps, where they are not one.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/calibration.hpp"
 #include "imulab/rig/clock_offset.hpp"
+#include "imulab/session.hpp"
 
 #include <cmath>
 #include <span>

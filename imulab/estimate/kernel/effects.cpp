@@ -2,9 +2,9 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -2,11 +2,11 @@
 // supplies the derivatives of its residuals by the output of a triad, and the state there; no method knows an effect.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <optional>
 #include <string>

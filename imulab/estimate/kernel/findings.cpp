@@ -2,8 +2,9 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/model/conclusion.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

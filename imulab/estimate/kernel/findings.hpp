@@ -2,9 +2,10 @@
 // method are here, once.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/model/conclusion.hpp"
 #include "imulab/recording/mean_noise.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <string>
 #include <string_view>

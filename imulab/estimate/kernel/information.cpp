@@ -1,7 +1,7 @@
 #include "imulab/estimate/kernel/information.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>

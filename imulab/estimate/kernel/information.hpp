@@ -1,7 +1,7 @@
 // Least squares for all methods: parameters with their priors, the normal equations of the data, and the solution.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 
 #include <limits>
 #include <string_view>

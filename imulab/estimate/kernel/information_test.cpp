@@ -1,7 +1,7 @@
 #include "imulab/estimate/kernel/information.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

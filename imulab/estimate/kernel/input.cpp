@@ -1,8 +1,9 @@
 #include "imulab/estimate/kernel/input.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/frame.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 

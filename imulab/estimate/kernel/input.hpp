@@ -1,8 +1,10 @@
 // The input of a method with one recording, and the coefficients that it was asked for.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/recording/rests.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
 
 #include <string_view>
 

@@ -1,9 +1,9 @@
 #include "imulab/estimate/kernel/plausibility.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/recording/repeated_part.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,10 @@
 // alone.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/sensor_model.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <span>
 #include <string>

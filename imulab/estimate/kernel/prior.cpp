@@ -2,8 +2,8 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

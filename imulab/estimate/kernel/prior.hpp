@@ -2,9 +2,9 @@
 // data show it or not, unless they exclude it: it is estimated under its prior, or considered.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/session.hpp"
 
 #include <cmath>
 #include <string>

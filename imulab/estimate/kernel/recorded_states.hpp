@@ -2,9 +2,9 @@
 #pragma once
 
 #include "imulab/model/effects.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/scaling.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <vector>

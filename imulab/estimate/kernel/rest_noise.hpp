@@ -1,7 +1,7 @@
 // The white noise of an IMU in the rests of its calibration: for filters whose noise nobody has measured otherwise.
 #pragma once
 
-#include "imulab/estimate/method.hpp"
+#include "imulab/calibrate.hpp"
 
 #include <optional>
 

@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/second_opinion.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/frame.hpp"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 // what b adds to a's error is independent of it. A model that is wrong in one of them, or a rig that is not as declared, sets them apart.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
 #include <optional>
 #include <string_view>

@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/second_opinion.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/estimate/kernel/site.hpp"
 
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 
 #include <algorithm>
 #include <cmath>

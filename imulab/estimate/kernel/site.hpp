@@ -5,9 +5,9 @@
 //   site.fill(state, C_bn);
 #pragma once
 
-#include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/model/effects.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 namespace imulab::kernel {
 

@@ -1,8 +1,8 @@
 // Declared noise that lasts longer than a sample, in means over times: bias instability, rate random walk and ramp.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/imu_noise.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/grade.hpp"
 
 #include <vector>
 

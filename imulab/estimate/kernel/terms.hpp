@@ -1,9 +1,9 @@
 // Choice of optional terms: Wald's test, cross-validation, and backward selection.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/model/calibration.hpp"
 
 #include <functional>
 #include <string>

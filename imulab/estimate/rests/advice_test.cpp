@@ -1,6 +1,8 @@
 // A unit that is turned as the advice says reaches what is required in no more rests than one that is turned at random.
-#include "imulab/core/error.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
+#include "imulab/model/effects.hpp"
 
 #include <gmock/gmock.h>
 

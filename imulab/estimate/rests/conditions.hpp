@@ -4,7 +4,7 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 

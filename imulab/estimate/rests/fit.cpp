@@ -1,8 +1,8 @@
 #include "imulab/estimate/rests/fit.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/model/gauge.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -24,7 +24,7 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 

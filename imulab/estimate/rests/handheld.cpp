@@ -1,6 +1,6 @@
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/coarse/rest_start.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -8,6 +8,7 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

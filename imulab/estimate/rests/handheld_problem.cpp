@@ -1,7 +1,8 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <fmt/core.h>

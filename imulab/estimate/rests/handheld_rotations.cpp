@@ -1,5 +1,6 @@
 // The rotations between the rests of a handheld calibration: which are usable, and what the gyros integrate.
-#include "imulab/core/error.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 
 #include <fmt/core.h>

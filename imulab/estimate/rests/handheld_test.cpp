@@ -1,7 +1,9 @@
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>

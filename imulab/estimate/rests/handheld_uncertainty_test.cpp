@@ -1,6 +1,7 @@
 // The handheld method's uncertainties where the unit bends or its readings are coarse, and what it says of the parts of a recording.
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

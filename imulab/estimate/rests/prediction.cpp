@@ -1,15 +1,16 @@
 // The uncertainties of both methods before any data: their own conditions, at the ideal readings of a procedure with the declared noise.
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/recording/rests.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

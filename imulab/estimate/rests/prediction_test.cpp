@@ -1,8 +1,8 @@
 // Predictions of the methods on rests. Agreement with their calibrations: tests/methods_test.cpp.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/model/grade.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/procedure.hpp"
 
 #include <gmock/gmock.h>
 

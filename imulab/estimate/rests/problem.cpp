@@ -1,11 +1,11 @@
 #include "imulab/estimate/rests/problem.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 // The derivatives of both methods' conditions against differences of the conditions themselves.
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/problem.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 // The methods that need no rig: rests in many orientations, and the rotations between them.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
 
 namespace imulab::rests {

@@ -1,11 +1,11 @@
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/model/frame_axes.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

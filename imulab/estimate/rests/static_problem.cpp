@@ -1,5 +1,6 @@
 // The conditions of rests alone.
-#include "imulab/earth/earth.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 
 #include <algorithm>

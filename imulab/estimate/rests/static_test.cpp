@@ -1,6 +1,6 @@
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

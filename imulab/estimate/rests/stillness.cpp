@@ -2,7 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 
 #include <cmath>
 

@@ -1,8 +1,9 @@
 #include "imulab/estimate/rests/stillness.hpp"
 
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

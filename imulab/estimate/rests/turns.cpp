@@ -1,8 +1,8 @@
 #include "imulab/estimate/rests/turns.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 // Turns whose angle is declared: a hand turns a box from rest to rest, and says by how much.
 #pragma once
 
-#include "imulab/core/rotation.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/session.hpp"
 
 #include <string>
 #include <vector>

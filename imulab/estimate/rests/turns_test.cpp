@@ -1,11 +1,14 @@
 // Turns of a declared angle in the handheld method: a box that a hand turns by 360 deg, each angle known to a degree.
 #include "imulab/estimate/rests/turns.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

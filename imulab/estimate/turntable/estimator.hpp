@@ -2,11 +2,11 @@
 // a matrix with the readings.
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/turntable/table_effects.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_motion.hpp"
 
 #include <optional>

@@ -1,12 +1,12 @@
 #include "imulab/estimate/turntable/fit.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

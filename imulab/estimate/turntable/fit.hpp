@@ -3,8 +3,8 @@
 
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/recording/session.hpp"
 #include "imulab/rig/table_plan.hpp"
+#include "imulab/session.hpp"
 
 #include <cmath>
 #include <string>

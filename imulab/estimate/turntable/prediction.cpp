@@ -1,11 +1,11 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/model/forward_model.hpp"
-#include "imulab/recording/session.hpp"
 #include "imulab/rig/table_readings.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 

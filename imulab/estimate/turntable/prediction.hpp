@@ -5,7 +5,7 @@
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/model/imu_noise.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/rig/table_plan.hpp"
 
 #include <cstdint>

@@ -1,10 +1,10 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
-#include "imulab/core/parallel.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // What a unit on a turntable may do besides the sensor model (model/effects.hpp), as further sources of the readings beside the table's errors.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/rig/table_motion.hpp"
 

@@ -1,11 +1,11 @@
 #include "imulab/estimate/turntable/table_effects.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/rig/motion.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>

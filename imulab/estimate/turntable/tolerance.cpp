@@ -1,8 +1,8 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,9 @@
 // The inverse question: how coarse a table, how late its turns, how noisy an IMU may be for a calibration to meet its requirements.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/model/requirement.hpp"
+#include "imulab/predict.hpp"
 
 #include <vector>
 

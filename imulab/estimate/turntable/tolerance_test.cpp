@@ -1,8 +1,8 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

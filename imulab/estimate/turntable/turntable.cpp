@@ -1,9 +1,8 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -11,6 +10,7 @@
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/explanation.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

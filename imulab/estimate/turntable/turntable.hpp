@@ -2,6 +2,7 @@
 // with the table's declared errors in the weights and in the stated uncertainties.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/rig/table_plan.hpp"
 

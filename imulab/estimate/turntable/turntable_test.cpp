@@ -1,10 +1,11 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
 #include "imulab/model/gauge.hpp"
-#include "imulab/simulate/simulate.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/simulate.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

@@ -1,9 +1,9 @@
 // Zhang 2010, table 1 (docs/zhang2010.md): the printed errors of one simulated calibration against the distribution predicted for it.
+#include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

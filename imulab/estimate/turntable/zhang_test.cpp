@@ -1,5 +1,5 @@
 // The turntable estimator against Zhang 2010: his formulas, and the closed form of their errors (docs/zhang2010.md).
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

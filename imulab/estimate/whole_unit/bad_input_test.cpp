@@ -1,9 +1,11 @@
 // Whole-unit sessions whose declarations contradict the data.
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 // The states of the machines' points, on which the effects of the table depend.
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/whole_unit/problem.hpp"
 #include "imulab/rig/thermal_scale.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <cmath>

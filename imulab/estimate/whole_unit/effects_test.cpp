@@ -1,10 +1,10 @@
 // Effects of the table in whole-unit calibration. Over drawn units: tests/effects_simulation.
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/whole_unit/problem.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

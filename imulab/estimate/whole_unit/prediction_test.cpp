@@ -1,9 +1,10 @@
 // Predictions of the whole-unit method. Agreement with its calibrations: tests/methods_test.cpp.
-#include "imulab/core/error.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/requirement.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/predict.hpp"
+#include "imulab/procedure.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,12 +1,13 @@
 #include "imulab/estimate/whole_unit/problem.hpp"
 
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/session.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

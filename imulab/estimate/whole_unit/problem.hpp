@@ -7,12 +7,13 @@
 // the table, what they add to the compensated means is taken off.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/rig/machine_points.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/simulate.hpp"
 
 #include <array>
 #include <optional>

@@ -1,8 +1,9 @@
 #include "imulab/estimate/whole_unit/quality.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/simulate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

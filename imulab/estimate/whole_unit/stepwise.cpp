@@ -1,8 +1,9 @@
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/recording/scaling.hpp"
 #include "imulab/rig/machine_points.hpp"
 

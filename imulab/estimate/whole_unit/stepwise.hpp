@@ -4,8 +4,8 @@
 #pragma once
 
 #include "imulab/estimate/whole_unit/problem.hpp"
-#include "imulab/model/sensor_model.hpp"
 #include "imulab/rig/machine_points.hpp"
+#include "imulab/sensor_model.hpp"
 
 namespace imulab::whole_unit {
 

@@ -1,8 +1,8 @@
 // The optional terms of a whole-unit calibration, by triad: cubic, quadratic, second-order thermal, and the gyros' g-sensitivity.
 #pragma once
 
+#include "imulab/calibration.hpp"
 #include "imulab/estimate/whole_unit/problem.hpp"
-#include "imulab/model/calibration.hpp"
 
 #include <vector>
 

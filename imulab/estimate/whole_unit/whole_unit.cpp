@@ -1,7 +1,7 @@
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -9,9 +9,9 @@
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 #include "imulab/estimate/whole_unit/terms.hpp"
 #include "imulab/model/gauge.hpp"
-#include "imulab/recording/session.hpp"
-#include "imulab/recording/validate.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+#include "imulab/session.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

@@ -2,6 +2,7 @@
 // counts 63 with the thermal constants, which the gauge c0 = d0 = 0 at T0 fixes), jointly by weighted least squares or in Dai's three steps.
 #pragma once
 
+#include "imulab/calibrate.hpp"
 #include "imulab/estimate/method.hpp"
 
 namespace imulab::whole_unit {

@@ -1,9 +1,10 @@
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>

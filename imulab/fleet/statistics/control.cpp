@@ -1,5 +1,7 @@
 #include "imulab/fleet/statistics/control.hpp"
 
+#include "imulab/fleet.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,6 +1,7 @@
 #include "imulab/fleet/statistics/drift.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/fleet.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 #include "imulab/core/random.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/drift.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"
 

@@ -2,6 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"
 
 #include <algorithm>

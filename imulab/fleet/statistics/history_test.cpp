@@ -1,5 +1,6 @@
 // Drift, gauge and control of drawn fleets.
 #include "imulab/core/random.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/control.hpp"
 #include "imulab/fleet/statistics/drift.hpp"
 #include "imulab/fleet/statistics/gauge.hpp"

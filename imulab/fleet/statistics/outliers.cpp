@@ -3,6 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/fleet.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "imulab/fleet/statistics/outliers.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/fleet.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

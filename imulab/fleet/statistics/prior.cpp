@@ -1,10 +1,11 @@
 #include "imulab/fleet/statistics/prior.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/outliers.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/frame.hpp"
 
 #include <fmt/format.h>
 

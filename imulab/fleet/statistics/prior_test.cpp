@@ -1,9 +1,10 @@
 #include "imulab/fleet/statistics/prior.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,7 +1,8 @@
 #include "imulab/fleet/statistics/random_effects.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
 
 #include <algorithm>
 #include <array>

@@ -9,17 +9,10 @@
 // wide: use spread_high where a bound is needed.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/fleet.hpp"
 
 namespace imulab {
-
-struct RandomEffects {
-  Eigen::Index units = 0;
-  double mean = 0, mean_low = 0, mean_high = 0;        ///< interval of Hartung and Knapp
-  double spread = 0, spread_low = 0, spread_high = 0;  ///< standard deviation between units; interval: profile of the restricted likelihood
-  double measurement = 0;                              ///< root of the mean variance with which a unit was measured
-  double p_value = 1;                                  ///< probability of such differences between units that are all the same
-};
 
 /// Interval of the spread by the profile of the likelihood (Hardy and Thompson 1996). One value gives the mean with its own uncertainty, and no
 /// spread. `confidence` is that of each interval alone. Throws Error where there is no value, and for a variance that is not above 0.

@@ -1,8 +1,9 @@
 #include "imulab/fleet/statistics/random_effects.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,7 @@
 #include "imulab/fleet/statistics/stated.hpp"
 
+#include "imulab/fleet/statistics/control.hpp"
+#include "imulab/fleet/statistics/drift.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"

@@ -1,7 +1,7 @@
 // The statistics of a fleet, for people and for programs.
 #pragma once
 
-#include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet.hpp"
 
 #include <string>
 

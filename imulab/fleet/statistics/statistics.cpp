@@ -2,7 +2,8 @@
 
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/units.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "imulab/fleet/store/database.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/fleet/store/store.hpp"
 #include "imulab/formats/text/file.hpp"
 

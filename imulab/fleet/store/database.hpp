@@ -1,7 +1,8 @@
 // A SQLite file of one's own: statements, values, transactions. Every failure is a DatabaseError with the file.
 #pragma once
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -19,8 +20,6 @@ class DatabaseError : public Error {
  public:
   using Error::Error;
 };
-
-enum class Access { read, write };  ///< write: the file is made where there is none
 
 class Database {
  public:

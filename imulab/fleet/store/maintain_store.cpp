@@ -1,6 +1,7 @@
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/numbers.hpp"
-#include "imulab/fleet/store/store.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "imulab/fleet/store/numbers.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/frame.hpp"
+#include "imulab/error.hpp"
+#include "imulab/frame.hpp"
 
 #include <fmt/format.h>
 

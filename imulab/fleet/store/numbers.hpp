@@ -1,7 +1,7 @@
 // A calibration's numbers as the store keeps them: values and covariance of the estimated coefficients, in the accelerometers' frame.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/calibration.hpp"
 
 #include <cstdint>
 #include <span>

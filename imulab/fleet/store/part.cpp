@@ -1,7 +1,8 @@
 #include "imulab/fleet/store/part.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet/store/database.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/part_file.hpp"
-#include "imulab/fleet/store/store.hpp"
+#include "imulab/fleet.hpp"
 
 #include <filesystem>
 #include <string>

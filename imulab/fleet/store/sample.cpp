@@ -1,6 +1,8 @@
 #include "imulab/fleet/store/sample.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/store/database.hpp"
 
 #include <fmt/format.h>
 

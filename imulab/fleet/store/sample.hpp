@@ -1,10 +1,10 @@
 // The calibrations of a store, for the statistics of a fleet.
 #pragma once
 
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/fleet/statistics/statistics.hpp"
 #include "imulab/fleet/store/numbers.hpp"
-#include "imulab/fleet/store/store.hpp"
 
 #include <functional>
 #include <map>
@@ -17,12 +17,6 @@ namespace imulab {
 /// Calibrations that were not removed, of one method or of all (""). Covariances stay in the store: in memory are value and variance of each
 /// coefficient (16 bytes) and about 150 bytes a calibration beside them. Throws Error where there is none.
 FleetSample load_sample(FleetStore& store, const std::string& method = "");
-
-/// The statistics of these. Throws Error where there is none.
-FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
-
-/// The prior that the store's units give for the next one. Throws Error for units with readings of different kinds, and for too few.
-FleetPrior fleet_prior(FleetStore& store);
 
 }  // namespace imulab
 

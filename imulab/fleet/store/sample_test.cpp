@@ -1,11 +1,13 @@
 #include "imulab/fleet/store/sample.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
+#include "imulab/fleet/store/database.hpp"
+#include "imulab/parallel.hpp"
 #include "imulab/tasks/fleet_page.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

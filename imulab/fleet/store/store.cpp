@@ -1,6 +1,8 @@
 #include "imulab/fleet/store/store.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/numbers.hpp"
 #include "imulab/formats/calibration/file.hpp"
@@ -56,7 +58,11 @@ FleetSession hashed_session(const std::string& file, const std::string& sum,
   return session;
 }
 
-FleetStore::FleetStore(const std::filesystem::path& file, fleet::Access access) : database_(file, access) { expect_schema(database_, access); }
+FleetStore::FleetStore(const std::filesystem::path& file, fleet::Access access)
+    : owned_(std::make_unique<fleet::Database>(file, access)), database_(*owned_) {
+  expect_schema(database_, access);
+}
+FleetStore::~FleetStore() = default;
 
 FleetStore::Known FleetStore::known(const FleetSession& session, const FleetRequest& request) {
   Statement done(database_, "SELECT 1 FROM calibrations WHERE key = ?");

@@ -1,9 +1,11 @@
-#include "imulab/fleet/store/store.hpp"
-
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/fleet.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/numbers.hpp"
-#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <gmock/gmock.h>
 

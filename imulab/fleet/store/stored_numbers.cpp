@@ -1,4 +1,5 @@
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/csv_field.hpp"
 #include "imulab/formats/text/decimal.hpp"

@@ -1,11 +1,12 @@
 #include "imulab/formats/calibration/file.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/calibration_fields.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>

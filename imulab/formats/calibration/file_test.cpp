@@ -1,8 +1,9 @@
 #include "imulab/formats/calibration/file.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

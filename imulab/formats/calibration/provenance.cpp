@@ -1,3 +1,4 @@
+#include "imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/session/file.hpp"

@@ -1,7 +1,6 @@
-#include "imulab/formats/import/calibration.hpp"
-
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/import/format.hpp"
 #include "imulab/formats/import/numbers.hpp"

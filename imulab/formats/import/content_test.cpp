@@ -1,7 +1,7 @@
 // The contents of a file beside its numbers are kept or named: layout, units, axes, what was not determined, checksums, dialects.
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/import/calibration.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 // The table of `imulab export --to csv`: names of coefficients and their values. Uncertainties of single coefficients say nothing without their
 // correlations, and are left.
+#include "imulab/coefficient.hpp"
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
 

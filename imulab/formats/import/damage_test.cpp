@@ -1,7 +1,7 @@
 // Damaged files of other programs: refused by file and line, and never more than an Error.
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/import/calibration.hpp"
+#include "imulab/error.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 

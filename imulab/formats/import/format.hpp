@@ -1,8 +1,8 @@
 // The formats that `imulab import` reads, in one table.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/sensor_model.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <optional>
 #include <string>

@@ -1,8 +1,8 @@
 // Files of other programs become calibrations that do what those programs' equations do; what was exported comes back; damage is named by file and
 // line.
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/import/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/exchange.hpp"
+#include "imulab/files.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // imucal's JSON (mad-lab-fau/imucal: imucal/calibration_info.py, ferraris_calibration_info.py) and imulab's own json-matrix.
-#include "imulab/core/units.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/json.hpp"
-#include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>

@@ -6,9 +6,9 @@
 //   f = Ka (f_m - Ka2 f_m^2) - db,  w = Kg w_m - eb - gSens f_m
 //
 // with PSINS' own g and ug.
-#include "imulab/core/units.hpp"
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

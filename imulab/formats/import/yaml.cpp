@@ -1,6 +1,6 @@
 #include "imulab/formats/import/yaml.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/printable.hpp"
 

@@ -1,7 +1,7 @@
 // YAML as a tree with lines; one source knows yaml-cpp.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/formats/import/format.hpp"
 
 #include <optional>

@@ -1,6 +1,6 @@
-#include "imulab/formats/noise/file.hpp"
-
 #include "imulab/formats/text/file.hpp"
+
+#include "imulab/files.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/noise/noise_fields.hpp"
 

@@ -1,7 +1,6 @@
-#include "imulab/formats/noise/file.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/results/noise.hpp"
 
 #include <gmock/gmock.h>

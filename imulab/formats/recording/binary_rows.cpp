@@ -1,5 +1,5 @@
 // Rows of binary numbers whose layout the session declares: "f8x7", ">i2x6 u4 +64".
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/child.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/child_tables.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
 #include <fmt/core.h>

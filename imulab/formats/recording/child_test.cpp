@@ -1,5 +1,5 @@
 // A fault in a child process stays there: its answer or its death is all that the program sees.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/child_tables.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,8 @@
 #include "imulab/formats/recording/compensated_file.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/bag/folder.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/recording/binary.hpp"
@@ -8,7 +10,6 @@
 #include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,11 @@
 // Bags written: what is replaced, and that nothing else changes.
 #include "imulab/formats/recording/compensated_file.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/formats/recording/csv.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/csv_rows.hpp"
 #include "imulab/formats/recording/encoding.hpp"
 #include "imulab/formats/recording/format.hpp"
@@ -10,6 +10,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/parallel.hpp"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/formats/recording/csv_layout.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/encoding.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"

@@ -1,7 +1,7 @@
 // The layout of a text table: its delimiter, its header, where its rows begin.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <optional>

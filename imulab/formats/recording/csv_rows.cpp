@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/csv_rows.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/unit_names.hpp"

@@ -3,7 +3,7 @@
 
 #include "imulab/formats/recording/csv_layout.hpp"
 #include "imulab/recording/clock.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,8 +1,9 @@
 #include "imulab/formats/recording/csv_writer.hpp"
 
+#include "imulab/compensate.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <algorithm>

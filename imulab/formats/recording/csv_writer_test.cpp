@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/csv_writer.hpp"
 
-#include "imulab/recording/compensate_recording.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 

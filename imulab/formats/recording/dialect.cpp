@@ -1,8 +1,8 @@
 // The dialect of a text, from its first lines.
 #include "imulab/formats/recording/dialect.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/number_form.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/inspection/names.hpp"

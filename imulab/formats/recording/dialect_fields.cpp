@@ -1,6 +1,6 @@
 // Fields of a line, and the words for dialects.
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/dialect.hpp"
 #include "imulab/formats/text/printable.hpp"
 

@@ -1,5 +1,5 @@
 // Text as people write it: one recording in every dialect reads the same; what two conventions could mean is an error that says what to declare.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/number_form.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/formats/recording/stream.hpp"

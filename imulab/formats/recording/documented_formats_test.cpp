@@ -1,6 +1,6 @@
 // The sessions of docs/formats.md, "Recordings", read the files of tests/recordings/.
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>
 

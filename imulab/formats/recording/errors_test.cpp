@@ -1,5 +1,6 @@
 // Messages about wrong recordings.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/format.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/dialect.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/formats/recording/table.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <filesystem>
 #include <functional>

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/imu_tables.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/inspection/names.hpp"

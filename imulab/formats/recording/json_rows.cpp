@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/json_rows.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/json_scan.hpp"
 #include "imulab/formats/text/printable.hpp"
 

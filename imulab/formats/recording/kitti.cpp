@@ -1,6 +1,6 @@
 // KITTI's raw data (Geiger et al., IJRR 2013): a folder oxts of an OXTS RT 3003, with timestamps.txt, a time a line, and data/, a file of 30 numbers
 // for each of these lines. As a text of one table, which is read as any other.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/text_tables.hpp"
 #include "imulab/formats/text/date.hpp"
 #include "imulab/formats/text/several_files.hpp"

@@ -3,12 +3,12 @@
 //
 // The counts are increments over the IMU's own interval, whatever the rate at which they are logged: times its rate they are rates. The second of the
 // three axes is logged with the other sign.
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

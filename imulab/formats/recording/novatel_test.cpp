@@ -1,8 +1,8 @@
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // Arrays that NumPy saved: .npy, and .npz, a zip archive of them.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/format.hpp"

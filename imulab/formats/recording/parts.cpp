@@ -1,11 +1,12 @@
 #include "imulab/formats/recording/parts.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/integers.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <fmt/core.h>

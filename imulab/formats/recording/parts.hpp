@@ -2,8 +2,8 @@
 #pragma once
 
 #include "imulab/formats/recording/format.hpp"
-#include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <string>

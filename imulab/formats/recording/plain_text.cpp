@@ -1,10 +1,11 @@
 #include "imulab/formats/recording/plain_text.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/csv_rows.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/parallel.hpp"
 
 #include <fmt/core.h>
 

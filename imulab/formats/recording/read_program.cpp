@@ -1,9 +1,9 @@
 #include "imulab/formats/recording/read_program.hpp"
 
-#include "imulab/core/build.hpp"
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child_tables.hpp"
+#include "imulab/version.hpp"
 
 #include <fmt/core.h>
 

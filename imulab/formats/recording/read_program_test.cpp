@@ -1,7 +1,7 @@
 // Where imulab-read is looked for, and what it is asked.
 #include "imulab/formats/recording/read_program.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,16 +1,19 @@
 #include "imulab/formats/recording/reader.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/parts.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/several_files.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/clock.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/repeated_rows.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/recording/validate.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/core.h>
 
@@ -185,6 +188,10 @@ void add_places(TableRows& all, std::size_t& rows, const TableRows& piece) {
 }
 
 }  // namespace
+
+RecordingReading read_recording(const Session& session, const RecordingSource& source) {
+  return read_recording(session, source, recording_formats());
+}
 
 RecordingReading read_recording(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
   RecordingParts parts = requested_parts(source);

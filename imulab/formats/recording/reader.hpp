@@ -1,10 +1,11 @@
 // Recording files -> Recording (docs/formats.md, "Recordings"): in memory, or on disk where it is too long.
 #pragma once
 
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/stored.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -13,16 +14,8 @@
 
 namespace imulab {
 
-struct RecordingReading {
-  Recording recording;
-  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows: the findings and their consequences
-};
-
-/// Reads one recording of a session, in any of the formats; files are found beside the session's own. Throws Error with file, line and column for
-/// text in a number, NaN, infinity, ragged rows, time that runs backwards, missing columns, an empty file, and a declared rate that the stamps
-/// contradict.
-RecordingReading read_recording(const Session& session, const RecordingSource& source,
-                                const std::vector<RecordingFormat>& formats = recording_formats());
+/// As above, in one of these formats.
+RecordingReading read_recording(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
 
 struct StoredReading {
   StoredRecording recording;

@@ -1,9 +1,10 @@
 #include "imulab/formats/recording/reader.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

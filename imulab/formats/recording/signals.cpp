@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/signals.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/imu_tables.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/recording/text_signals.hpp"

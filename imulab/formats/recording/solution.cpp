@@ -1,11 +1,11 @@
 #include "imulab/formats/recording/solution.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/csv.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
-#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

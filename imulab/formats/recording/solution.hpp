@@ -3,7 +3,7 @@
 
 #include "imulab/formats/recording/column_file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
 
 #include <cstddef>
 #include <filesystem>
@@ -14,11 +14,6 @@
 namespace imulab {
 
 struct HeightRecord;
-
-/// A solution has the columns t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg: s, m above the ellipsoid, m/s east,
-/// north and up, Euler angles of the body axes. Reads them in any order. Throws Error with file, line and column as read_recording does, and for a
-/// latitude beyond 90 deg.
-Solution read_solution(const std::filesystem::path& path);
 
 /// A solution's file as its states are reached. It appears whole at commit(), or not at all: states for a stream wait until then, in a temporary file
 /// where they are many. The heading is written from 0 to 360 deg. Throws Error where it cannot be written.
@@ -38,9 +33,5 @@ class SolutionFile {
   std::optional<recording_io::ColumnFile> waiting_file_;
   std::size_t states_ = 0;
 };
-void write_solution(const std::filesystem::path& path, const Solution& solution);
-
-/// Reads the columns t,height_m (s, m), as a barometer gives them. Throws Error with file, line and column.
-HeightRecord read_heights(const std::filesystem::path& path);
 
 }  // namespace imulab

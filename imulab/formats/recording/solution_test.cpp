@@ -1,8 +1,9 @@
 #include "imulab/formats/recording/solution.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

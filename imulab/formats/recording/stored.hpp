@@ -2,10 +2,11 @@
 #pragma once
 
 #include "imulab/formats/recording/column_file.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/recording/readings.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/repeated_rows.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,9 +1,9 @@
 // Reading in pieces gives what reading at once gives, bit for bit; with the same messages.
 #include "imulab/formats/recording/stored.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/session/file.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <fmt/format.h>

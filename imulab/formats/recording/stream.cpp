@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/stream.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/recording/make_recording.hpp"
+#include "imulab/error.hpp"
+#include "imulab/recording/readings.hpp"
 
 #include <fmt/core.h>
 

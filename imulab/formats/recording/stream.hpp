@@ -4,8 +4,8 @@
 #include "imulab/formats/recording/csv_rows.hpp"
 #include "imulab/formats/recording/parts.hpp"
 #include "imulab/formats/recording/plain_text.hpp"
-#include "imulab/recording/recording.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <exception>

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/table.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/core.h>

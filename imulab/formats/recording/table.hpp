@@ -1,7 +1,7 @@
 // The tables of a file, and rows of a table, as a format gives them.
 #pragma once
 
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/table_reader.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/several_files.hpp"
 #include "imulab/recording/clock.hpp"

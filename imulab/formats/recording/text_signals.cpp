@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/text_signals.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/csv.hpp"
 #include "imulab/formats/recording/csv_layout.hpp"
 #include "imulab/formats/recording/csv_rows.hpp"

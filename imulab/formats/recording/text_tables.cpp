@@ -1,8 +1,8 @@
 #include "imulab/formats/recording/text_tables.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/text/several_files.hpp"
 

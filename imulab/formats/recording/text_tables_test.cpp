@@ -1,8 +1,8 @@
 // Folders, archives and workbooks whose tables are texts.
 #include "imulab/formats/recording/text_tables.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 

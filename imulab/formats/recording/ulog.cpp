@@ -1,5 +1,5 @@
 // PX4's ULog, as https://docs.px4.io/main/en/dev_log/ulog_file_format.html specifies it: a table for each message and instance.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/ulog_definitions.hpp"

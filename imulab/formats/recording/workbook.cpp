@@ -1,6 +1,6 @@
 // Excel workbooks (.xlsx: ECMA-376, part 1, SpreadsheetML): the first sheet as a text divided by tabs, which is read as any other. Only what a table
 // of numbers needs is read of the XML: cells with their places, numbers as they are written, texts and shared texts.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/text_tables.hpp"
 #include "imulab/formats/recording/zip.hpp"
 

@@ -1,6 +1,6 @@
 // Messages about wrong session files.
-#include "imulab/core/error.hpp"
-#include "imulab/formats/session/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

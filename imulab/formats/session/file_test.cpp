@@ -1,10 +1,12 @@
-#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/laboratory/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/procedure.hpp"
 #include "imulab/recording/turn.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

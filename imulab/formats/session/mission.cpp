@@ -1,14 +1,12 @@
 #include "imulab/formats/session/mission.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/noise/file.hpp"
-#include "imulab/formats/recording/solution.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/session/mission_tables.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/formats/session/mission_tables.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

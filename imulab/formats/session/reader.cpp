@@ -1,5 +1,5 @@
-#include "imulab/core/error.hpp"
-#include "imulab/formats/noise/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/session/fields.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/session/step_layout.hpp"

@@ -1,7 +1,7 @@
 #include "imulab/formats/session/step_layout.hpp"
 
-#include "imulab/core/units.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/core.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/formats/session/fields.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <map>

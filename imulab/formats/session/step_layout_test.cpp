@@ -1,5 +1,5 @@
-#include "imulab/formats/session/file.hpp"
-#include "imulab/rig/procedure.hpp"
+#include "imulab/files.hpp"
+#include "imulab/procedure.hpp"
 
 #include <gmock/gmock.h>
 

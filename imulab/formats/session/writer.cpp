@@ -1,7 +1,6 @@
+#include "imulab/files.hpp"
 #include "imulab/formats/session/fields.hpp"
-#include "imulab/formats/session/file.hpp"
 #include "imulab/formats/session/step_layout.hpp"
-#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>

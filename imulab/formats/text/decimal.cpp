@@ -1,6 +1,6 @@
 #include "imulab/formats/text/decimal.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

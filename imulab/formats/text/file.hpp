@@ -96,9 +96,6 @@ std::filesystem::path behind_links(std::filesystem::path path);
 /// The name of a file in messages: "-" is "standard input".
 std::string input_name(const std::filesystem::path& path);
 
-/// Writes `text` to `path`, whole or not at all.
-void write_whole(const std::filesystem::path& path, std::string_view text);
-
 /// SHA-256 of `text` as 64 hexadecimal digits; by the processor's own instructions where it has them and nothing else is wanted.
 std::string sha256(std::string_view text, bool by_instructions = true);
 

@@ -1,6 +1,7 @@
 #include "imulab/formats/text/file.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

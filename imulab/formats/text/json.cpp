@@ -1,7 +1,7 @@
 #include "imulab/formats/text/json.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 

@@ -1,7 +1,7 @@
 // JSON: values to write, the parser, and reading with messages that name file, path and what was expected. Only json.cpp includes a JSON library.
 #pragma once
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <concepts>
 #include <cstddef>

@@ -10,9 +10,9 @@
 //   read_into(field, turn);
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/fields.hpp"
 #include "imulab/formats/text/json.hpp"
-#include "imulab/model/coefficient.hpp"
 
 #include <array>
 

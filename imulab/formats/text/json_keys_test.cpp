@@ -1,6 +1,6 @@
 // Objects with very many keys.
-#include "imulab/core/error.hpp"
-#include "imulab/formats/calibration/file.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // Files and streams for reading.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/unfinished.hpp"

@@ -1,5 +1,5 @@
 // Files that are no usual files, and files that another program changes.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/unfinished.hpp"
 

@@ -1,7 +1,7 @@
 #include "imulab/formats/text/several_files.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/text.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/core.h>
 

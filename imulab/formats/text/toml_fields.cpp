@@ -1,7 +1,7 @@
 #include "imulab/formats/text/toml_fields.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
 

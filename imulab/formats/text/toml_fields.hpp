@@ -3,7 +3,8 @@
 #pragma once
 
 #include "imulab/core/fields.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <cstdint>

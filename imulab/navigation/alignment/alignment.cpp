@@ -1,8 +1,6 @@
-#include "imulab/navigation/alignment/alignment.hpp"
-
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/alignment/rest_motion.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

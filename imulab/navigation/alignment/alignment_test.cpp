@@ -1,12 +1,13 @@
-#include "imulab/navigation/alignment/alignment.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Dense>
 #include <gmock/gmock.h>

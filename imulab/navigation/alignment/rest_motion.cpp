@@ -1,8 +1,9 @@
 #include "imulab/navigation/alignment/rest_motion.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/integration/increment.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/navigation/alignment/alignment.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/increment.hpp"
 
 #include <vector>
 

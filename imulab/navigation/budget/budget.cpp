@@ -1,6 +1,6 @@
 #include "imulab/navigation/budget/budget.hpp"
 
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 
 #include <fmt/format.h>

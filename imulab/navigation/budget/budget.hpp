@@ -1,14 +1,13 @@
 // The effect of each source of error on an inertial solution over time: linear error dynamics along a motion.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/random.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/imu_noise.hpp"
-#include "imulab/model/sensor_model.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/sensor_model.hpp"
 
 #include <array>
 #include <memory>

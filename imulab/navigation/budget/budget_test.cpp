@@ -1,8 +1,8 @@
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

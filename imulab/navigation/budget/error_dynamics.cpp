@@ -1,6 +1,8 @@
 #include "imulab/navigation/budget/error_dynamics.hpp"
 
 #include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 
 #include <cmath>
 #include <numbers>

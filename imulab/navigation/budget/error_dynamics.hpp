@@ -11,8 +11,8 @@
 // at latitudes within 89.9 deg. An example: 1 deg/h of gyro bias for 100 s at rest is |phi| = 4.8e-4 rad, which tilts gravity by 0.0048 m/s^2.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
 
 namespace imulab::budget {
 

@@ -1,8 +1,9 @@
 #include "imulab/navigation/budget/growth.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,17 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 #include "imulab/navigation/budget/run_statistics.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>

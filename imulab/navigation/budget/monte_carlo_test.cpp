@@ -1,12 +1,12 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/navigation/budget/specification.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/parallel.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "imulab/navigation/budget/navigated.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -1,8 +1,8 @@
 // The navigation errors of a session that the stated uncertainties of its calibration explain.
 #pragma once
 
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/budget.hpp"
-#include "imulab/navigation/navigate.hpp"
 
 #include <exception>
 #include <optional>

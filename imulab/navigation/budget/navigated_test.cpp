@@ -1,8 +1,8 @@
 #include "imulab/navigation/budget/navigated.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/navigation/navigation_error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 #include "imulab/navigation/budget/run_statistics.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "imulab/navigation/budget/source_effects.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 
 #include <cmath>
 #include <utility>

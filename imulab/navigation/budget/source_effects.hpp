@@ -2,9 +2,9 @@
 // east-north-up axes, and noise.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/eigen.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
 

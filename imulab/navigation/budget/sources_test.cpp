@@ -1,4 +1,4 @@
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 
 #include <gtest/gtest.h>

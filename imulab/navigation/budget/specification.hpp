@@ -2,8 +2,8 @@
 // airliner's system or a calibration.
 #pragma once
 
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/budget/budget.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <optional>
 #include <string>

@@ -1,10 +1,10 @@
 #include "imulab/navigation/budget/specification.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/calibration.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 

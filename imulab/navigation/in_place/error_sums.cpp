@@ -1,7 +1,7 @@
 #include "imulab/navigation/in_place/error_sums.hpp"
 
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 
 #include <cmath>
 #include <numbers>

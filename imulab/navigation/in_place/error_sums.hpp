@@ -8,10 +8,9 @@
 // force across the attitude error would look like knowledge of the heading.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/rotation.hpp"
-#include "imulab/model/coefficient.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/session.hpp"
 
 #include <array>
 #include <functional>

@@ -1,7 +1,8 @@
 #include "imulab/navigation/in_place/navigator.hpp"
 
-#include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/navigation/integration/increment.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>

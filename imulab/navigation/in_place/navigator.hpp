@@ -1,10 +1,10 @@
 // Velocity and attitude of an IMU that turns in one place, by its compensated readings block by block, with the sums that the error equations need.
 #pragma once
 
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/in_place/error_sums.hpp"
-#include "imulab/navigation/integration/increment.hpp"
-#include "imulab/recording/compensate_recording.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/recording/compensated_readings.hpp"
 
 #include <string>
 #include <vector>

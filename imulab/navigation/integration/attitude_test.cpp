@@ -1,6 +1,8 @@
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,6 +1,7 @@
 #include "imulab/navigation/integration/increment.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
 
 #include <Eigen/Geometry>
 

@@ -6,25 +6,12 @@
 // Ignagni 1996, doi:10.2514/3.21635. Valid for angles well below a radian within one interval.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
 
 #include <span>
 
-namespace imulab {
-
-/// Integrals over an interval in body axes: of the angular rate [rad] and of the specific force [m/s].
-struct Increment {
-  Eigen::Vector3d angle = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-};
-
-/// An increment and the length [s] of its interval.
-struct TimedIncrement {
-  Increment increment;
-  double interval = 0;
-};
-
-namespace integration {
+namespace imulab::integration {
 
 /// A body's motion over an interval: the rotation vector [rad] from its start to its end, and the velocity [m/s] that the specific force gives, in
 /// the body axes of the start.
@@ -39,6 +26,4 @@ BodyStep body_step(const Increment& sample, const Increment& previous);
 /// From one to five samples of equal length (one: without coning and sculling; Ignagni 1996). Throws Error for another number.
 BodyStep body_step(std::span<const Increment> samples);
 
-}  // namespace integration
-
-}  // namespace imulab
+}  // namespace imulab::integration

@@ -1,8 +1,9 @@
 #include "imulab/navigation/integration/increment.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
+#include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
 #include <boost/math/quadrature/gauss.hpp>

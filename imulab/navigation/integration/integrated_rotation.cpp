@@ -1,5 +1,7 @@
 #include "imulab/navigation/integration/integrated_rotation.hpp"
 
+#include "imulab/core/rotation.hpp"
+
 #include <Eigen/Geometry>
 
 namespace imulab {

@@ -1,7 +1,8 @@
 #include "imulab/navigation/integration/integrated_rotation.hpp"
 
-#include "imulab/core/units.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-#include "imulab/navigation/integration/strapdown.hpp"
-
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

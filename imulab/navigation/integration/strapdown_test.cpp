@@ -1,8 +1,8 @@
-#include "imulab/navigation/integration/strapdown.hpp"
-
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 

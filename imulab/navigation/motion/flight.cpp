@@ -1,9 +1,11 @@
 #include "imulab/navigation/motion/flight.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/integration/local_earth.hpp"
 #include "imulab/navigation/motion/spline.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

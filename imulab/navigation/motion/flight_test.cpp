@@ -1,7 +1,8 @@
 #include "imulab/navigation/motion/flight.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
 
 #include <GeographicLib/Ellipsoid.hpp>
 #include <gmock/gmock.h>

@@ -1,8 +1,8 @@
 #include "imulab/navigation/motion/mission.hpp"
 
-#include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/error.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 

@@ -1,10 +1,9 @@
 // A mission: the motion of a vehicle or a table, and how often an IMU samples it.
 #pragma once
 
-#include "imulab/navigation/integration/increment.hpp"
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/flight.hpp"
-#include "imulab/recording/session.hpp"
+#include "imulab/session.hpp"
 
 #include <optional>
 #include <string>

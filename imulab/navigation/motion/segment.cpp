@@ -1,6 +1,6 @@
 #include "imulab/navigation/motion/segment.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 

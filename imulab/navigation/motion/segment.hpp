@@ -1,8 +1,8 @@
 // The segments of a motion, as a pilot, a driver or the operator of a table would name them.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/units.hpp"
 
 #include <vector>
 

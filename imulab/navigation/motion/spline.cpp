@@ -1,6 +1,6 @@
 #include "imulab/navigation/motion/spline.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Cubic splines with two continuous derivatives through, or near, points of one to four coordinates.
 #pragma once
 
-#include "imulab/core/eigen.hpp"
+#include "imulab/eigen.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include "imulab/navigation/motion/spline.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/error.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // A motion known in closed form, and the readings of an ideal IMU on it: the truth for simulation, error budgets and tests.
 #pragma once
 
-#include "imulab/navigation/integration/strapdown.hpp"
+#include "imulab/navigate.hpp"
 
 #include <cstdint>
 #include <functional>

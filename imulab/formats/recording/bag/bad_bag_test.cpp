@@ -1,5 +1,5 @@
 // Bags that are cut off, damaged or made to harm: an Error, or a warning with what could be read.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"

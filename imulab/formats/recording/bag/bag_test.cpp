@@ -1,8 +1,8 @@
 // Bags that other programs wrote, read.
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/bag/ros_message.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>
 

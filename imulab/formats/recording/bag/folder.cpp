@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/bag/folder.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/several_files.hpp"

@@ -1,8 +1,8 @@
 // Bags of several files, and topics that hold one sensor alone.
 #include "imulab/formats/recording/bag/folder.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/signals.hpp"
 

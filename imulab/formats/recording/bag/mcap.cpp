@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/bag/mcap.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/core.h>
 

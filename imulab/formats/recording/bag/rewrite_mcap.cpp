@@ -1,4 +1,4 @@
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
 

@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/bag/ros1_bag.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 
 #include <fmt/core.h>

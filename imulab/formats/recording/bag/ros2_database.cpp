@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/bag/ros2_database.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/text/printable.hpp"
 

@@ -1,6 +1,6 @@
 #include "imulab/formats/recording/bag/topics.hpp"
 
-#include "imulab/core/error.hpp"
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 #include "imulab/formats/text/several_files.hpp"

@@ -1,0 +1,97 @@
+// Compensation raw -> calibrated by the sensor model (Dai 2011 eqs 1-4, doi:10.3788/OPE.20111907.1620), and its inverse: for a sample, for columns in
+// your memory, for a recording as a whole or in pieces as it arrives.
+//
+// Example:
+//   const Motion motion = compensate(calibration.model, RawSample{.accel = {0.1, 0.2, 9.7}, .gyro = {0, 0, 0.01}});
+//   std::printf("%g m/s^2, %g rad/s\n", motion.force.z(), motion.rate.z());  // in body axes
+//   const CompensatedRecording whole = compensate(calibration.model, recording, Outliers::reject);
+//
+// Valid within the ranges of readings and temperatures that the calibration covered; samples outside these temperatures are listed. Units are those
+// of the model (`raw_unit`): a recording in others is refused with an Error; of single samples the caller answers for them. The inverse converges
+// where the polynomial is monotone. One sample takes 40 ns, without allocation; a model may be used by several threads, a Compensator by one.
+#pragma once
+
+#include "imulab/calibration.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/outlier_filter.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/sensor_model.hpp"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace imulab {
+
+/// Specific force and angular rate of one sample [m/s^2, rad/s].
+struct Motion {
+  Vector3d force, rate;
+};
+
+/// Raw readings of one sample, and the thermal readings less their reference (tau), per axis; zero where there are none.
+struct RawSample {
+  Vector3d accel, gyro;
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
+};
+
+/// Dai 2011 eqs 1-4.
+Motion compensate(const SensorModel& model, const RawSample& raw);
+
+/// The raw readings that compensate to `motion`: Newton from the linear solution. Throws Error where the polynomial cannot be inverted there.
+RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& accel_tau = Vector3d::Zero(),
+                       const Vector3d& gyro_tau = Vector3d::Zero());
+
+/// A block of samples as columns: six readings, and up to six thermal readings (not less the reference; empty where there are none).
+struct RawColumns {
+  std::array<std::span<const double>, 3> gyro, accel, gyro_temperature, accel_temperature;
+};
+struct MotionColumns {
+  std::array<std::span<double>, 3> rate, force;
+};
+
+/// compensate on columns; `out` may be the input's own memory.
+void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out);
+
+/// decompensate on columns, in place: motion becomes raw readings. Thermal readings (not less the reference) may be empty where the model has no
+/// thermal terms.
+void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& accel_temperature,
+                  const std::array<std::span<const double>, 3>& gyro_temperature, const MotionColumns& columns);
+
+/// Covariance of a compensated sample from that of the estimated coefficients alone (not from the sample's own noise).
+Eigen::Matrix<double, 6, 6> output_covariance(const Calibration& calibration, const RawSample& raw);
+
+struct CompensatedRecording {
+  Recording recording;                    ///< rates [rad/s] and specific forces [m/s^2] in place of raw readings; the other columns as they were
+  std::vector<std::size_t> out_of_range;  ///< samples with a temperature outside the calibrated range, ascending
+  std::vector<std::size_t> replaced;      ///< samples with an outlier that was replaced, ascending
+};
+
+/// Outliers among the raw readings are kept, or replaced first (outlier_filter.hpp); thermal readings are always kept.
+enum class Outliers { keep, reject };
+
+/// Throws Error where the model needs a temperature that the recording lacks, where the recording's units are not those of the model, and where a
+/// reading has no finite compensation.
+CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers = Outliers::keep);
+
+/// Brings the forces of a compensated recording from each accelerometer's place (row i of `lever_arm` [m]) to the body's origin, with the angular
+/// acceleration from the samples before and after; one-sided at a gap and at the ends.
+void remove_lever_arms(Recording& recording, const Matrix3d& lever_arm);
+
+class Compensator {
+ public:
+  Compensator(SensorModel model, Outliers outliers);
+
+  /// Takes the next samples. With outlier rejection the output lags by two samples until rest().
+  CompensatedRecording next(Recording piece);
+  /// At the end.
+  CompensatedRecording rest();
+
+ private:
+  SensorModel model_;
+  std::optional<OutlierFilter> filter_;
+  Recording held_;  // the samples that are still in the filter
+};
+
+}  // namespace imulab

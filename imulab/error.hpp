@@ -1,0 +1,56 @@
+// Exceptions of the library. Their text says where (file, line, field, sample), what is wrong, what was expected, and often what to do.
+//
+// Example:
+//   try {
+//     parse_requirements("gyro.offset <= 5");
+//   } catch (const Error& e) {        // the input is wrong
+//     std::puts(e.what());
+//   } catch (const Unsupported& e) {  // well formed, but the data do not support the request
+//     std::puts(e.what());
+//   }
+//
+// Findings in the data are no exceptions but part of a result: `Quality::warnings`, `because`, `unobservable`. The library never prints and never
+// exits. Besides these only exceptions of the standard library leave it, as std::bad_alloc.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace imulab {
+
+/// The input is wrong: a file, a line, a field. The command ends with exit code 2.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The terms to estimate do not fit the method or the data: an Error to which the caller adds the option that named them.
+class TermsError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The work needs more memory than it may take: an Error to which the caller adds the option that sets the limit.
+class MemoryError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// The input is well formed, but the data do not support the request. The command ends with exit code 1.
+class Unsupported : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Returns the result of `f`. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file,
+/// key or flag.
+template <class F>
+decltype(auto) errors_at(const std::string& place, const F& f) {
+  try {
+    return f();
+  } catch (const Error& e) {
+    throw Error(place + ": " + e.what());
+  }
+}
+
+}  // namespace imulab

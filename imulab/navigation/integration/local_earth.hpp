@@ -1,0 +1,30 @@
+// The Earth of a strapdown integration, and the rates of its attitude angles.
+#pragma once
+
+#include "imulab/earth.hpp"
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/navigation/integration/increment.hpp"
+
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+/// Rate of the body against east-north-up, in body axes (w_nb_b), from the angles and their time derivatives.
+Eigen::Vector3d attitude_rate(const EulerAngles& angles, const EulerAngles& derivative);
+
+}  // namespace imulab
+
+namespace imulab::integration {
+
+/// The Earth at a place, with the options' gravity where they have one.
+LocalEarth earth_at(double latitude, double height, const StrapdownOptions& options);
+/// Throws Error beyond the limit (either way from the equator) [rad].
+void expect_latitude(double latitude, double limit = StrapdownOptions{}.latitude_limit);
+
+}  // namespace imulab::integration

@@ -1,0 +1,29 @@
+// Version and build of the compiled library: `imulab --version` shows the same. The source is made by CMake (cmake/build.cpp.in).
+//
+// Example:
+//   const Build built = build();
+//   std::printf("imulab %s by %s\n", built.version.c_str(), built.compiler.c_str());
+//
+// What may change from one version to the next: docs/tutorial-library.md, "Stability". Safe on any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// A library that imulab can be built without.
+struct BuildOption {
+  std::string name, purpose;  // "LZ4", "bags compressed with LZ4"
+  bool built_with = false;
+};
+
+struct Build {
+  std::string version, compiler, type, processor;  // "0.1.0", "GNU 12.2.0", "Release", "x86_64"
+  std::vector<BuildOption> options;
+  std::string programs;  // where programs that others run are installed: "/usr/local/libexec"
+};
+
+Build build();
+
+}  // namespace imulab
