@@ -28,16 +28,20 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev) # find_package(imulab) gives imula
 file(RELATIVE_PATH IMULAB_PREFIX_FROM_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" IMULAB_PREFIX_FROM_PC "${IMULAB_PREFIX_FROM_PC}")
 configure_file(cmake/imulab.pc.in imulab.pc @ONLY)
+configure_file(cmake/imulab-files.pc.in imulab-files.pc @ONLY)
 configure_file(cmake/imulabConfig.cmake.in imulabConfig.cmake @ONLY)
 write_basic_package_version_file(imulabConfigVersion.cmake COMPATIBILITY SameMajorVersion)
-install(TARGETS imulab EXPORT imulabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS imulab EXPORT imulabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS imulab_files EXPORT imulab_filesTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 file(GLOB IMULAB_PUBLIC_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/imulab/*.hpp) # those in the rooms are internal
 install(FILES ${IMULAB_PUBLIC_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/imulab)
-install(EXPORT imulabTargets NAMESPACE imulab:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
+foreach(targets imulabTargets imulab_filesTargets)
+  install(EXPORT ${targets} NAMESPACE imulab:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
+endforeach()
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulabConfig.cmake cmake/dependencies.cmake cmake/optional_dependencies.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/imulabConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulab.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulab.pc ${CMAKE_CURRENT_BINARY_DIR}/imulab-files.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libimulab-dev RENAME copyright)
 
 set(CPACK_GENERATOR DEB)
@@ -58,11 +62,15 @@ set(CPACK_DEBIAN_COMMAND_DESCRIPTION "calibrates inertial measurement units, wit
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libimulab-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS dependencies.txt)
-file(STRINGS dependencies.txt IMULAB_LINKED_PACKAGES REGEX "# linked: ")
-list(TRANSFORM IMULAB_LINKED_PACKAGES REPLACE " .*" "")
-list(APPEND IMULAB_LINKED_PACKAGES ${IMULAB_OPTIONAL_PACKAGES})
-list(JOIN IMULAB_LINKED_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS imulab) # imulab-read
+function(imulab_packages variable linked) # then more of them: "a, b", of the rows of dependencies.txt that are so linked
+  file(STRINGS dependencies.txt packages REGEX "# ${linked}: ")
+  list(TRANSFORM packages REPLACE " .*" "")
+  list(APPEND packages ${ARGN})
+  list(JOIN packages ", " packages)
+  set(${variable} "${packages}" PARENT_SCOPE)
+endfunction()
+imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS linked ${IMULAB_IMULAB_PACKAGES})
+imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "linked by files" ${IMULAB_FILES_PACKAGES} imulab) # the last for imulab-read
 set(CPACK_DEBIAN_DEV_DESCRIPTION "imulab as a C++ library: static library, headers, CMake and pkg-config files")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-imulab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
