@@ -10,6 +10,11 @@
 #include <string>
 #include <vector>
 
+// Of these headers; a shared library of another major or minor version has another SONAME.
+#define IMULAB_VERSION_MAJOR 0
+#define IMULAB_VERSION_MINOR 1
+#define IMULAB_VERSION_PATCH 0
+
 namespace imulab {
 
 /// A library that imulab can be built without.
