@@ -6,6 +6,7 @@
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stream.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/outlier_filter.hpp"
 
 #include <benchmark/benchmark.h>
@@ -98,6 +99,18 @@ void run(benchmark::State& state, const SensorModel& model, bool temperatures) {
 void compensate_all_coefficients(benchmark::State& state) { run(state, full_model(), true); }
 void compensate_linear(benchmark::State& state) { run(state, linear_model(), false); }
 
+/// One sample after the other, as a real-time loop does it. Target: 40 ns a sample.
+void compensate_sample_by_sample(benchmark::State& state) {
+  const SampleCompensator compensator(full_model());
+  Vector3d gyro(0.1, 0.2, -0.1), accel(0.1, -0.2, 9.8);
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(gyro);
+    benchmark::DoNotOptimize(accel);
+    benchmark::DoNotOptimize(compensator(gyro, accel, 31));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
 /// The bytes of a compensation with temperatures, 12 columns read and 6 written, by copying: nine columns to nine others.
 void copy_the_same_bytes(benchmark::State& state) {
   Memory memory(static_cast<std::size_t>(state.range(0)));
@@ -182,6 +195,7 @@ void compensate_a_stream(benchmark::State& state) {
 // A million samples, 144 MB: in main memory, like a recording.
 BENCHMARK(compensate_all_coefficients)->Arg(1 << 20);
 BENCHMARK(compensate_linear)->Arg(1 << 20);
+BENCHMARK(compensate_sample_by_sample);
 BENCHMARK(copy_the_same_bytes)->Arg(1 << 20);
 BENCHMARK(reject_outliers_of_columns)->Arg(1 << 20);
 BENCHMARK(read_the_same_file)->Unit(benchmark::kMillisecond);

@@ -11,21 +11,21 @@
 
 using namespace imulab;
 
-void put(const SensorModel& model, double t, const OutlierFilter::Readings& r) {
-  const RawSample raw{.accel = {r[3], r[4], r[5]}, .gyro = {r[0], r[1], r[2]}};  // and accel_tau, gyro_tau for a model with thermal terms
-  const auto [force, rate] = compensate(model, raw);
+void put(const SampleCompensator& compensator, double t, const OutlierFilter::Readings& r) {
+  const auto [rate, force] =
+      compensator({r[0], r[1], r[2]}, {r[3], r[4], r[5]});  // and the temperature as it is read, for a model with thermal terms
   std::printf("%.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", t, rate[0], rate[1], rate[2], force[0], force[1], force[2]);
 }
 
 int main(int argc, char** argv) try {
   const bool reject = argc == 3 && std::string_view(argv[2]) == "--reject-outliers";
   if (argc != (reject ? 3 : 2)) throw Error("usage: compensate CALIBRATION [--reject-outliers]");
-  const SensorModel model = read_calibration(argv[1]).model;
+  const SampleCompensator compensator(read_calibration(argv[1]).model);  // of readings in rad/s and m/s^2; others by SampleOptions
 
   OutlierFilter filter;
   std::queue<double> times;  // of the samples inside the filter
   const auto put_filtered = [&](const OutlierFilter::Output& out) {
-    put(model, times.front(), out.readings);
+    put(compensator, times.front(), out.readings);
     times.pop();
   };
   double t;
@@ -35,7 +35,7 @@ int main(int argc, char** argv) try {
       times.push(t);
       if (const auto out = filter.push(r)) put_filtered(*out);
     } else {
-      put(model, t, r);
+      put(compensator, t, r);
     }
   }
   while (const auto out = filter.rest()) put_filtered(*out);  // the last two

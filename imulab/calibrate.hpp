@@ -21,16 +21,18 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace imulab {
 
-/// The input of a method. Values in SI, or in counts where the recording says so.
+/// The input of a method. Values in SI, or in counts where the recording says so. It has a copy of the session, but not of the recordings, which can
+/// be large: they have to outlive it.
 struct CalibrationInput {
-  const Session& session;                        ///< the declarations: IMU, site, rigs, steps
-  std::span<const Recording> recordings;         ///< one for each of the session's, in its order
+  Session session;                               ///< the declarations: IMU, site, rigs, steps
+  std::span<const Recording> recordings;         ///< one for each of the session's, in its order; any where the session declares none
   std::optional<std::vector<Range>> rests = {};  ///< of the only recording, in time order; absent: the session's holds, or found in the data
 };
 
@@ -38,7 +40,7 @@ struct CalibrationOptions {
   std::vector<CoefficientIndex> terms;  ///< to estimate; empty: all of the method's, optional ones where the data show them
   double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
-  bool second_opinion = false;          ///< compare with another method's estimate from the same data, where the data allow one
+  bool second_opinion = true;           ///< compare with another method's estimate from the same data, where the data allow one; not without effects
   bool effects = true;                  ///< what the sensor model lacks is estimated beside it (docs/effects.md); false: taken as absent
 
   struct Handheld {
@@ -57,7 +59,10 @@ struct CalibrationOptions {
     bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
   } whole_unit;
 
-  std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, if the method knows it
+  /// Called with the fraction done, from 0 to 1, which never falls. The number of iterations is not known in advance: between 0 and 1 it is an
+  /// estimate.
+  std::function<void(double)> progress = {};
+  std::stop_token stop = {};  ///< asked between iterations: `calibrate` throws Stopped within about a second of a request (stop.hpp)
 };
 
 /// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).

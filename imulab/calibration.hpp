@@ -196,6 +196,11 @@ struct Calibration {
   std::optional<RestNoise> rest_noise;  ///< absent: not known, or the recordings have no rests
 };
 
+/// Throws Error that lists all that is wrong with a calibration made in memory, as with one read from a file: estimated coefficients that are not in
+/// the table or listed twice; a covariance of another size, that is not finite or not symmetric, with a negative variance or a correlation beyond 1;
+/// a model that is not finite. A calibration without covariance has no estimated coefficients.
+void validate(const Calibration& calibration);
+
 /// The raw readings at which a triad's compensated output is zero, of the linear model: -A1^-1 A0, and their standard uncertainties (NaN where a
 /// coefficient of the row was not estimated). For readings in counts this is what datasheets call the zero level.
 struct RawZero {
@@ -206,7 +211,8 @@ RawZero raw_zero(const Calibration& calibration, Triad triad);
 /// The coefficients of offsets and matrices that the data did not determine: they keep starting values, which compensate nothing.
 std::vector<std::string> unusable(const Calibration& calibration);
 
-/// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame.
+/// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame. Throws Error for a covariance of another
+/// size than the estimated coefficients.
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
 struct UserValue {

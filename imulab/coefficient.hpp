@@ -38,7 +38,7 @@ enum CoefficientIndex : int {};
 /// (Dai's 63 less the six thermal constants the gauge fixes, plus nine lever-arm components.)
 std::span<const Coefficient> coefficient_table();
 inline constexpr int coefficient_count = 66;
-/// One row of the table.
+/// One row of the table. Throws Error for an index that is not in it.
 const Coefficient& coefficient(CoefficientIndex index);
 /// All places, in order.
 std::span<const CoefficientIndex> coefficient_indices();
@@ -58,6 +58,11 @@ bool is_scale(const Coefficient& coefficient);
 bool is_optional(Term term);
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
+
+/// What is wrong with a list of coefficients: indices that are not in the table, or in the list twice.
+std::vector<std::string> problems_of(const std::vector<CoefficientIndex>& indices);
+/// What is wrong with a model: coefficients or reference temperatures that are not finite.
+std::vector<std::string> problems_of(const SensorModel& model);
 
 inline const TriadModel& triad_model(const SensorModel& model, Triad triad) { return triad == Triad::accel ? model.accel : model.gyro; }
 double coefficient_value(const SensorModel& model, CoefficientIndex index);

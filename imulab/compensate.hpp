@@ -2,13 +2,16 @@
 // your memory, for a recording as a whole or in pieces as it arrives.
 //
 // Example:
-//   const Motion motion = compensate(calibration.model, RawSample{.accel = {0.1, 0.2, 9.7}, .gyro = {0, 0, 0.01}});
+//   const Motion motion = compensate(calibration.model, RawSample{.gyro = {0, 0, 0.01}, .accel = {0.1, 0.2, 9.7}});
 //   std::printf("%g m/s^2, %g rad/s\n", motion.force.z(), motion.rate.z());  // in body axes
+//   const SampleCompensator compensator(calibration.model);                  // in a real-time loop: checks once, takes temperatures as they are read
+//   const Motion now = compensator({0, 0, 0.01}, {0.1, 0.2, 9.7}, 31.5);     // degC
 //   const CompensatedRecording whole = compensate(calibration.model, recording, Outliers::reject);
 //
 // Valid within the ranges of readings and temperatures that the calibration covered; samples outside these temperatures are listed. Units are those
 // of the model (`raw_unit`): a recording in others is refused with an Error; of single samples the caller answers for them. The inverse converges
-// where the polynomial is monotone. One sample takes 40 ns, without allocation; a model may be used by several threads, a Compensator by one.
+// where the polynomial is monotone. One sample takes 40 ns, without allocation; a model and a SampleCompensator may be used by several threads, a
+// Compensator by one.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -25,23 +28,23 @@
 
 namespace imulab {
 
-/// Specific force and angular rate of one sample [m/s^2, rad/s].
+/// Angular rate and specific force of one sample [rad/s, m/s^2].
 struct Motion {
-  Vector3d force, rate;
+  Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
 };
 
 /// Raw readings of one sample, and the thermal readings less their reference (tau), per axis; zero where there are none.
 struct RawSample {
-  Vector3d accel, gyro;
-  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
+  Vector3d gyro = Vector3d::Zero(), accel = Vector3d::Zero();
+  Vector3d gyro_tau = Vector3d::Zero(), accel_tau = Vector3d::Zero();
 };
 
-/// Dai 2011 eqs 1-4.
+/// Dai 2011 eqs 1-4. Equal to the overload for columns, to the last bit.
 Motion compensate(const SensorModel& model, const RawSample& raw);
 
 /// The raw readings that compensate to `motion`: Newton from the linear solution. Throws Error where the polynomial cannot be inverted there.
-RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& accel_tau = Vector3d::Zero(),
-                       const Vector3d& gyro_tau = Vector3d::Zero());
+RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& gyro_tau = Vector3d::Zero(),
+                       const Vector3d& accel_tau = Vector3d::Zero());
 
 /// A block of samples as columns: six readings, and up to six thermal readings (not less the reference; empty where there are none).
 struct RawColumns {
@@ -56,10 +59,11 @@ void compensate(const SensorModel& model, const RawColumns& raw, const MotionCol
 
 /// decompensate on columns, in place: motion becomes raw readings. Thermal readings (not less the reference) may be empty where the model has no
 /// thermal terms.
-void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& accel_temperature,
-                  const std::array<std::span<const double>, 3>& gyro_temperature, const MotionColumns& columns);
+void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& gyro_temperature,
+                  const std::array<std::span<const double>, 3>& accel_temperature, const MotionColumns& columns);
 
-/// Covariance of a compensated sample from that of the estimated coefficients alone (not from the sample's own noise).
+/// Covariance of a compensated sample (rate, then force) from that of the estimated coefficients alone (not from the sample's own noise). Throws
+/// Error for a calibration that `validate` refuses.
 Eigen::Matrix<double, 6, 6> output_covariance(const Calibration& calibration, const RawSample& raw);
 
 struct CompensatedRecording {

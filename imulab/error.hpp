@@ -42,6 +42,30 @@ class Unsupported : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The work was asked to stop (core/stop.hpp): neither the input nor the data are wrong, so it is no runtime_error.
+class Stopped : public std::exception {
+ public:
+  const char* what() const noexcept override { return "stopped, as requested"; }
+};
+
+/// Throws Error with all problems, if there are any: "PLACE: PROBLEM", or a line each.
+inline void throw_problems(std::string_view place, const std::vector<std::string>& problems) {
+  if (problems.empty()) return;
+  std::string all(place);
+  for (const std::string& problem : problems) all += (all.empty() ? "" : problems.size() > 1 ? "\n  " : ": ") + problem;
+  throw Error(all);
+}
+
+/// Calls `check`, and adds the message of an Error that it throws to the problems.
+template <class F>
+void collect_problem(std::vector<std::string>& problems, const F& check) {
+  try {
+    check();
+  } catch (const Error& e) {
+    problems.emplace_back(e.what());
+  }
+}
+
 /// Returns the result of `f`. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file,
 /// key or flag.
 template <class F>

@@ -86,13 +86,6 @@ std::string calibration_text(const Calibration& calibration);
 /// Writes that text, whole or not at all. Throws Error also where the file cannot be written.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
-/// Fills in the origin of the calibration, as the session declares it: the IMU's serial number, who took the data, the time now (UTC), this
-/// software's version, the session's file and its SHA-256, and the form of the readings in the recordings. `recordings`: one for each of the
-/// session's.
-void add_declared_origin(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
-/// That, and each recording's file with SHA-256, size, stamps and range of thermal readings. Throws Error where a file cannot be read.
-void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
-
 /// SI, or counts; null for what is not determined. Of several logs: mean, spread, and the worst; then each log's own.
 std::string noise_json(const NoiseAnalysis& analysis);
 std::string noise_json(const NoiseBatch& batch);

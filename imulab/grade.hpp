@@ -42,7 +42,7 @@ struct NoiseModel {
 
 /// Noise of one axis of each triad, SI; the same for all three axes.
 struct NoiseModels {
-  NoiseModel accel, gyro;
+  NoiseModel gyro, accel;
 };
 
 /// A size drawn uniformly between two bounds, with either sign.

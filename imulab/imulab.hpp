@@ -26,5 +26,6 @@
 #include "imulab/sensor_model.hpp"
 #include "imulab/session.hpp"
 #include "imulab/simulate.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 #include "imulab/version.hpp"

@@ -43,7 +43,8 @@ class OutlierFilter {
     std::uint8_t replaced = 0;  ///< bit i: channel i
   };
 
-  explicit OutlierFilter(double factor = usual_factor) : factor_(factor) {}
+  /// Throws Error for a factor that is not finite and above 0.
+  explicit OutlierFilter(double factor = usual_factor);
 
   /// Takes the next sample and gives the one two earlier; nothing for the first two.
   std::optional<Output> push(const Readings& readings);

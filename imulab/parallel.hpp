@@ -16,7 +16,7 @@ namespace imulab {
 /// The threads of a parallel loop, at least 1.
 std::size_t parallel_threads();
 
-/// While it exists, parallel loops of the whole program use at most this number of threads.
+/// While it exists, parallel loops of the whole program use at most this number of threads, from 1 on. Throws Error for 0.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::size_t threads);

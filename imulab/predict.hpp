@@ -20,6 +20,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,7 @@ struct PredictionOptions {
   bool classical = false;                     ///< by the weights and the model of the paper that the method follows
   std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, from any thread
   std::shared_ptr<Sharing> sharing = {};      ///< of the Monte Carlo among processes, as the command does it; programs leave it empty
+  std::stop_token stop = {};                  ///< as CalibrationOptions has it
 };
 
 /// Whole procedures with drawn errors, each calibrated.

@@ -46,8 +46,10 @@ struct Recording {
   std::size_t size() const { return time_ns.size(); }
   /// The memory that its columns take.
   std::size_t bytes() const;
+  /// As an element of a vector: i < size().
   double time_s(std::size_t i) const { return 1e-9 * static_cast<double>(time_ns[i]); }
-  /// The interval [s] sample i stands for: nominal for increments, at a gap and at the first sample; else the stamps' difference.
+  /// The interval [s] sample i stands for: nominal for increments, at a gap and at the first sample; else the stamps' difference. Throws Error for a
+  /// sample that there is not.
   double interval(std::size_t i, bool increment) const;
   /// True if time is missing before sample i.
   bool follows_gap(std::size_t i) const;
@@ -85,10 +87,26 @@ struct RecordingOptions {
 
 /// The recording of readings `gyro` and `accel` at times `t` [s], each time the end of the interval over which its reading is a mean or an integral.
 /// All columns have one length. Readings become SI (counts stay), increments means; gaps and saturated samples are found. Throws Error for what
-/// `validate` refuses, for an unknown unit, and where the interval of increments does not follow from uneven stamps.
+/// `validate` refuses, for options out of range (an unknown unit, axes that are no body axes, a number of counts that is not above 0), and where the
+/// interval of increments does not follow from uneven stamps.
 Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
-/// Makes a recording with exact times [ns].
-Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
+
+/// Exact times as whole nanoseconds, by name: a vector of plain integers could be of anything.
+struct Nanoseconds {
+  std::vector<std::int64_t> count;
+};
+/// As above, with exact times.
+Recording make_recording(Nanoseconds t, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
+
+/// Times of std::chrono as whole nanoseconds: exact for all that are no coarser than nanoseconds. Throws Error, naming the sample, for one that is no
+/// time.
+template <class Rep, class Period>
+Nanoseconds nanoseconds_of(const std::vector<std::chrono::duration<Rep, Period>>& t, const std::string& name);
+/// As above, with times of std::chrono: std::vector<std::chrono::milliseconds>, of microseconds, of durations of doubles, ...
+template <class Rep, class Period>
+Recording make_recording(const std::vector<std::chrono::duration<Rep, Period>>& t, Columns3 gyro, Columns3 accel, RecordingOptions options = {}) {
+  return make_recording(nanoseconds_of(t, options.name), std::move(gyro), std::move(accel), options);
+}
 
 /// Throws Error, naming the column, the sample and what was expected, for: no samples; columns of another length than the stamps; stamps that go back
 /// or repeat; a reading or temperature that is NaN or infinite; a reading beyond largest_reading; units other than "count", "rad/s" (gyro) and

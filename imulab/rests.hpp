@@ -37,7 +37,7 @@ struct RestDetection {
 };
 
 /// Quiet stretches, compared with the quietest of the recording, in which means over a second and more change no more than a sensor's noise can. A
-/// recording may lack a triad. Throws Error for what `validate` refuses.
+/// recording may lack a triad. Throws Error for what `validate` refuses, and for options that are not finite and above 0.
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
 
 struct Rests {

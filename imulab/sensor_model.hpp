@@ -42,7 +42,7 @@ struct TriadModel {
 };
 
 struct SensorModel {
-  TriadModel accel, gyro;
+  TriadModel gyro, accel;
   Matrix3d g_sensitivity = Matrix3d::Zero();  ///< C: (rad/s)/(m/s^2)
   Matrix3d lever_arm = Matrix3d::Zero();      ///< row i: position of accelerometer i's sensitive point, m
 };

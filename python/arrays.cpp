@@ -1,6 +1,7 @@
 #include "python/arrays.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/readings.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/error.hpp"
-#include "imulab/files.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/readings.hpp"

@@ -4,6 +4,7 @@
 #include "imulab/calibrate.hpp"
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/parallel.hpp"
 #include "imulab/recording.hpp"
@@ -20,6 +21,7 @@
 #include <mutex>
 #include <optional>
 #include <pybind11/pybind11.h>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -27,16 +29,13 @@
 
 namespace imulab::python {
 
-/// Thrown into work that nobody waits for any more, where it tells its progress.
-struct Abandoned {};
-
 /// Work that was interrupted and has not noticed yet; the interpreter waits for it at its end.
 void keep_until_exit(std::thread thread);
 void wait_for_abandoned();
 
 /// Runs work(report) in a thread and returns its result; report(part) tells that a part from 0 to 1 is done, from any thread. Meanwhile the calling
-/// thread answers signals and calls `progress` (a callable or None) with the part. An interrupt is raised at once: the work must therefore own all
-/// that it uses.
+/// thread answers signals and calls `progress` (a callable or None) with the part. An interrupt is raised at once, and the work is asked to stop,
+/// which takes it about a second (core/stop.hpp): it must therefore own all that it uses.
 template <class Work>
 auto run(const py::object& progress, Work work) {
   using Result = decltype(work(std::function<void(double)>{}));
@@ -47,13 +46,14 @@ auto run(const py::object& progress, Work work) {
     std::optional<Result> result;
     std::exception_ptr failure;
     std::atomic<double> part = 0;
-    std::atomic<bool> abandoned = false;
+    std::stop_source stop;
   };
   const auto state = std::make_shared<State>();
   std::thread thread([state, work = std::move(work)]() mutable {
     try {
+      const WorkScope scope(state->stop.get_token());
       state->result.emplace(work([state](double part) {
-        if (state->abandoned) throw Abandoned{};
+        if (state->stop.stop_requested()) throw Stopped();
         state->part = part;
       }));
     } catch (...) {
@@ -75,7 +75,7 @@ auto run(const py::object& progress, Work work) {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (!progress.is_none() && part > told) progress(told = part);
     } catch (...) {
-      state->abandoned = true;
+      state->stop.request_stop();
       keep_until_exit(std::move(thread));
       throw;
     }

@@ -30,7 +30,7 @@ Recording make(const py::array& t, const Array& gyro, const Array& accel, const 
   Columns3 rates = columns_of("gyro", gyro), forces = columns_of("accel", accel);
   std::vector<std::int64_t> time_ns = exact_stamps(t, name);
   const py::gil_scoped_release unlocked;
-  Recording recording = make_recording(std::move(time_ns), std::move(rates), std::move(forces), options);
+  Recording recording = make_recording(Nanoseconds{std::move(time_ns)}, std::move(rates), std::move(forces), options);
   validate(recording);
   return recording;
 }

@@ -78,7 +78,7 @@ TEST(DocumentedFormula, OfTheTutorialIsTheWholeModel) {
   std::istringstream output(ran.output);
   for (int i = 0; i < samples; ++i) {
     const std::array<double, 12> x = formula_sample(i);
-    RawSample raw{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+    RawSample raw{.gyro = {x[3], x[4], x[5]}, .accel = {x[0], x[1], x[2]}};
     raw.accel_tau = Vector3d(x[6], x[7], x[8]).array() - c.model.accel.temperature->reference;
     raw.gyro_tau = Vector3d(x[9], x[10], x[11]).array() - c.model.gyro.temperature->reference;
     const Motion expected = compensate(c.model, raw);
@@ -98,7 +98,7 @@ TEST(DocumentedFormula, TheSignOfTheGSensitivityIsThatOfTheModel) {
       std::regex("gyro\\.g_sensitivity\\.xx` = ([-+0-9.e]+) \\(rad/s\\)/\\(m/s\\^2\\)[^.]*reads\\s+([-+0-9.e]+) rad/s\\s+with 1 g along \\+x")));
   Calibration c;
   c.model.g_sensitivity(0, 0) = std::stod(said[1]);
-  const RawSample at_rest{Vector3d(unit::g, 0, 0), Vector3d(std::stod(said[2]), 0, 0)};
+  const RawSample at_rest{.gyro = {std::stod(said[2]), 0, 0}, .accel = {unit::g, 0, 0}};
   EXPECT_NEAR(compensate(c.model, at_rest).rate.x(), 0, 5e-5) << "the page has two digits";
   for (const char* name : {"conventions.md", "glossary.md", "tutorial-by-hand.md", "formats.md"}) {
     const std::string page = docs_page(name);

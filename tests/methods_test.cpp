@@ -1,7 +1,9 @@
 // Rules that every method in the table of methods keeps.
 #include "imulab/calibrate.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/simulate.hpp"
@@ -15,6 +17,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stop_token>
+#include <string>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -43,7 +48,7 @@ const Example& example(const Method& method) {
 
 std::string error_of(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {}) {
   try {
-    method.calibrate(input, options);
+    calibrate(method, input, options);
   } catch (const Error& e) {
     return e.what();
   }
@@ -74,7 +79,7 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
   for (const Method& method : methods()) {
     SCOPED_TRACE(method.name);
     const Session& procedure = example(method).session;
-    const Prediction p = method.predict(procedure, {});
+    const Prediction p = predict(method, procedure);
     EXPECT_EQ(p.sigma.size(), std::ssize(p.coefficients));
     EXPECT_EQ(p.cramer_rao.size(), std::ssize(p.coefficients));
     EXPECT_GT(p.sigma.minCoeff(), 0);
@@ -170,7 +175,7 @@ TEST(Methods, EveryOneRefusesASessionInOtherUnits) {
     degrees.site.latitude = 45;
     const auto wrong_latitude = testing::ThrowsMessage<Error>(HasSubstr("site.latitude_deg: 2578.3100780887044 is out of range"));
     EXPECT_THAT([&] { calibrate(method, {degrees, e.recordings}); }, wrong_latitude);
-    EXPECT_THAT([&] { method.predict(degrees, {}); }, wrong_latitude);
+    EXPECT_THAT([&] { predict(method, degrees); }, wrong_latitude);
     EXPECT_THAT([&] { draw_truth(degrees, 1); }, wrong_latitude);
     EXPECT_THAT(
         [&] {
@@ -198,6 +203,65 @@ TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
       }
     EXPECT_TRUE(any);
   }
+}
+
+TEST(Methods, EveryOneStopsBetweenIterationsAndTellsItsProgress) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method);
+    std::stop_source source;
+    std::vector<double> told;
+    const CalibrationOptions options{.progress = [&](double part) { told.push_back(part), source.request_stop(); }, .stop = source.get_token()};
+    EXPECT_THROW(calibrate(method, {e.session, e.recordings}, options), Stopped);
+    EXPECT_EQ(told.size(), 1u) << "the first iteration is the last";
+    EXPECT_THROW(predict(method, e.session, {.stop = source.get_token()}), Stopped);
+    EXPECT_NO_THROW(stop_point()) << "the token belongs to the call";
+    told.clear();
+    calibrate(method, {e.session, e.recordings}, {.effects = false, .progress = [&](double part) { told.push_back(part); }});
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_GT(told.size(), 1u);
+    EXPECT_EQ(told.back(), 1);
+  }
+}
+
+TEST(Methods, EveryOneFillsInTheOriginFromASessionOfItsOwn) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method);
+    const CalibrationInput job = [&] {  // as a queue keeps it: the session that it was made of is gone
+      Session session = e.session;
+      session.imu.serial = "7";
+      session.operated_by = "E. Example";
+      return CalibrationInput{session, e.recordings};
+    }();
+    const Calibration c = calibrate(method, job, {.effects = false}).calibration;
+    EXPECT_EQ(c.serial, "7");
+    EXPECT_EQ(c.operated_by, "E. Example");
+    EXPECT_EQ(c.software, software());
+    EXPECT_EQ(c.created.size(), std::string("2026-03-31T12:00:00Z").size());
+    EXPECT_EQ(c.recorded_gyro, (RecordedAs{"rad/s"}));
+  }
+}
+
+/// A calibration that leaves out what the unit has is worse than its prediction, which says so.
+TEST(Methods, RestrictedTermsAreNamedInThePrediction) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Session& procedure = example(method).session;
+    const Prediction whole = predict(method, procedure, {.effects = false});
+    PredictionOptions options{.effects = false};
+    for (const CoefficientIndex index : whole.coefficients)
+      if (!is_optional(coefficient(index).term)) options.terms.push_back(index);
+    const Prediction restricted = predict(method, procedure, options);
+    const bool leaves_out = restricted.coefficients.size() < whole.coefficients.size();
+    const auto named = [](const std::string& note) { return note.starts_with("taken as absent, since the terms do not name them: "); };
+    EXPECT_EQ(std::ranges::count_if(restricted.notes, named), leaves_out ? 1 : 0);
+    EXPECT_EQ(std::ranges::count_if(whole.notes, named), 0);
+  }
+  const Method& hybrid = method("hybrid");
+  const Prediction offsets = predict(hybrid, example(hybrid).session, {.terms = select_coefficients("gyro.offset"), .effects = false});
+  EXPECT_THAT(offsets.notes,
+              testing::Contains(testing::AllOf(HasSubstr("accel.offset, accel.matrix.diagonal"), HasSubstr("gyro.matrix.off_diagonal"))));
 }
 
 TEST(Methods, AnUnknownOneIsAnsweredWithTheKnown) {

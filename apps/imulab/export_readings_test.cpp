@@ -2,7 +2,6 @@
 #include "imulab/error.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -145,12 +144,12 @@ TEST(ExportedReadings, OfALiveStreamAreAsItsSessionDeclares) {
     source.gyro.unit = "deg/s";
   }
   Calibration c;
-  add_provenance(c, session, {});
+  add_declared_origin(c, session, {});
   EXPECT_EQ(c.recorded_accel, (RecordedAs{"g*s", 1, 0.005}));
   EXPECT_EQ(c.recorded_gyro, (RecordedAs{"deg/s"}));
   session.recordings[1].gyro.counts_per_unit = 131;  // recordings that differ: nothing is said
   session.recordings[0].rate_hz.reset();             // an interval that nobody knows
-  add_provenance(c, session, {});
+  add_declared_origin(c, session, {});
   EXPECT_EQ(c.recorded_accel, std::nullopt);
   EXPECT_EQ(c.recorded_gyro, std::nullopt);
 }

@@ -78,7 +78,7 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
     for (std::size_t i = 0; i < read_rows().size(); ++i) {
       std::array<double, 12> x;
       for (double& v : x) given >> v;
-      RawSample raw{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+      RawSample raw{.gyro = {x[3], x[4], x[5]}, .accel = {x[0], x[1], x[2]}};
       raw.accel_tau = Vector3d(x[6], x[7], x[8]).array() - 25;
       raw.gyro_tau = Vector3d(x[9], x[10], x[11]).array() - 4987.5;
       const Motion expected = compensate(c.model, raw);

@@ -8,7 +8,6 @@
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/statistics/statistics.hpp"
-#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"

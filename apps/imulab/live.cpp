@@ -6,6 +6,7 @@
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/json.hpp"
@@ -160,7 +161,10 @@ void write_result(const Options& options, LiveProgress& progress, Session sessio
   Calibration calibration = progress.result()->calibration;
   const std::string file = !options.save.empty() ? options.save : options.input != "-" ? options.input : "";
   if (!file.empty()) session.recordings.front().file = std::filesystem::absolute(file).string();
-  add_provenance(calibration, session, {&progress.recording(), file.empty() ? 0u : 1u});
+  if (file.empty())
+    add_declared_origin(calibration, session, {});
+  else
+    add_provenance(calibration, session, {&progress.recording(), 1});
   calibration.options = {{"live", "true"}};
   if (!options.output.empty()) write_whole(options.output, calibration_text(calibration));
 }

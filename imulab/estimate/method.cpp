@@ -2,7 +2,9 @@
 
 #include "imulab/calibrate.hpp"
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
+#include "imulab/estimate/check_input.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -19,9 +21,9 @@
 #include "imulab/predict.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/joined.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/rig/rig_errors.hpp"
-#include "imulab/session.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -31,9 +33,18 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace imulab {
+
+/// Calls a method's function, after the checks.
+struct CheckedMethod {
+  template <class Result, class... Arguments>
+  static Result call(const MethodFunction<Result(Arguments...)>& function, std::type_identity_t<Arguments>... arguments) {
+    return function.function_(arguments...);
+  }
+};
 
 namespace {
 
@@ -109,7 +120,7 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
   std::vector<Recording> out;
   for (std::size_t k = 0; k < input.recordings.size(); ++k) {
     const Recording& r = input.recordings[k];
-    const Stamps wanted = k < input.session.recordings.size() ? input.session.recordings[k].time.stamps : Stamps::automatic;
+    const Stamps wanted = input.session.recordings[k].time.stamps;
     const std::optional<EvenClock> clock = replacing_clock(r, wanted);
     const std::size_t lost = input.rests || clock ? 0 : short_gaps(r).filled;  // given rests name samples: their numbers stay
     if (!clock && lost == 0) continue;
@@ -119,7 +130,7 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
       said.push_back(fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, lost));
       continue;
     }
-    const bool declared = k >= input.session.recordings.size() || input.session.recordings[k].rate_hz;
+    const bool declared = input.session.recordings[k].rate_hz.has_value();
     out[k] = with_even_stamps(std::move(out[k]), *clock, declared);
     said.push_back(fmt::format(
         "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which replaces them unless the recorded stamps are declared",
@@ -148,30 +159,11 @@ std::vector<Recording> with_both_triads(const Method& method, std::span<const Re
   return out;
 }
 
-void validate(const CalibrationOptions& options) {
-  for (const auto& [name, level] : {std::pair{"significance", options.significance}, std::pair{"outlier_level", options.outlier_level}})
-    if (!(level >= 0 && level < 1)) throw Error(fmt::format("{}: {} is no probability; expected at least 0 and less than 1", name, level));
-}
-
-/// Given rests lie in the only recording, in time order. Those that were found in the data may share a few samples.
-void validate_rests(const CalibrationInput& input) {
-  if (!input.rests) return;
-  const std::size_t size = input.recordings.empty() ? 0 : input.recordings.front().size();
-  std::size_t least = 0;
-  for (const Range& rest : *input.rests) {
-    if (rest.begin < least || rest.end <= rest.begin || rest.end > size)
-      throw Error(
-          fmt::format("rests: samples {} to {} are no rest; expected ranges in ascending order from {} to {}", rest.begin, rest.end, least, size));
-    least = rest.begin + 1;
-  }
-}
-
 /// A method for one recording takes several as one.
 CalibrationResult calibrate_together(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
-  if (method.takes_several || input.recordings.size() <= 1) return method.calibrate(input, options);
-  if (input.rests) throw Error("rests: they are of one recording, and there are several");
+  if (method.takes_several || input.recordings.size() <= 1) return CheckedMethod::call(method.calibrate, input, options);
   const Joined joined = join(input.session, input.recordings);
-  CalibrationResult result = method.calibrate({joined.session, std::span(&joined.recording, 1)}, options);
+  CalibrationResult result = CheckedMethod::call(method.calibrate, CalibrationInput{joined.session, std::span(&joined.recording, 1)}, options);
   Quality& quality = result.calibration.quality;
   for (std::vector<PartResidual>* parts : {&quality.rests, &quality.rotations})
     for (PartResidual& part : *parts) {
@@ -259,31 +251,32 @@ std::string names_of_methods(bool Method::*capability) {
   return names;
 }
 
-CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
-  validate(options);
-  validate(input.session);
-  validate_rests(input);
+CalibrationResult calibrate(const Method& method, const CalibrationInput& declared, const CalibrationOptions& options) {
+  const CalibrationInput input = checked_input(method, declared, options);
+  const WorkScope scope(options.stop, options.progress);
+  stop_point();
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
   const std::vector<Recording> completed = with_both_triads(method, input.recordings);
   const std::span<const Recording> given = completed.empty() ? input.recordings : std::span<const Recording>(completed);
   std::vector<std::string> clocks;
   const std::vector<Recording> corrected = corrected_recordings({input.session, given, input.rests}, clocks);
   const std::span<const Recording> recordings = corrected.empty() ? given : std::span<const Recording>(corrected);
-  Session session = input.session;
-  const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(session, recordings, clocks);
-  CalibrationResult result = calibrate_in_either_hemisphere(method, {session, recordings, input.rests}, options);
+  CalibrationInput used{input.session, recordings, input.rests};
+  const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(used.session, recordings, clocks);
+  CalibrationResult result = calibrate_in_either_hemisphere(method, used, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
-  kernel::doubt_small_residuals(quality, session.imu);
+  kernel::doubt_small_residuals(quality, used.session.imu);
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, recordings.front()))
     kernel::add_doubt(quality, std::move(contradiction));
-  if (options.second_opinion && !method.second.empty()) add_second_opinion(result.calibration, method, {session, recordings, input.rests}, options);
+  if (options.second_opinion && options.effects && !method.second.empty()) add_second_opinion(result.calibration, method, used, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
-  kernel::state_clock(result.calibration, session, gains);
-  if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, {session, recordings, input.rests});
+  kernel::state_clock(result.calibration, used.session, gains);
+  if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
-  for (std::size_t k = 0; k < recordings.size(); ++k)
-    kernel::judge_interval(recordings[k], k < session.recordings.size() && session.recordings[k].rate_hz, quality);
+  for (std::size_t k = 0; k < recordings.size(); ++k) kernel::judge_interval(recordings[k], input.session.recordings[k].rate_hz.has_value(), quality);
+  add_declared_origin(result.calibration, input.session, input.recordings);
+  if (options.progress) options.progress(1);
   return result;
 }
 
@@ -292,9 +285,17 @@ CalibrationResult calibrate(std::string_view name, const CalibrationInput& input
 }
 
 Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options) {
+  expect_valid(procedure, options);
   errors_at(procedure.file, [&] { procedure.site.gravity(); });
-  if (method.predict == nullptr) throw Error(fmt::format("the method {} has no prediction", method.name));
-  return method.predict(procedure, options);
+  if (!method.predict) throw Error(fmt::format("the method {} has no prediction", method.name));
+  const WorkScope scope(options.stop);
+  stop_point();
+  Prediction out = CheckedMethod::call(method.predict, procedure, options);
+  if (!options.terms.empty()) {
+    const Prediction whole = CheckedMethod::call(method.predict, procedure, PredictionOptions{.effects = false, .advice = false});
+    if (std::string note = note_of_absent(out, whole); !note.empty()) out.notes.push_back(std::move(note));
+  }
+  return out;
 }
 
 Prediction predict(std::string_view name, const Session& procedure, const PredictionOptions& options) {

@@ -4,6 +4,7 @@
 #include "imulab/calibrate.hpp"
 #include "imulab/calibration.hpp"
 #include "imulab/eigen.hpp"
+#include "imulab/estimate/prediction.hpp"
 #include "imulab/estimate/turn_path.hpp"
 #include "imulab/predict.hpp"
 #include "imulab/procedure.hpp"
@@ -13,11 +14,15 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace imulab {
+
+/// Throws Error that lists all options out of range: levels that are no probabilities, terms that are not in the table, requirements, times.
+void validate(const CalibrationOptions& options);
 
 /// The rests and turns that inspection has found in a recording.
 struct RestEvidence {
@@ -36,6 +41,21 @@ struct ExampleSize {
   TableProcedureOptions on_table = {.rest = 15, .rate_hz = 20};
   DaiUnitOptions on_machines = {.record = 1};
   std::uint64_t seed = 1;
+};
+
+/// A function of a method. Only `calibrate` and `predict` below call it: they check first what is common to all methods.
+template <class Function>
+class MethodFunction;
+template <class Result, class... Arguments>
+class MethodFunction<Result(Arguments...)> {
+ public:
+  constexpr MethodFunction() = default;
+  constexpr MethodFunction(Result (*function)(Arguments...)) : function_(function) {}  // a row names a plain function
+  constexpr explicit operator bool() const { return function_ != nullptr; }
+
+ private:
+  friend struct CheckedMethod;
+  Result (*function_)(Arguments...) = nullptr;
 };
 
 /// A row of the table: everything that the rest of the program knows of a method.
@@ -59,10 +79,10 @@ struct Method {
   enum class Instrument { none, where_declared, always } instrument = Instrument::none;
 
   /// Throws Error where declarations contradict each other or the data, Unsupported where nothing can be determined.
-  CalibrationResult (*calibrate)(const CalibrationInput& input, const CalibrationOptions& options);
-  /// Predicts a procedure; null where the method has no prediction. Throws Error where the procedure lacks what the method needs, and for a
+  MethodFunction<CalibrationResult(const CalibrationInput& input, const CalibrationOptions& options)> calibrate;
+  /// Predicts a procedure; none where the method has no prediction. Throws Error where the procedure lacks what the method needs, and for a
   /// requirement on a coefficient that it does not estimate; TermsError as calibrate does.
-  Prediction (*predict)(const Session& procedure, const PredictionOptions& options) = nullptr;
+  MethodFunction<Prediction(const Session& procedure, const PredictionOptions& options)> predict = {};
   /// Finds its own procedure; without functions where it cannot.
   PathPlanner plan = {};
   /// Null: a recording alone is not enough.
@@ -84,10 +104,13 @@ const Method& planning_method();
 /// The methods with a capability: "hybrid", or several with commas.
 std::string names_of_methods(bool Method::*capability);
 
-/// Calibrates, and checks the result in the way that is common to all methods: are scales and axes as declared? Throws as the method does.
+/// Calibrates as the command does: checks the input (Error that lists all that is wrong with the session, the options, the rests and the recordings),
+/// then the result in the way that is common to all methods (are scales and axes as declared?), and fills in its origin (add_declared_origin). Throws
+/// as the method does, and Stopped. Several calibrations may run at the same time in different threads; each uses several (core/parallel.hpp).
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {});
 
-/// Throws Error where the method has no prediction, or neither gravity nor the latitude is known; and as the method does.
+/// Throws Error that lists all that is wrong with the procedure and the options, where the method has no prediction, or neither gravity nor the
+/// latitude is known; and as the method does. With restricted terms a note says what is taken as absent. Throws Stopped.
 Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab

@@ -1,6 +1,8 @@
 #include "imulab/estimate/prediction.hpp"
 
+#include "imulab/error.hpp"
 #include "imulab/model/frame_axes.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/predict.hpp"
 
 #include <algorithm>
@@ -40,6 +42,7 @@ double predicted_sigma(const Prediction& p, CoefficientIndex index) {
 std::vector<RequirementResult> assess(const Prediction& p, const std::vector<Requirement>& requirements) {
   std::vector<RequirementResult> out;
   for (const Requirement& r : requirements) {
+    throw_problems("", problems_of(r));
     RequirementResult result{to_string(r), std::string(coefficient(r.coefficients.front()).name), r.limit, 0, false};
     for (const CoefficientIndex index : r.coefficients)
       if (const double sigma = predicted_sigma(p, index); sigma > result.reached)
@@ -53,7 +56,8 @@ std::vector<RequirementResult> assess(const Prediction& p, const std::vector<Req
 std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
   std::vector<Shortfall> out;
   std::vector<CoefficientIndex> named;
-  for (const Requirement& r : requirements)
+  for (const Requirement& r : requirements) {
+    throw_problems("", problems_of(r));
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
       const double sigma = predicted_sigma(p, index);
@@ -61,6 +65,7 @@ std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Require
       out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
       named.push_back(index);
     }
+  }
   return out;
 }
 

@@ -6,7 +6,6 @@
 #include "imulab/export/loss.hpp"
 #include "imulab/export/write.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/format.h>

@@ -125,7 +125,7 @@ double test_temperature(const TriadModel& model, double fraction) {
 }
 
 RawSample raw_sample(const SensorModel& model, const Input& accel, const Input& gyro, const std::array<double, 12>& in) {
-  RawSample raw{Vector3d::Zero(), Vector3d::Zero()};
+  RawSample raw;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     const auto column = [](const Input& triad, std::size_t body) { return static_cast<std::size_t>(triad.column[body]); };

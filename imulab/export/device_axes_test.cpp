@@ -76,7 +76,7 @@ TEST(ExportAxes, VectorNavsRegistersTakeTheDevicesReadings) {
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const Reading r = random_reading(u.c.model, random, i);
     const Vector3d a = u.P_a.transpose() * r.raw.accel, w = u.P_g.transpose() * r.raw.gyro;  // as the device gives them
-    worst.add({C[0] * (a - B[0]), C[1] * (w - B[1])}, r.compensated);
+    worst.add({.rate = C[1] * (w - B[1]), .force = C[0] * (a - B[0])}, r.compensated);
   }
   EXPECT_LT(worst.force, 2e-7);  // single precision
   EXPECT_LT(worst.rate, 2e-7);
@@ -100,9 +100,10 @@ TEST(ExportAxes, KalibrAndOpenVinsTakeTheDevicesReadings) {
     const Reading r = random_reading(u.c.model, random, i);
     const Vector3d a = u.P_a.transpose() * r.raw.accel - b_a, w = u.P_g.transpose() * r.raw.gyro - b_g;
     const Vector3d a_b = (M_a * C_i_b).inverse() * a;
-    of_kalibr.add({a_b, (M_g * C_gyro_b).inverse() * (w - A * (C_gyro_b * a_b))}, r.compensated);
+    of_kalibr.add({.rate = (M_g * C_gyro_b).inverse() * (w - A * (C_gyro_b * a_b)), .force = a_b}, r.compensated);
     const Vector3d a_I = Da * a;
-    of_openvins.add({a_I, R_GYROtoIMU * Dw * (w - Tg * a_I)}, {C_i_b * r.compensated.force, C_i_b * r.compensated.rate});  // the same IMU frame
+    of_openvins.add({.rate = R_GYROtoIMU * Dw * (w - Tg * a_I), .force = a_I},
+                    {.rate = C_i_b * r.compensated.rate, .force = C_i_b * r.compensated.force});  // the same IMU frame
   }
   for (const Worst& worst : {of_kalibr, of_openvins}) {
     EXPECT_LT(worst.force, double_rounding);

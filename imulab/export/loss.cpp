@@ -102,7 +102,8 @@ double difference(const SensorModel& truth, const SensorModel& a, const SensorMo
   for (int axis = 0; axis < 3; ++axis)
     for (const int sign : {1, -1}) {
       Search search([&](const Condition& c) {
-        const RawSample raw = decompensate(truth, {c.force, c.rate}, Vector3d::Constant(c.accel_tau), Vector3d::Constant(c.gyro_tau));
+        const RawSample raw =
+            decompensate(truth, {.rate = c.rate, .force = c.force}, Vector3d::Constant(c.gyro_tau), Vector3d::Constant(c.accel_tau));
         const Motion x = compensate(a, raw), y = compensate(b, raw);
         return sign * (of_accel ? x.force - y.force : x.rate - y.rate)[axis];
       });

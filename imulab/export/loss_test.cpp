@@ -47,8 +47,8 @@ Difference measured(const SensorModel& truth, const std::function<Motion(const R
       const double u = temperatures.uniform(i), T0 = m.temperature->range[0], T1 = m.temperature->range[1];
       return (u < 0.25 ? T0 : u > 0.75 ? T1 : T0 + (T1 - T0) * (2 * u - 0.5)) - m.temperature->reference;
     };
-    const Motion motion{unit::g * random_direction(directions, 2 * i), 100 * unit::deg * random_direction(directions, 2 * i + 1)};
-    const RawSample raw = decompensate(truth, motion, Vector3d::Constant(tau(truth.accel)), Vector3d::Constant(tau(truth.gyro)));
+    const Motion motion{.rate = 100 * unit::deg * random_direction(directions, 2 * i + 1), .force = unit::g * random_direction(directions, 2 * i)};
+    const RawSample raw = decompensate(truth, motion, Vector3d::Constant(tau(truth.gyro)), Vector3d::Constant(tau(truth.accel)));
     const Motion m = other(raw);
     most.force = std::max(most.force, (m.force - motion.force).cwiseAbs().maxCoeff());
     most.rate = std::max(most.rate, (m.rate - motion.rate).cwiseAbs().maxCoeff());
@@ -71,26 +71,22 @@ TEST(ExportLoss, OfAllTermsTogetherIsTheDifferenceFromCompensate) {
     const char* target;
     std::function<Motion(const RawSample&)> equation;
   };
-  for (const Case& k : {Case{"vectornav",
-                             [&](const RawSample& r) {
-                               return Motion{C_a * (r.accel - b_a), C_g * (r.gyro - b_g)};
-                             }},
-                        {"px4",
-                         [&](const RawSample& r) {
-                           return Motion{scale.cwiseProduct(r.accel - drift(m.accel, r.accel_tau) - b_a), r.gyro - drift(m.gyro, r.gyro_tau) - b_g};
-                         }},
-                        {"ardupilot",
-                         [&](const RawSample& r) {
-                           return Motion{scale.cwiseProduct(r.accel - drift(m.accel, r.accel_tau) - b_a), r.gyro - drift(m.gyro, r.gyro_tau) - b_g};
-                         }},
-                        {"kalibr",
-                         [&](const RawSample& r) {  // without its states, the biases
-                           const Vector3d a = C_a * r.accel;
-                           return Motion{a, C_g * (r.gyro - G * a)};
-                         }},
-                        {"euroc", [](const RawSample& r) {
-                           return Motion{r.accel, r.gyro};
-                         }}}) {
+  for (const Case& k :
+       {Case{"vectornav", [&](const RawSample& r) { return Motion{.rate = C_g * (r.gyro - b_g), .force = C_a * (r.accel - b_a)}; }},
+        {"px4",
+         [&](const RawSample& r) {
+           return Motion{.rate = r.gyro - drift(m.gyro, r.gyro_tau) - b_g, .force = scale.cwiseProduct(r.accel - drift(m.accel, r.accel_tau) - b_a)};
+         }},
+        {"ardupilot",
+         [&](const RawSample& r) {
+           return Motion{.rate = r.gyro - drift(m.gyro, r.gyro_tau) - b_g, .force = scale.cwiseProduct(r.accel - drift(m.accel, r.accel_tau) - b_a)};
+         }},
+        {"kalibr",
+         [&](const RawSample& r) {  // without its states, the biases
+           const Vector3d a = C_a * r.accel;
+           return Motion{.rate = C_g * (r.gyro - G * a), .force = a};
+         }},
+        {"euroc", [](const RawSample& r) { return Motion{.rate = r.gyro, .force = r.accel}; }}}) {
     const std::vector<std::string> sentences = export_target(k.target).left_out({c});
     const Difference d = measured(m, k.equation, true);
     EXPECT_NEAR(stated(sentences, "accelerometers, ") / d.force, 1, 0.05) << k.target;  // all of it together
@@ -105,7 +101,7 @@ TEST(ExportLoss, OfOneTermIsThatOfACalibrationThatHasItAlone) {
     std::function<void(SensorModel&)> put;
   };
   const Calibration full = thermal_unit(22);
-  const auto none = [](const RawSample& r) { return Motion{r.accel, r.gyro}; };
+  const auto none = [](const RawSample& r) { return Motion{.rate = r.gyro, .force = r.accel}; };
   for (const Case& k :
        {Case{"accelerometers' off-diagonal terms", "px4", true,
              [&](SensorModel& m) {
@@ -155,7 +151,7 @@ TEST(ExportLoss, OfThermalTermsIsStatedWithoutARangeToo) {
     const RandomStream random(3, "without range");
     for (std::uint64_t i = 0; i < 200; ++i)
       for (const double tau : {10.0, -10.0}) {
-        RawSample raw{unit::g * random_direction(random, i), Vector3d::Zero()};
+        RawSample raw{.accel = unit::g * random_direction(random, i)};
         const Motion none = compensate(m, raw);
         raw.accel_tau.setConstant(tau);
         force = std::max(force, (compensate(m, raw).force - none.force).cwiseAbs().maxCoeff());

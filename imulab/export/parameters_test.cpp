@@ -61,7 +61,7 @@ Motion px4_correct(const Parameters& p, const RawSample& raw, double temperature
   const auto t = static_cast<float>(temperature);
   const Vector3f a = (raw.accel.cast<float>() - px4_thermal(p, "TC_A", t) - off).cwiseProduct(scale);
   const Vector3f w = raw.gyro.cast<float>() - px4_thermal(p, "TC_G", t) - gyro_off;
-  return {a.cast<double>(), w.cast<double>()};
+  return {.rate = w.cast<double>(), .force = a.cast<double>()};
 }
 
 /// ArduPilot/ardupilot: AP_InertialSensor_TCal::correct_sensor, then AP_InertialSensor_Backend::_rotate_and_correct_accel and ..._gyro (float).
@@ -86,7 +86,7 @@ Motion ardupilot_correct(const Parameters& p, const RawSample& raw, double tempe
   };
   const auto t = static_cast<float>(temperature);
   const Vector3f a = (tcal_correct(p, "ACC", t, raw.accel.cast<float>()) - xyz("INS_ACCOFFS")).cwiseProduct(xyz("INS_ACCSCAL"));
-  return {a.cast<double>(), (tcal_correct(p, "GYR", t, raw.gyro.cast<float>()) - xyz("INS_GYROFFS")).cast<double>()};
+  return {.rate = (tcal_correct(p, "GYR", t, raw.gyro.cast<float>()) - xyz("INS_GYROFFS")).cast<double>(), .force = a.cast<double>()};
 }
 
 /// The model of an autopilot: diagonal accelerometers, gyros without scale.
@@ -216,7 +216,8 @@ TEST(ExportTargets, VectorNavsRegistersGiveWhatCompensateGives) {
   Worst worst;
   for (int i = 0; i < parameter_samples; ++i) {
     const Reading r = random_reading(c.model, random, static_cast<std::uint64_t>(i));
-    worst.add({v.C[0] * (r.raw.accel - v.B[0]), v.C[1] * (r.raw.gyro - v.B[1])}, r.compensated);  // VN-100 user manual, registers 25 and 84
+    worst.add({.rate = v.C[1] * (r.raw.gyro - v.B[1]), .force = v.C[0] * (r.raw.accel - v.B[0])},
+              r.compensated);  // VN-100 user manual, registers 25 and 84
   }
   EXPECT_LT(worst.force, 2e-7);  // the registers' numbers are rounded to single precision, 6e-8 each
   EXPECT_LT(worst.rate, 2e-7);
@@ -254,7 +255,7 @@ TEST(ExportTargets, JsonMatricesGiveWhatCompensateGives) {
       return out;
     };
     const Vector3d a = triad(json["accelerometers"], r.raw.accel, Vector3d::Zero());
-    worst.add({a, triad(json["gyros"], r.raw.gyro, matrix(json["gyros"]["g_sensitivity"]) * a)}, r.compensated);
+    worst.add({.rate = triad(json["gyros"], r.raw.gyro, matrix(json["gyros"]["g_sensitivity"]) * a), .force = a}, r.compensated);
   }
   EXPECT_LT(worst.force, double_rounding);
   EXPECT_LT(worst.rate, double_rounding);

@@ -54,7 +54,7 @@ TEST(ExportTargets, KalibrsEquationGivesWhatCompensateGives) {
     const Matrix3d C_gyro_b = C_gyro_i * C_i_b;
     const Vector3d a_b = (M_a * C_i_b).inverse() * (r.raw.accel - b_a);
     const Vector3d w_b = (M_g * C_gyro_b).inverse() * (r.raw.gyro - b_g - A * (C_gyro_b * a_b));
-    worst.add({a_b, w_b}, r.compensated);
+    worst.add({.rate = w_b, .force = a_b}, r.compensated);
   }
   EXPECT_LT(worst.force, double_rounding);
   EXPECT_LT(worst.rate, double_rounding);
@@ -129,7 +129,7 @@ TEST(ExportTargets, OpenVinsEquationGivesWhatCompensateGives) {
       const Reading r = random_reading(c.model, random, static_cast<std::uint64_t>(i));
       const Vector3d a_I = R_ACCtoIMU * Da * (r.raw.accel - bias_of(c.model.accel));
       const Vector3d w_I = R_GYROtoIMU * Dw * (r.raw.gyro - bias_of(c.model.gyro) - Tg * a_I);
-      worst.add({a_I, w_I}, {C_I_b * r.compensated.force, C_I_b * r.compensated.rate});
+      worst.add({.rate = w_I, .force = a_I}, {.rate = C_I_b * r.compensated.rate, .force = C_I_b * r.compensated.force});
     }
     EXPECT_LT(worst.force, double_rounding) << model;
     EXPECT_LT(worst.rate, double_rounding) << model;

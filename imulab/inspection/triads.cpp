@@ -169,10 +169,9 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   RecordingOptions options;
   options.name = table.file;
   options.gyro.unit = options.accel.unit = "count";
-  const Recording recording =
-      with_short_gaps_filled(make_recording(std::vector<std::int64_t>(time_ns.begin(), time_ns.begin() + static_cast<std::ptrdiff_t>(n)),
-                                            std::move(gyro_columns), std::move(accel_columns), options))
-          .recording;
+  const Recording recording = with_short_gaps_filled(make_recording(Nanoseconds{{time_ns.begin(), time_ns.begin() + static_cast<std::ptrdiff_t>(n)}},
+                                                                    std::move(gyro_columns), std::move(accel_columns), options))
+                                  .recording;
   const RestDetection detection = detect_rests(recording);
   std::vector<Range> steady;  // samples of the recording with its short gaps filled
   for (const Range& rest : detection.rests) {

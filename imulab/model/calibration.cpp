@@ -1,5 +1,6 @@
 #include "imulab/calibration.hpp"
 
+#include "imulab/error.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/LU>
@@ -41,7 +42,46 @@ std::vector<std::string> unusable(const Calibration& calibration) {
   return names;
 }
 
+namespace {
+
+std::string size_problem(const Calibration& c) {
+  const Eigen::Index n = std::ssize(c.estimated);
+  if (c.covariance.rows() == n && c.covariance.cols() == n) return "";
+  return fmt::format("the covariance is {} x {}; expected {} x {}, a row and a column a coefficient that was estimated", c.covariance.rows(),
+                     c.covariance.cols(), n, n);
+}
+
+std::string covariance_problem(const Calibration& c) {
+  const auto name = [&](Eigen::Index i) { return coefficient(c.estimated[static_cast<std::size_t>(i)]).name; };
+  const Eigen::MatrixXd& p = c.covariance;
+  for (Eigen::Index i = 0; i < p.rows(); ++i)
+    if (!(p(i, i) >= 0 && std::isfinite(p(i, i)))) return fmt::format("the variance of {} is {:g}; expected 0 or more", name(i), p(i, i));
+  for (Eigen::Index i = 0; i < p.rows(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j) {
+      constexpr double rounding = 1e-9;  // far above that of any program that computed the matrix
+      const double scale = std::sqrt(p(i, i) * p(j, j));
+      if (!(std::abs(p(i, j) - p(j, i)) <= rounding * scale)) return fmt::format("the covariance of {} and {} is not symmetric", name(i), name(j));
+      if (!(std::abs(p(i, j)) <= (1 + rounding) * scale)) return fmt::format("{} and {} are correlated by more than 1", name(i), name(j));
+    }
+  return "";
+}
+
+}  // namespace
+
+void validate(const Calibration& c) {
+  std::vector<std::string> problems = problems_of(c.estimated);
+  const bool known = problems.empty();
+  if (std::string size = size_problem(c); !size.empty())
+    problems.push_back(std::move(size));
+  else if (std::string wrong = known ? covariance_problem(c) : ""; !wrong.empty())
+    problems.push_back(std::move(wrong));
+  const std::vector<std::string> of_model = problems_of(c.model);
+  problems.insert(problems.end(), of_model.begin(), of_model.end());
+  throw_problems("the calibration", problems);
+}
+
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index) {
+  if (const std::string problem = size_problem(calibration); !problem.empty()) throw Error("the calibration: " + problem);
   const auto& estimated = calibration.estimated;
   const auto found = std::find(estimated.begin(), estimated.end(), index);
   if (found == estimated.end()) return std::nullopt;
@@ -50,6 +90,7 @@ std::optional<double> standard_uncertainty(const Calibration& calibration, Coeff
 }
 
 RawZero raw_zero(const Calibration& calibration, Triad triad) {
+  validate(calibration);
   const TriadModel& model = triad_model(calibration.model, triad);
   const Matrix3d inverse = model.matrix.inverse();
   RawZero zero{-inverse * model.offset, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())};

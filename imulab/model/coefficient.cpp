@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -113,7 +114,11 @@ std::span<const Coefficient> coefficient_table() {
   return table.rows;
 }
 
-const Coefficient& coefficient(CoefficientIndex index) { return coefficient_table()[static_cast<std::size_t>(index)]; }
+const Coefficient& coefficient(CoefficientIndex index) {
+  if (index < 0 || index >= coefficient_count)
+    throw Error("coefficient " + std::to_string(index) + " is not in the table; expected 0 to " + std::to_string(coefficient_count - 1));
+  return coefficient_table()[static_cast<std::size_t>(index)];
+}
 
 std::span<const CoefficientIndex> coefficient_indices() {
   static const auto all = [] {
@@ -160,6 +165,29 @@ std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index) {
   return std::find(indices.begin(), indices.end(), index) != indices.end();
+}
+
+std::vector<std::string> problems_of(const std::vector<CoefficientIndex>& indices) {
+  std::vector<std::string> problems;
+  std::array<bool, coefficient_count> seen{};
+  for (const CoefficientIndex index : indices) {
+    const std::size_t before = problems.size();
+    collect_problem(problems, [&] { coefficient(index); });
+    if (problems.size() == before && std::exchange(seen[static_cast<std::size_t>(index)], true))
+      problems.push_back(std::string(coefficient(index).name) + " is listed twice");
+  }
+  return problems;
+}
+
+std::vector<std::string> problems_of(const SensorModel& model) {
+  std::vector<std::string> problems;
+  for (const CoefficientIndex index : coefficient_indices())
+    if (!std::isfinite(coefficient_value(model, index)))
+      problems.push_back(std::string(coefficient(index).name) + " is not finite; expected a finite number");
+  for (const auto& [triad, m] : {std::pair{"accel", &model.accel}, std::pair{"gyro", &model.gyro}})
+    if (m->temperature && !std::isfinite(m->temperature->reference))
+      problems.push_back(std::string(triad) + ": the reference temperature is not finite; expected a finite number");
+  return problems;
 }
 
 double coefficient_value(const SensorModel& model, CoefficientIndex index) { return element(model, coefficient(index)); }

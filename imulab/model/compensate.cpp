@@ -49,18 +49,39 @@ Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
               " polynomial cannot be inverted here: its matrix is singular, or it turns back before reaching this output");
 }
 
+// One sample in the order of sums of the columns below, so that both have the same bits.
+
+Vector3d without_drift_of_sample(const TriadModel& m, const Vector3d& u, const Vector3d& tau) {
+  Vector3d v;
+  for (int i = 0; i < 3; ++i) {
+    const double c0 = m.thermal(i, 0), c1 = m.thermal(i, 1), c2 = m.thermal(i, 2);
+    v[i] = c1 == 0 && c2 == 0 ? u[i] - c0 : u[i] - (c0 + (c1 + c2 * tau[i]) * tau[i]);
+  }
+  return v;
+}
+
+void polynomial_of_sample(const TriadModel& m, const Vector3d& v, Vector3d& out) {
+  for (int i = 0; i < 3; ++i) {
+    const double linear = m.offset[i] + (m.matrix(i, 0) * v[0] + m.matrix(i, 1) * v[1] + m.matrix(i, 2) * v[2]);
+    out[i] = linear + (m.quadratic[i] + m.cubic[i] * v[i]) * (v[i] * v[i]);
+  }
+}
+
 }  // namespace
 
 Motion compensate(const SensorModel& model, const RawSample& raw) {
-  const Vector3d force = polynomial(model.accel, raw.accel - drift(model.accel.thermal, raw.accel_tau));
-  const Vector3d rate = polynomial(model.gyro, raw.gyro - drift(model.gyro.thermal, raw.gyro_tau)) + model.g_sensitivity * force;
-  return {force, rate};
+  Motion out;
+  polynomial_of_sample(model.accel, without_drift_of_sample(model.accel, raw.accel, raw.accel_tau), out.force);
+  polynomial_of_sample(model.gyro, without_drift_of_sample(model.gyro, raw.gyro, raw.gyro_tau), out.rate);
+  const Matrix3d& c = model.g_sensitivity;
+  for (int i = 0; i < 3; ++i) out.rate[i] += c(i, 0) * out.force[0] + c(i, 1) * out.force[1] + c(i, 2) * out.force[2];
+  return out;
 }
 
-RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& accel_tau, const Vector3d& gyro_tau) {
+RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& gyro_tau, const Vector3d& accel_tau) {
   const Vector3d accel = invert(model.accel, motion.force, "accelerometers'") + drift(model.accel.thermal, accel_tau);
   const Vector3d gyro = invert(model.gyro, motion.rate - model.g_sensitivity * motion.force, "gyros'") + drift(model.gyro.thermal, gyro_tau);
-  return {accel, gyro, accel_tau, gyro_tau};
+  return {.gyro = gyro, .accel = accel, .gyro_tau = gyro_tau, .accel_tau = accel_tau};
 }
 
 namespace {
@@ -201,7 +222,10 @@ void add_drift(const TriadModel& m, const Inputs& temperature, const std::array<
 
 }  // namespace
 
-void decompensate(const SensorModel& model, const Inputs& accel_temperature, const Inputs& gyro_temperature, const MotionColumns& columns) {
+void decompensate(const SensorModel& model, const Inputs& gyro_temperature, const Inputs& accel_temperature, const MotionColumns& columns) {
+  for (const auto* triad : {&columns.rate, &columns.force})
+    for (const std::span<double>& column : *triad)
+      if (column.size() != columns.rate[0].size()) throw Error("decompensate: columns of different lengths; expected six of one length");
   if (!model.g_sensitivity.isZero(0))
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto c = model.g_sensitivity.row(static_cast<Eigen::Index>(axis));
@@ -269,16 +293,17 @@ CompensationDerivatives compensation_derivatives(const SensorModel& model, const
   const TriadDerivatives gyro = derivatives(Triad::gyro, model.gyro, raw.gyro, raw.gyro_tau);
   CompensationDerivatives d{compensate(model, raw), {}, Matrix6::Zero(), Matrix6::Zero()};
   const Matrix3d& C = model.g_sensitivity;
-  d.coefficients << accel.coefficients, gyro.coefficients + C * accel.coefficients;
+  d.coefficients << gyro.coefficients + C * accel.coefficients, accel.coefficients;
   const int first = coefficient_index(Triad::gyro, Term::g_sensitivity, 0, 0);  // row by row
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) d.coefficients(3 + i, first + 3 * i + j) = d.motion.force[j];
-  d.raw << accel.raw, Matrix3d::Zero(), C * accel.raw, gyro.raw;
-  d.temperature << accel.temperature, Matrix3d::Zero(), C * accel.temperature, gyro.temperature;
+    for (int j = 0; j < 3; ++j) d.coefficients(i, first + 3 * i + j) = d.motion.force[j];
+  d.raw << gyro.raw, C * accel.raw, Matrix3d::Zero(), accel.raw;
+  d.temperature << gyro.temperature, C * accel.temperature, Matrix3d::Zero(), accel.temperature;
   return d;
 }
 
 Matrix6 output_covariance(const Calibration& calibration, const RawSample& raw) {
+  validate(calibration);
   const auto all = compensation_derivatives(calibration.model, raw).coefficients;
   Eigen::MatrixXd g(6, static_cast<Index>(calibration.estimated.size()));
   for (std::size_t i = 0; i < calibration.estimated.size(); ++i) g.col(static_cast<Index>(i)) = all.col(calibration.estimated[i]);

@@ -50,7 +50,7 @@ SensorModel draw_model() {
 TEST(Compensate, RoundTripHoldsOverDaisRange) {
   EXPECT_TRUE(rc::check([] {
     const SensorModel m = draw_model();
-    const Motion motion{draw_vector(30 * unit::g), draw_vector(400 * unit::deg)};
+    const Motion motion{.rate = draw_vector(400 * unit::deg), .force = draw_vector(30 * unit::g)};
     const RawSample raw = decompensate(m, motion, draw_vector(45), draw_vector(45));
     const Motion back = compensate(m, raw);
     // Rounding: each sum has about ten terms, none larger than twice full scale.
@@ -63,9 +63,11 @@ TEST(Compensate, InverseReturnsTheRawReadingItself) {
   EXPECT_TRUE(rc::check([] {
     const SensorModel m = draw_model();
     // Raw readings within full scale: the branch of the polynomial that contains zero.
-    const RawSample raw{m.accel.matrix.inverse() * draw_vector(30 * unit::g), m.gyro.matrix.inverse() * draw_vector(400 * unit::deg), draw_vector(45),
-                        draw_vector(45)};
-    const RawSample back = decompensate(m, compensate(m, raw), raw.accel_tau, raw.gyro_tau);
+    const RawSample raw{.gyro = m.gyro.matrix.inverse() * draw_vector(400 * unit::deg),
+                        .accel = m.accel.matrix.inverse() * draw_vector(30 * unit::g),
+                        .gyro_tau = draw_vector(45),
+                        .accel_tau = draw_vector(45)};
+    const RawSample back = decompensate(m, compensate(m, raw), raw.gyro_tau, raw.accel_tau);
     const double accel_scale = m.accel.matrix.norm(), gyro_scale = m.gyro.matrix.norm();
     // As above, and the slope of the gyro polynomial falls to 0.8 at full scale, which amplifies it somewhat.
     RC_ASSERT((back.accel - raw.accel).norm() * accel_scale <= 40 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
@@ -79,7 +81,7 @@ TEST(Compensate, TheInverseNearZeroEnds) {
     const SensorModel m = draw_model();
     for (int axis = 0; axis < 3; ++axis)
       for (const double sign : {-1.0, 1.0}) {
-        const Motion rest{sign * unit::g * Vector3d::Unit(axis), Vector3d::Zero()};
+        const Motion rest{.force = sign * unit::g * Vector3d::Unit(axis)};
         RC_ASSERT((compensate(m, decompensate(m, rest)).force - rest.force).norm() <= 20 * std::numeric_limits<double>::epsilon() * 2 * unit::g);
       }
   }));
@@ -94,7 +96,7 @@ TEST(Compensate, FollowsTheEquationsTermByTerm) {
   m.accel.thermal << 0, 0.5, 0.25, 0, 0, 0, 0, 0, 0;
   m.gyro.offset = {1, 0, 0};
   m.g_sensitivity << 0, 1, 0, 0, 0, 0, 0, 0, 2;
-  const Motion motion = compensate(m, RawSample{{5, 2, 1}, {7, 8, 9}, {2, 0, 0}, {0, 0, 0}});
+  const Motion motion = compensate(m, RawSample{.gyro = {7, 8, 9}, .accel = {5, 2, 1}, .accel_tau = {2, 0, 0}});
   // Va = (5 - 0.5 2 - 0.25 4, 2, 1) = (3, 2, 1)
   EXPECT_DOUBLE_EQ(motion.force.x(), 0.1 + 2 * 3 + 0.5 * 2 + 0.01 * 9);
   EXPECT_DOUBLE_EQ(motion.force.y(), 0.2 + 3 * 2 + 0.001 * 8);
@@ -107,11 +109,11 @@ TEST(Compensate, FollowsTheEquationsTermByTerm) {
 TEST(Compensate, PolynomialWithoutThisOutputIsAnError) {
   SensorModel m;
   m.accel.quadratic.x() = -0.1;  // V - 0.1 V^2 never exceeds 2.5
-  EXPECT_NO_THROW(decompensate(m, {{2.4, 0, 0}, {0, 0, 0}}));
-  EXPECT_THROW(decompensate(m, {{2.6, 0, 0}, {0, 0, 0}}), Error);
+  EXPECT_NO_THROW(decompensate(m, {.force = {2.4, 0, 0}}));
+  EXPECT_THROW(decompensate(m, {.force = {2.6, 0, 0}}), Error);
   m.accel.quadratic.x() = 0;
   m.gyro.matrix.row(2).setZero();
-  EXPECT_THROW(decompensate(m, {{0, 0, 0}, {0, 0, 1}}), Error);
+  EXPECT_THROW(decompensate(m, {.rate = {0, 0, 1}}), Error);
 }
 
 /// Six readings and six temperatures of n samples, all different.
@@ -236,7 +238,8 @@ TEST(Decompensate, ColumnsAreTheSamplesOneByOne) {
     decompensate(m, readings, readings, in_place);
     for (std::size_t k = 0; k < n; ++k) {
       const Vector3d tau = Vector3d::Constant(temperature[k] - 25);
-      const RawSample raw = decompensate(m, {{before[0][k], before[1][k], before[2][k]}, {before[3][k], before[4][k], before[5][k]}}, tau, tau);
+      const RawSample raw =
+          decompensate(m, {.rate = {before[3][k], before[4][k], before[5][k]}, .force = {before[0][k], before[1][k], before[2][k]}}, tau, tau);
       for (std::size_t a = 0; a < 3; ++a) {
         const auto i = static_cast<Eigen::Index>(a);
         // Sums in another order: a few roundings of full scale.

@@ -13,7 +13,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 Vector6 out(const SensorModel& model, const RawSample& raw) {
   const Motion m = compensate(model, raw);
   Vector6 v;
-  v << m.force, m.rate;
+  v << m.rate, m.force;
   return v;
 }
 
@@ -29,7 +29,7 @@ TEST(CompensationDerivatives, AreThoseOfTheModel) {
   const SensorModel model = drawn_model(draws);
   RawSample raw;
   std::uint64_t n = 100;
-  for (Vector3d* v : {&raw.accel, &raw.gyro, &raw.accel_tau, &raw.gyro_tau})
+  for (Vector3d* v : {&raw.gyro, &raw.accel, &raw.gyro_tau, &raw.accel_tau})
     for (double& x : *v) x = draws.normal(n++);
   const CompensationDerivatives d = compensation_derivatives(model, raw);
   // Central differences of polynomials up to the third order in each coefficient and reading, of size one: h^2 of truncation and 1e-16 / h of
@@ -44,7 +44,7 @@ TEST(CompensationDerivatives, AreThoseOfTheModel) {
   for (int k = 0; k < 6; ++k) {
     const auto moved = [&](double by, bool temperature) {
       RawSample r = raw;
-      Vector3d& v = temperature ? (k < 3 ? r.accel_tau : r.gyro_tau) : (k < 3 ? r.accel : r.gyro);
+      Vector3d& v = temperature ? (k < 3 ? r.gyro_tau : r.accel_tau) : (k < 3 ? r.gyro : r.accel);
       v[k % 3] += by;
       return out(model, r);
     };
@@ -58,9 +58,9 @@ TEST(OutputCovariance, OfOneScaleGrowsWithTheReading) {
   Calibration c;
   c.estimated = {coefficient_index("accel.matrix.xx")};
   c.covariance = Eigen::MatrixXd::Constant(1, 1, 4e-6);
-  RawSample raw{{300, 0, 0}, {0, 0, 0}};
-  EXPECT_NEAR(output_covariance(c, raw)(0, 0), 4e-6 * 300 * 300, 1e-12);  // rounding of 0.36
-  EXPECT_EQ(output_covariance(c, raw)(1, 1), 0);
+  const RawSample raw{.accel = {300, 0, 0}};
+  EXPECT_NEAR(output_covariance(c, raw)(3, 3), 4e-6 * 300 * 300, 1e-12);  // rounding of 0.36
+  EXPECT_EQ(output_covariance(c, raw)(4, 4), 0);
 }
 
 }  // namespace

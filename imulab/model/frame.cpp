@@ -101,6 +101,7 @@ Matrix3d accelerometer_frame(const Matrix3d& a1) {
 }
 
 Calibration in_accelerometer_frame(const Calibration& calibration) {
+  validate(calibration);
   accelerometer_frame(calibration.model.accel.matrix);  // throws where there is no such frame
   Coefficients<double> values;
   for (const CoefficientIndex i : coefficient_indices()) values[static_cast<std::size_t>(i)] = coefficient_value(calibration.model, i);

@@ -93,7 +93,7 @@ TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
   const Calibration turned = in_accelerometer_frame(c);
   EXPECT_EQ(turned.frame, "accelerometers");
   const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
-  const RawSample raw{Vector3d(300, -500, 800), Vector3d(70, 40, -90)};
+  const RawSample raw{.gyro = {70, 40, -90}, .accel = {300, -500, 800}};
   const Motion before = compensate(c.model, raw), after = compensate(turned.model, raw);
   // Sums of about 10 in size.
   EXPECT_LE((after.force - r * before.force).norm(), 1e-14 * 10);

@@ -71,6 +71,7 @@ SensorModel with_references(const SensorModel& model, double accel_reference, do
 }
 
 Calibration with_references(const Calibration& calibration, double accel_reference, double gyro_reference) {
+  validate(calibration);
   Calibration out = calibration;
   if (stays(calibration.model.accel, accel_reference) && stays(calibration.model.gyro, gyro_reference)) return out;
   const auto change = [&](const SensorModel& model) { return with_references(model, accel_reference, gyro_reference); };
@@ -84,6 +85,8 @@ Calibration with_references(const Calibration& calibration, double accel_referen
 MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<CoefficientIndex>& indices, const MatrixXd& covariance) {
   SensorModel zero;  // where unit steps are exact
   zero.accel.matrix.setZero(), zero.gyro.matrix.setZero();
+  if (covariance.rows() != std::ssize(indices) || covariance.cols() != covariance.rows())
+    throw Error("a covariance of another size than its coefficients; expected a row and a column for each");
   const MatrixXd transfer = derivatives(linear_change, indices, zero, VectorXd::Ones(covariance.rows()));
   return transfer * covariance * transfer.transpose();
 }

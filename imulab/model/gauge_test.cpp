@@ -22,7 +22,7 @@ SensorModel unit() {
 }
 
 RawSample sample(const SensorModel& model, double accel_temperature, double gyro_temperature) {
-  RawSample raw{{0.3, -0.7, 1.1}, {-0.4, 0.9, 0.2}};
+  RawSample raw{.gyro = {-0.4, 0.9, 0.2}, .accel = {0.3, -0.7, 1.1}};
   raw.accel_tau.setConstant(accel_temperature - model.accel.temperature->reference);
   raw.gyro_tau.setConstant(gyro_temperature - model.gyro.temperature->reference);
   return raw;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace imulab {
 
@@ -12,6 +13,10 @@ namespace {
 constexpr std::size_t channels = 6;
 
 }  // namespace
+
+OutlierFilter::OutlierFilter(double factor) : factor_(factor) {
+  if (!(factor > 0 && std::isfinite(factor))) throw Error("outlier filter: the factor is " + std::to_string(factor) + "; expected more than 0");
+}
 
 void OutlierFilter::learn_resolution() {
   for (std::size_t c = 0; c < channels; ++c) {

@@ -10,6 +10,10 @@
 
 namespace imulab {
 
+/// What is wrong with a requirement that was made in memory: no coefficients, some that are not in the table or cannot be required, a limit that is
+/// not finite and above 0.
+std::vector<std::string> problems_of(const Requirement& requirement);
+
 /// Standard uncertainty of a coefficient, SI; of matrices relative to the row's scale; infinite where it was not estimated.
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
 

@@ -32,13 +32,18 @@ UserUnit required_unit(const Requirement& requirement, const std::string& stated
                           fmt::join(names, ", ")));
 }
 
+constexpr const char* cannot_be_required = "cannot be required; expected coefficients of offset, matrix or g_sensitivity";
+bool can_be_required(CoefficientIndex index) {
+  const Term term = coefficient(index).term;
+  return term == Term::offset || term == Term::matrix || term == Term::g_sensitivity;
+}
+
 Requirement requirement_of(const StatedLimit& stated) {
   Requirement out;
   out.selector = stated.name;
   out.coefficients = select_coefficients(out.selector);
   for (const CoefficientIndex index : out.coefficients)
-    if (const Term term = coefficient(index).term; term != Term::offset && term != Term::matrix && term != Term::g_sensitivity)
-      throw Error(fmt::format("{}: cannot be required; expected coefficients of offset, matrix or g_sensitivity", out.selector));
+    if (!can_be_required(index)) throw Error(fmt::format("{}: {}", out.selector, cannot_be_required));
   if (stated.at_s) throw Error(to_string(stated) + ": a coefficient has no time; expected the number and its unit alone");
   out.unit = required_unit(out, to_string(stated), stated.unit);
   out.limit = stated.number * out.unit.size;
@@ -46,6 +51,16 @@ Requirement requirement_of(const StatedLimit& stated) {
 }
 
 }  // namespace
+
+std::vector<std::string> problems_of(const Requirement& r) {
+  std::vector<std::string> problems = problems_of(r.coefficients);
+  if (!problems.empty()) return problems;
+  if (r.coefficients.empty()) return {r.selector + ": a requirement of no coefficient; expected one or more"};
+  for (const CoefficientIndex index : r.coefficients)
+    if (!can_be_required(index)) problems.push_back(fmt::format("{}: {}", coefficient(index).name, cannot_be_required));
+  if (!(r.limit > 0 && std::isfinite(r.limit))) problems.push_back(fmt::format("{}: the limit is {:g}; expected more than 0", r.selector, r.limit));
+  return problems;
+}
 
 std::string to_string(const Requirement& r) { return fmt::format("{} <= {:g} {}", r.selector, r.limit / r.unit.size, r.unit.name); }
 
@@ -58,6 +73,7 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
 }
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
+  throw_problems("", problems_of(requirement));
   RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, false};
   for (const CoefficientIndex index : requirement.coefficients) {
     if (calibration.frame == "accelerometers" && zero_by_frame(index)) continue;  // nothing to be determined

@@ -7,8 +7,10 @@
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/rests.hpp"
+#include "imulab/session.hpp"
 
 #include <fmt/format.h>
 
@@ -42,7 +44,7 @@ RawSample mean_reading(const SensorModel& model, const Recording& r, const Range
   Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
   if (model.accel.temperature) accel_tau = mean(r.accel_temperature, model.accel.temperature->reference);
   if (model.gyro.temperature) gyro_tau = mean(r.gyro_temperature, model.gyro.temperature->reference);
-  return decompensate(model, {mean(r.accel, 0), mean(r.gyro, 0)}, accel_tau, gyro_tau);
+  return decompensate(model, {.rate = mean(r.gyro, 0), .force = mean(r.accel, 0)}, gyro_tau, accel_tau);
 }
 
 /// The position of the session's initial state, or else of its site.
@@ -117,8 +119,8 @@ Range first_rest(const Recording& recording, const Session& session) {
 
 /// Covariance of the compensated output at the mean reading of the rest, from the calibration: constant errors of the alignment's sensors.
 AlignmentSensors sensors_of(const Calibration& calibration, const ImuDeclaration& imu, const RawSample& raw) {
-  const Eigen::Matrix<double, 6, 6> P = output_covariance(calibration, raw);  // force, then rate
-  return {P.bottomRightCorner<3, 3>(), P.topLeftCorner<3, 3>(), imu.gyro_noise_density, imu.accel_noise_density};
+  const Eigen::Matrix<double, 6, 6> P = output_covariance(calibration, raw);  // rate, then force
+  return {P.topLeftCorner<3, 3>(), P.bottomRightCorner<3, 3>(), imu.gyro_noise_density, imu.accel_noise_density};
 }
 
 Start aligned_start(const Calibration& calibration, const Session& session, const Recording& compensated, const NavigateOptions& options) {
@@ -312,6 +314,8 @@ void warn_of_height(const std::string& name, double duration, Navigated& out) {
 }  // namespace
 
 Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
+  standard_uncertainty(calibration, coefficient_indices().front());  // checks the size of the covariance
+  validate(session), validate(raw);
   Navigated out;
   out.vertical = options.vertical;
   constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes

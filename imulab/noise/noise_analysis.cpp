@@ -5,6 +5,7 @@
 #include "imulab/error.hpp"
 #include "imulab/noise.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
@@ -137,6 +138,9 @@ NoiseAnalysis analyze_noise(Recording recording, const Session& session, const N
 }
 
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options) {
+  expect_inside(still.range, recording.size(), std::string(recording.name) + ": the part at rest");
+  if (still.range.size() == 0 || !(still.interval_s > 0))
+    throw Error(std::string(recording.name) + ": no samples at rest; expected some, and their interval");
   RecordingView r = recording;
   r.interval_s = still.interval_s;
   if (options.remove_temperature) {
@@ -238,6 +242,7 @@ BatchCoefficient together(const std::vector<NoiseCoefficient>& logs) {
 }  // namespace
 
 NoiseBatch noise_batch(std::vector<NoiseAnalysis> logs) {
+  if (logs.empty()) throw Error("no logs; expected one or more");
   NoiseBatch batch{std::move(logs), {}};
   for (const NoiseAnalysis& log : batch.logs)
     if (log.axes.size() != batch.logs.front().axes.size() || (!log.axes.empty() && log.axes[0].name != batch.logs.front().axes[0].name))

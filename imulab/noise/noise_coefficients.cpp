@@ -50,7 +50,7 @@ NoiseModel sizes_of(const Axes& axes, const std::string& unit, const std::string
 }  // namespace
 
 NoiseModels noise_sizes(const ImuNoise& noise) {
-  return {.accel = sizes_of(noise.accel, noise.accel_unit, "accelerometers"), .gyro = sizes_of(noise.gyro, noise.gyro_unit, "gyros")};
+  return {.gyro = sizes_of(noise.gyro, noise.gyro_unit, "gyros"), .accel = sizes_of(noise.accel, noise.accel_unit, "accelerometers")};
 }
 
 }  // namespace imulab

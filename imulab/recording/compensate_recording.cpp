@@ -3,6 +3,7 @@
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/outlier_filter.hpp"
 #include "imulab/recording/compensated_readings.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
 
@@ -54,9 +55,7 @@ void expect_finite(const Recording& r) {
 CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers) {
   CompensatedRecording out{std::move(recording), {}, {}};
   Recording& r = out.recording;
-  if (!r.time_ns.empty() && (r.gyro[0].empty() || r.accel[0].empty()))
-    throw Error(fmt::format("{}: has no {}; both triads are compensated together: expected a recording of both", r.name,
-                            r.gyro[0].empty() ? "gyros" : "accelerometers"));
+  expect_both_triads(r);
   check_unit(r, "accel", r.accel_unit, model.accel);
   check_unit(r, "gyro", r.gyro_unit, model.gyro);
   if (outliers == Outliers::reject) out.replaced = replace_outliers(r);
@@ -76,6 +75,8 @@ CompensatedRecording compensate(const SensorModel& model, Recording recording, O
 }
 
 void remove_lever_arms(Recording& r, const Matrix3d& lever_arm) {
+  expect_both_triads(r);
+  if (!lever_arm.allFinite()) throw Error("a lever arm is not finite; expected meters");
   const auto rate = [&](std::size_t i) { return Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]); };
   for (std::size_t i = 0; i < r.size(); ++i) {
     const std::size_t before = i > 0 && !r.follows_gap(i) ? i - 1 : i, after = i + 1 < r.size() && !r.follows_gap(i + 1) ? i + 1 : i;
@@ -153,6 +154,7 @@ Compensator::Compensator(SensorModel model, Outliers outliers) : model_(std::mov
 }
 
 CompensatedRecording Compensator::next(Recording piece) {
+  expect_both_triads(piece);
   if (!filter_) return compensate(model_, std::move(piece));
   const std::size_t taken = held_.size();
   Recording samples = joined(std::move(held_), std::move(piece));
@@ -174,6 +176,7 @@ CompensatedRecording Compensator::rest() {
 
 void CompensatedReadings::take_part_with(std::size_t i) {
   constexpr std::size_t back = 8, most = 1024;
+  if (i >= recording_.size()) throw Error(fmt::format("{}: sample {}; expected one of {}", recording_.name, i, recording_.size()));
   begin_ = std::max(i, back) - back;
   const auto begin = static_cast<std::ptrdiff_t>(begin_), end = static_cast<std::ptrdiff_t>(std::min(begin_ + most, recording_.size()));
   Recording part;

@@ -35,8 +35,8 @@ TEST(CompensateRecording, GivesEverySampleAndKeepsTheRest) {
   const Recording raw = three_samples();
   const CompensatedRecording out = compensate(m, raw);
   for (std::size_t k = 0; k < 3; ++k) {
-    const Motion motion =
-        compensate(m, RawSample{{raw.accel[0][k], raw.accel[1][k], raw.accel[2][k]}, {raw.gyro[0][k], raw.gyro[1][k], raw.gyro[2][k]}});
+    const Motion motion = compensate(
+        m, RawSample{.gyro = {raw.gyro[0][k], raw.gyro[1][k], raw.gyro[2][k]}, .accel = {raw.accel[0][k], raw.accel[1][k], raw.accel[2][k]}});
     for (int i = 0; i < 3; ++i) {
       EXPECT_DOUBLE_EQ(out.recording.gyro[static_cast<std::size_t>(i)][k], motion.rate(i));
       EXPECT_DOUBLE_EQ(out.recording.accel[static_cast<std::size_t>(i)][k], motion.force(i));

@@ -4,6 +4,7 @@
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/recording/validate.hpp"
 #include "imulab/session.hpp"
 
 #include <fmt/format.h>
@@ -22,10 +23,21 @@ void check_options(ReadingOptions& triad, Quantity quantity, const std::string& 
   if (triad.unit.empty()) triad.unit = quantity == Quantity::gyro ? (triad.increment ? "rad" : "rad/s") : (triad.increment ? "m/s" : "m/s^2");
   if (std::find(known.begin(), known.end(), triad.unit) == known.end())
     throw Error(fmt::format("{}: the unit is \"{}\"; expected one of {}", name, triad.unit, fmt::join(known, ", ")));
+  if (!(triad.counts_per_unit > 0 && std::isfinite(triad.counts_per_unit)))
+    throw Error(fmt::format("{}: {} counts per unit; expected more than 0", name, triad.counts_per_unit));
+  if (triad.axes && !are_body_axes(*triad.axes))
+    throw Error(name + ": the axes are no body axes; expected each of the indices 0, 1, 2 once, with the sign 1 or -1");
   if (triad.limits && !((*triad.limits)[0] < (*triad.limits)[1]))
     throw Error(fmt::format("{}: the limits are {} and {}; expected the lower one first", name, (*triad.limits)[0], (*triad.limits)[1]));
   if (const std::size_t columns = triad.temperature.size(); columns != 0 && columns != 1 && columns != 3)
     throw Error(fmt::format("{}: {} temperature columns; expected none, one or three", name, columns));
+}
+
+void check_options(RecordingOptions& options) {
+  if (options.interval_s && !(*options.interval_s > 0 && std::isfinite(*options.interval_s)))
+    throw Error(fmt::format("{}: the interval is {} s; expected a positive number", options.name, *options.interval_s));
+  check_options(options.gyro, Quantity::gyro, options.name + ": gyro");
+  check_options(options.accel, Quantity::accel, options.name + ": accel");
 }
 
 /// Declared, or the stamps' median.
@@ -104,6 +116,7 @@ Columns3 three_columns(std::vector<std::vector<double>> columns) {
 }
 
 Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  check_options(options);
   Recording recording;
   recording.name = std::move(options.name);
   recording.interval_s = options.interval_s.value_or(0);
@@ -131,6 +144,7 @@ void append(Recording& all, const Recording& piece, const Range& samples) {
     if (!from.empty())
       to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(samples.begin), from.begin() + static_cast<std::ptrdiff_t>(samples.end));
   };
+  expect_inside(samples, piece.size(), piece.name);
   const std::size_t before = all.size();
   if (before == 0) {
     all = piece;
@@ -152,9 +166,9 @@ Recording completed(Recording all, const RecordingOptions& options) {
   return all;
 }
 
-Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options) {
-  check_options(options.gyro, Quantity::gyro, options.name + ": gyro");
-  check_options(options.accel, Quantity::accel, options.name + ": accel");
+Recording make_recording(Nanoseconds t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  std::vector<std::int64_t> time_ns = std::move(t.count);
+  check_options(options);
   expect_increasing(options.name, time_ns);
   options.interval_s = nominal_interval(time_ns, options);
   Recording recording = convert_readings(std::move(gyro), std::move(accel), options);
@@ -177,8 +191,7 @@ std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std
 }
 
 Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
-  std::vector<std::int64_t> time_ns = nanoseconds_of(t, options.name);
-  return make_recording(std::move(time_ns), std::move(gyro), std::move(accel), std::move(options));
+  return make_recording(Nanoseconds{nanoseconds_of(t, options.name)}, std::move(gyro), std::move(accel), std::move(options));
 }
 
 }  // namespace imulab

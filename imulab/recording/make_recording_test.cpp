@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <cmath>
 #include <limits>
 
 namespace imulab {
@@ -62,6 +64,33 @@ TEST(MakeRecording, MarksReadingsAtTheLimits) {
   EXPECT_THAT(r.saturated, ElementsAre(7, 80));
 }
 
+template <class Times>
+concept Taken = requires(Times t, Columns3 readings) {
+  make_recording(t, readings, readings);
+};
+
+TEST(MakeRecording, TimesCannotBeTakenForOthers) {
+  static_assert(Taken<std::vector<double>> && Taken<Nanoseconds> && Taken<std::vector<std::chrono::milliseconds>>);
+  static_assert(!Taken<std::vector<std::int64_t>> && !Taken<std::vector<int>>, "of what unit?");
+  std::vector<std::chrono::milliseconds> ms;
+  std::vector<std::chrono::duration<double, std::micro>> us;
+  std::vector<std::int64_t> ns;
+  for (int i = 0; i < 100; ++i) {
+    ms.emplace_back(1'700'000'000'000 + 10 * i);  // since 1970: a double of seconds has no nanoseconds there
+    us.emplace_back(1e4 * i + 0.5);
+    ns.push_back(1'700'000'000'000'000'001 + 10'000'000LL * i);
+  }
+  const Columns3 readings = columns(1, 2, 3);
+  EXPECT_EQ(make_recording(ms, readings, readings).time_ns[1], 1'700'000'000'010'000'000);
+  EXPECT_DOUBLE_EQ(make_recording(ms, readings, readings).interval_s, 0.01);
+  EXPECT_EQ(make_recording(us, readings, readings).time_ns[1], 10'000'500);
+  EXPECT_EQ(make_recording(Nanoseconds{ns}, readings, readings).time_ns, ns);
+  us[3] *= std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT([&] { make_recording(us, readings, readings); }, testing::ThrowsMessage<Error>("recording: time: sample 3 is nan; expected seconds"));
+  ms[3] = std::chrono::milliseconds::max();
+  EXPECT_THAT([&] { make_recording(ms, readings, readings); }, testing::ThrowsMessage<Error>(HasSubstr("time: sample 3 is 9223372036854776")));
+}
+
 std::string refusal_of_arrays(std::vector<double> t, const Columns3& gyro, const RecordingOptions& options) {
   try {
     make_recording(t, gyro, columns(0, 0, 9.8), options);
@@ -86,6 +115,11 @@ TEST(MakeRecording, RefusesWhatIsNoRecording) {
   EXPECT_THAT(refusal_of_arrays(times, gyro, {.interval_s = 0.02}), HasSubstr("the interval is 0.02 s, but the stamps' differences are 0.01 s"));
   EXPECT_THAT(refusal_of_arrays(times, gyro, {.interval_s = 0, .gyro = {.increment = true}}),
               HasSubstr("the interval is 0 s; expected a positive number"));
+  const std::array<BodyAxis, 3> twice{{{0, 1}, {0, -1}, {2, 1}}}, beyond{{{0, 1}, {1, 1}, {7, 1}}};
+  for (const auto& axes : {twice, beyond})
+    EXPECT_THAT(refusal_of_arrays(times, gyro, {.accel = {.axes = axes}}), HasSubstr("accel: the axes are no"));
+  for (const double counts : {0.0, -1.0, HUGE_VAL})
+    EXPECT_THAT(refusal_of_arrays(times, gyro, {.gyro = {.counts_per_unit = counts}}), HasSubstr("counts per unit; expected more than 0"));
   std::vector<double> t = times;
   t[9] = t[8];
   EXPECT_THAT(refusal_of_arrays(t, gyro, {}), HasSubstr("time: sample 9 is at 5.08 s"));

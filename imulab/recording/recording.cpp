@@ -1,5 +1,6 @@
 #include "imulab/recording.hpp"
 
+#include "imulab/error.hpp"
 #include "imulab/recording/recording_view.hpp"
 
 #include <algorithm>
@@ -14,6 +15,7 @@ std::size_t Recording::bytes() const {
 }
 
 double Recording::interval(std::size_t i, bool increment) const {
+  if (i >= size()) throw Error(name + ": sample " + std::to_string(i) + "; expected one of " + std::to_string(size()));
   if (increment || i == 0 || follows_gap(i)) return interval_s;
   return 1e-9 * static_cast<double>(time_ns[i] - time_ns[i - 1]);
 }

@@ -249,6 +249,8 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
 }
 
 RestDetection detect_rests(const RecordingView& recording, const RestOptions& options) {
+  for (const double option : {options.window_s, options.shortest_s, options.threshold_sigmas})
+    if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
   RestDetection found;
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   const std::size_t length = strides_per_window * stride;
@@ -321,7 +323,8 @@ bool has_holds(const std::vector<Step>& steps) {
 }  // namespace
 
 Rests rests_of(const Recording& recording, const Session& session) {
-  if (!has_holds(session.steps_of(session.source_of(recording.name)))) validate(recording);
+  validate(recording);
+  validate(session);
   return rests_of(RecordingView(recording), session);
 }
 

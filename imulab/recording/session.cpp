@@ -111,7 +111,7 @@ std::vector<Step> Session::steps_of(const RecordingSource& source) const {
 
 NoiseModels declared_terms(const ImuDeclaration& imu) {
   const Grade none{}, &of = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
-  NoiseModels noise{imu.accel_noise.value_or(of.accel_noise), imu.gyro_noise.value_or(of.gyro_noise)};
+  NoiseModels noise{.gyro = imu.gyro_noise.value_or(of.gyro_noise), .accel = imu.accel_noise.value_or(of.accel_noise)};
   noise.accel.N = imu.accel_noise_density.value_or(of.accel_noise.N);
   noise.gyro.N = imu.gyro_noise_density.value_or(of.gyro_noise.N);
   return noise;

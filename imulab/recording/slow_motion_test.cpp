@@ -29,7 +29,7 @@ Recording log_with(const Motion& motion) {
     }
     gyro[2][i] += motion(t);
   }
-  return make_recording(std::move(time_ns), std::move(gyro), std::move(accel));
+  return make_recording(Nanoseconds{std::move(time_ns)}, std::move(gyro), std::move(accel));
 }
 
 TEST(SlowMotion, NoiseAndDriftAreNone) {

@@ -14,6 +14,7 @@
 #include <limits>
 #include <map>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace imulab {
@@ -95,6 +96,8 @@ namespace {
 
 using namespace session_fields;
 
+bool is_body_axis(const BodyAxis& axis) { return axis.index >= 0 && axis.index < 3 && (axis.sign == 1 || axis.sign == -1); }
+
 /// The counterpart of TomlFields for values that are there already: collects what is out of its range.
 class RangeCheck {
  public:
@@ -134,14 +137,15 @@ class RangeCheck {
   void check(bool good, std::string_view key, const std::string& message) {
     if (!good) add(key, message);
   }
-  // Texts, columns and axes have no range; of choices there are no others.
+  // Texts and columns have no range; of choices there are no others.
   template <class Value>
   void text(std::string_view, const Value&) {}
   template <class Value>
   void column(std::string_view, const Value&) {}
   void columns(std::string_view, const std::vector<Column>&, const std::vector<std::size_t>&) {}
-  template <class Value>
-  void axes(std::string_view, const Value&) {}
+  void axes(std::string_view key, const std::optional<std::array<BodyAxis, 3>>& axes) {
+    check(!axes || are_body_axes(*axes), key, "are no body axes; expected each of the indices 0, 1, 2 once, with the sign 1 or -1");
+  }
   template <class Enum>
   void choice(std::string_view, Enum, const std::vector<Enum>&, Presence = Presence::required) {}
   void choice(std::string_view, const std::string&, const std::vector<std::string_view>&, Presence) {}
@@ -176,6 +180,8 @@ std::string problem_of(const Step& step) {
     return fmt::format("its acceleration is {:g} rad/s^2; expected more than 0", *step.acceleration);
   for (const double radius : step.radius)
     if (!(radius >= 0 && finite(radius))) return fmt::format("a radius is {:g} m; expected 0 or more", radius);
+  if (step.mount && !(is_body_axis(step.mount->up) && is_body_axis(step.mount->outward)))
+    return "the mount has no body axes; expected indices from 0 to 2 with the sign 1 or -1";
   if (step.mount && step.mount->up.index == step.mount->outward.index) return "the mount's outward axis is parallel to up; expected one across";
   if (step.temperature && !(*step.temperature >= -273.15 && *step.temperature <= 1000))
     return fmt::format("its temperature is {:g} degC; expected -273.15 to 1000", *step.temperature);
@@ -205,10 +211,66 @@ void validate(const Session& session) {
   for (const RecordingSource& recording : session.recordings) check("recording", recording, problems);
   if (session.initial) check("initial", *session.initial, problems);
   check_steps(session, problems);
-  if (problems.empty()) return;
-  std::string all = session.file.empty() ? "the session" : session.file;
-  for (const std::string& problem : problems) all += (problems.size() > 1 ? "\n  " : ": ") + problem;
-  throw Error(all);
+  throw_problems(session.file.empty() ? "the session" : session.file, problems);
+}
+
+bool are_body_axes(const std::array<BodyAxis, 3>& axes) {
+  return std::all_of(axes.begin(), axes.end(), is_body_axis) && axes[0].index != axes[1].index && axes[1].index != axes[2].index &&
+         axes[2].index != axes[0].index;
+}
+
+void expect_inside(const Range& range, std::size_t samples, std::string_view what) {
+  if (range.begin > range.end || range.end > samples)
+    throw Error(fmt::format("{}: samples {} to {}; expected an ascending range within {} samples", what, range.begin, range.end, samples));
+}
+
+void expect_both_triads(const Recording& r) {
+  if (r.size() > 0)
+    for (const auto& [name, columns] : {std::pair{"gyros", &r.gyro}, std::pair{"accelerometers", &r.accel}})
+      if (!has_triad(*columns))
+        throw Error(fmt::format("{}: has no {}; both triads are compensated together: expected a recording of both", r.name, name));
+  check_length(r, "gyro", r.gyro);
+  check_length(r, "accel", r.accel);
+  if (has_triad(r.gyro_temperature)) check_length(r, "gyro temperature", r.gyro_temperature);
+  if (has_triad(r.accel_temperature)) check_length(r, "accel temperature", r.accel_temperature);
+}
+
+namespace {
+
+RecordingSource declaration_of(const Recording& recording) {
+  RecordingSource source;
+  source.file = recording.name;
+  source.gyro.unit = recording.gyro_unit;
+  source.accel.unit = recording.accel_unit;
+  if (!recording.gyro_temperature[0].empty()) source.gyro_temperature = ThermalSource{};  // degC
+  if (!recording.accel_temperature[0].empty()) source.accel_temperature = ThermalSource{};
+  return source;
+}
+
+void check_declared(const Recording& recording, const RecordingSource& source, std::size_t number, std::vector<std::string>& problems) {
+  if (recording.name != source.file)
+    problems.push_back(fmt::format("recording {} is named {}; expected {} as in the session", number, recording.name, source.file));
+  for (const auto& [triad, columns, unit, declared] : {std::tuple{"gyro", &recording.gyro, &recording.gyro_unit, &source.gyro.unit},
+                                                       std::tuple{"accel", &recording.accel, &recording.accel_unit, &source.accel.unit}}) {
+    if ((recording.size() == 0 || has_triad(*columns)) && (*declared == "count") != (*unit == "count"))
+      problems.push_back(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, *unit, *declared));
+  }
+}
+
+}  // namespace
+
+Session declared_session(Session session, std::span<const Recording> recordings) {
+  if (session.recordings.empty()) {
+    for (const Recording& recording : recordings) session.recordings.push_back(declaration_of(recording));
+    if (recordings.size() == 1)
+      for (Step& step : session.steps) step.recording = recordings.front().name;
+  }
+  if (recordings.size() != session.recordings.size())
+    throw Error(fmt::format("{} recordings were given; the session declares {}", recordings.size(), session.recordings.size()));
+  std::vector<std::string> problems;
+  for (std::size_t k = 0; k < recordings.size(); ++k) check_declared(recordings[k], session.recordings[k], k + 1, problems);
+  throw_problems("", problems);
+  return session;
 }
 
 }  // namespace imulab

@@ -1,6 +1,8 @@
 // The three machines of a whole-unit calibration (Dai 2011 section 3).
 #include "imulab/error.hpp"
 #include "imulab/procedure.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
 
 #include <algorithm>
 #include <array>
@@ -136,6 +138,7 @@ Session dai_unit_procedure(const DaiUnitOptions& options) {
   if (has(RigKind::rate_table)) add_rate_table(session, options);
   if (has(RigKind::centrifuge)) add_centrifuge(session, options);
   if (session.steps.empty()) throw Error("dai-unit: no machine; expected chamber, rate_table or centrifuge");
+  validate(session);
   return session;
 }
 

@@ -95,7 +95,7 @@ MachinePlace<double> place_of(const Site& site) { return {site.gravity(), site.l
 
 Motion steady_motion(const Step& step, const Site& site) {
   const SteadyMotion<double> m = steady_motion<double>(step, {}, place_of(site));
-  return {m.force, m.rate};
+  return {.rate = m.rate, .force = m.force};
 }
 
 double horizontal_remainder(const Step& step) {

@@ -93,7 +93,7 @@ Motion MeanMotion::at(std::size_t piece, double t) const {
     turning += states[a].rate * motion_.axes[a];
   }
   const Matrix3d C_bt = motion_.pieces[piece].C_tb.transpose();
-  return {C_bt * force, C_bt * (turning + earth)};
+  return {.rate = C_bt * (turning + earth), .force = C_bt * force};
 }
 
 /// Samples first .. last of out, all inside one moving piece and each less than a panel long. The mean of a smooth function over a sample by its
@@ -125,7 +125,7 @@ void MeanMotion::means_inside(std::size_t piece, std::size_t begin, double inter
 /// twice the angle as well: five values at equal angles tell all.
 void MeanMotion::find_harmonics(std::size_t piece) {
   Piece& p = pieces_[piece];
-  p.harmonic.fill({Vector3d::Zero(), Vector3d::Zero()});
+  p.harmonic.fill({});
   for (int j = 0; j < 5; ++j) {
     const double angle = 2 * std::numbers::pi * j / 5;
     const Motion m = at(piece, p.begin + angle / p.steady_rate);
@@ -136,18 +136,18 @@ void MeanMotion::find_harmonics(std::size_t piece) {
 
 Motion MeanMotion::integral(std::size_t piece, double begin, double end) const {
   const Piece& p = pieces_[piece];
-  if (p.at_rest) return {p.rest.force * (end - begin), p.rest.rate * (end - begin)};
+  if (p.at_rest) return {.rate = p.rest.rate * (end - begin), .force = p.rest.force * (end - begin)};
   if (const double w = p.steady_rate; std::abs(w) * (end - begin) > least_angle) {
     const double from = w * (begin - p.begin), to = w * (end - p.begin);
     const double s0 = std::sin(from), c0 = std::cos(from), s1 = std::sin(to), c1 = std::cos(to);
     const std::array<double, 5> share{end - begin, (s1 - s0) / w, (c0 - c1) / w, (s1 * c1 - s0 * c0) / w, (s1 * s1 - s0 * s0) / w};
-    Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+    Motion sum;
     for (std::size_t h = 0; h < 5; ++h) sum.force += share[h] * p.harmonic[h].force, sum.rate += share[h] * p.harmonic[h].rate;
     return sum;
   }
   const int panels = std::max(1, static_cast<int>(std::ceil((end - begin) / p.panel - 1e-6)));
   const double width = (end - begin) / panels;
-  Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+  Motion sum;
   for (int k = 0; k < panels; ++k) {
     const double middle = begin + (k + 0.5) * width;
     for (std::size_t n = 0; n < gauss_node.size(); ++n) {
@@ -161,7 +161,7 @@ Motion MeanMotion::integral(std::size_t piece, double begin, double end) const {
 
 /// Mean over an interval that may hold joints of pieces; `piece` is the first that ends after its begin.
 Motion MeanMotion::mean_across(std::size_t piece, double begin, double end) const {
-  Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+  Motion sum;
   for (std::size_t j = piece; j < pieces_.size() && pieces_[j].begin < end; ++j) {
     // The last piece holds on beyond its end by rounding alone.
     const Motion part = integral(j, std::max(begin, pieces_[j].begin), j + 1 < pieces_.size() ? std::min(end, pieces_[j].end) : end);
@@ -169,7 +169,7 @@ Motion MeanMotion::mean_across(std::size_t piece, double begin, double end) cons
     sum.rate += part.rate;
     if (pieces_[j].begin >= begin) sum.force += pieces_[j].force_jump;
   }
-  return {sum.force / (end - begin), sum.rate / (end - begin)};
+  return {.rate = sum.rate / (end - begin), .force = sum.force / (end - begin)};
 }
 
 void MeanMotion::over(std::size_t begin, double interval_s, const MotionColumns& out) const {

@@ -44,7 +44,7 @@ Surroundings surroundings() {
 
 /// Mean over (t0, t1) by Simpson's rule with 400 steps between the motion's joints.
 Motion fine_mean(const RigMotion& motion, const Surroundings& around, double t0, double t1) {
-  Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+  Motion sum;
   for (const MotionPiece& piece : motion.pieces) {
     const double a = std::max(t0, piece.begin), b = std::min(t1, piece.end);
     if (a >= b) continue;
@@ -56,7 +56,7 @@ Motion fine_mean(const RigMotion& motion, const Surroundings& around, double t0,
       sum.rate += w * m.rate;
     }
   }
-  return {sum.force / (t1 - t0), sum.rate / (t1 - t0)};
+  return {.rate = sum.rate / (t1 - t0), .force = sum.force / (t1 - t0)};
 }
 
 TEST(MeanMotion, QuadratureErrorIsBelow1e10OfFullScale) {

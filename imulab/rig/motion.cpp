@@ -219,8 +219,9 @@ Motion sensed_motion(const BodyState& body, const Surroundings& surroundings) {
   const Vector3d rate_ie_b = body.C_nb.transpose() * surroundings.rate_ie_n;
   const Vector3d w = body.rate_nb_b + rate_ie_b;                                            // w_ib_b
   const Vector3d w_dot = body.angular_acceleration_nb_b - body.rate_nb_b.cross(rate_ie_b);  // Earth's rate turns in b with -w_nb_b
-  return {surroundings.gravity * body.C_nb.row(2).transpose() + size_effect(w, w_dot, surroundings.lever_arm),
-          w};  // C_bn (0, 0, g), and the size effect
+  return {.rate = w,
+          .force = surroundings.gravity * body.C_nb.row(2).transpose() +  // C_bn (0, 0, g)
+                   size_effect(w, w_dot, surroundings.lever_arm)};
 }
 
 }  // namespace imulab

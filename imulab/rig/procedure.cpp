@@ -2,7 +2,9 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
+#include "imulab/recording.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/session.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -67,6 +69,7 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
     }
     session.steps.push_back(hold);
   }
+  validate(session);
   return session;
 }
 
@@ -110,7 +113,10 @@ class TableSteps {
     degrees_[static_cast<std::size_t>(axis)] += angle_deg;
     session_.steps.push_back(step);
   }
-  Session session() const { return session_; }
+  Session session() const {
+    validate(session_);
+    return session_;
+  }
 
  private:
   Step next(StepKind kind, double duration) {

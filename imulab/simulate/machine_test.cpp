@@ -50,7 +50,7 @@ Recording simulated(const Session& session, const RigErrors& errors = {}, Record
 
 /// Means over the samples whose stamps are in (start, end].
 Motion mean(const Recording& r, double start, double end) {
-  Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+  Motion sum;
   double count = 0;
   for (std::size_t k = 0; k < r.size(); ++k) {
     if (r.time_s(k) < start + 1e-9 || r.time_s(k) > end + 1e-9) continue;
@@ -58,7 +58,7 @@ Motion mean(const Recording& r, double start, double end) {
     sum.rate += Vector3d(r.gyro[0][k], r.gyro[1][k], r.gyro[2][k]);
     ++count;
   }
-  return {sum.force / count, sum.rate / count};
+  return {.rate = sum.rate / count, .force = sum.force / count};
 }
 
 /// Every mount: a face up, another outward.

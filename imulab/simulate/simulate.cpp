@@ -98,9 +98,23 @@ std::vector<std::size_t> saturated(Recording& recording, const Limits& gyro, con
   return samples;
 }
 
+/// A truth made in memory, and the errors of its rig.
+void check(const Truth& truth, const RigErrors& rig) {
+  std::vector<std::string> problems = problems_of(truth.model);
+  if (!(truth.gravity >= 0 && std::isfinite(truth.gravity))) problems.push_back(fmt::format("gravity is {}; expected m/s^2", truth.gravity));
+  for (const auto& [triad, noise] : {std::pair{"gyro_noise", &truth.gyro_noise}, std::pair{"accel_noise", &truth.accel_noise}})
+    for (const double size : {noise->Q, noise->N, noise->B, noise->K, noise->resolution, noise->range})
+      if (!(size >= 0 && std::isfinite(size))) problems.push_back(fmt::format("{}: a term is {}; expected 0 or more", triad, size));
+  if (rig.values.size() != rig.sources.size())
+    problems.push_back(fmt::format("the rig has {} errors of {} sources; expected one of each", rig.values.size(), rig.sources.size()));
+  throw_problems("the truth of the simulation", problems);
+}
+
 }  // namespace
 
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed, const RigErrors& rig) {
+  validate(procedure);
+  check(truth, rig);
   if (!procedure.site.latitude) throw Error("the site has no latitude; the Earth's rate depends on it; expected a latitude");
   Recording recording = ideal_recording(
       procedure, source, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity, truth.model.lever_arm}, rig);
@@ -135,7 +149,7 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
       MotionColumns out;
       for (std::size_t axis = 0; axis < 3; ++axis)
         out.rate[axis] = column(recording, axis).subspan(begin, size), out.force[axis] = column(recording, axis + 3).subspan(begin, size);
-      decompensate(truth.model, part(accel_followed), part(gyro_followed), out);
+      decompensate(truth.model, part(gyro_followed), part(accel_followed), out);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         read_out(truth.gyro_noise.resolution, gyro_limits, out.rate[axis]);
         read_out(truth.accel_noise.resolution, accel_limits, out.force[axis]);

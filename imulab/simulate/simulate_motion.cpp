@@ -39,6 +39,8 @@ ThermalSource three_sensors(ThermalSource source) {
 
 Recording simulate_motion(const std::vector<Increment>& ideal, double interval, const Truth& unit, std::uint64_t seed,
                           const std::optional<motion::UnitTemperature>& temperature) {
+  if (!(interval > 0 && std::isfinite(interval))) throw Error(fmt::format("the interval is {} s; expected a positive number", interval));
+  throw_problems("the unit", problems_of(unit.model));
   check(unit.model, temperature);
   Recording r;
   r.name = "recording.csv";
@@ -74,7 +76,7 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
   }
   const std::vector<double> gyro = followed_readings(unit.model.gyro, temperature->gyro, states);
   const std::vector<double> accel = followed_readings(unit.model.accel, temperature->accel, states);
-  decompensate(unit.model, {accel, accel, accel}, {gyro, gyro, gyro}, columns);
+  decompensate(unit.model, {gyro, gyro, gyro}, {accel, accel, accel}, columns);
   const std::array<Range, 1> all{Range{0, ideal.size()}};
   r.gyro_temperature = thermal_readings(three_sensors(temperature->gyro), states, all, seed, "gyro temperature on a motion");
   r.accel_temperature = thermal_readings(three_sensors(temperature->accel), states, all, seed, "accel temperature on a motion");

@@ -29,7 +29,8 @@ TEST(SimulateMotion, CompensationGivesTheMotionBackButForTheNoise) {
   EXPECT_EQ(r.time_ns.back(), 40'000'000'000);
   double sum = 0, square = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const Motion m = compensate(unit.model, {{r.accel[0][i], r.accel[1][i], r.accel[2][i]}, {r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]}});
+    const Motion m =
+        compensate(unit.model, {.gyro = {r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]}, .accel = {r.accel[0][i], r.accel[1][i], r.accel[2][i]}});
     EXPECT_LT((m.force - Vector3d(1, 2, 9.8)).norm(), 1e-12);  // no noise of its own; rounding
     sum += m.rate.x() - 0.1;
     square += (m.rate.x() - 0.1) * (m.rate.x() - 0.1);

@@ -102,7 +102,7 @@ TEST(Simulate, CompensationWithTheTruthGivesMotionAndNoiseBack) {
   const Recording raw = simulate_recording(s, s.recordings[0], truth, 7), expected = simulate_recording(s, s.recordings[0], ideal, 7);
   for (std::size_t k = 0; k < raw.size(); ++k) {
     const Motion m = compensate(
-        truth.model, {.accel = {raw.accel[0][k], raw.accel[1][k], raw.accel[2][k]}, .gyro = {raw.gyro[0][k], raw.gyro[1][k], raw.gyro[2][k]}});
+        truth.model, {.gyro = {raw.gyro[0][k], raw.gyro[1][k], raw.gyro[2][k]}, .accel = {raw.accel[0][k], raw.accel[1][k], raw.accel[2][k]}});
     for (std::size_t a = 0; a < 3; ++a) {
       const auto i = static_cast<Eigen::Index>(a);
       EXPECT_NEAR(m.force(i), expected.accel[a][k], 1e-12);  // inversion to rounding, of 10 m/s^2

@@ -44,7 +44,7 @@ TEST(Truth, AUnitFor30GHasThePapersCoefficients) {
     for (int i = 0; i < 3; ++i)
       for (const double sign : {-1.0, 1.0})
         for (const double tau : {-25.0, 45.0}) {
-          Motion motion{Vector3d::Zero(), Vector3d::Zero()};
+          Motion motion;
           motion.force(i) = sign * 30 * unit::g, motion.rate(i) = sign * 400 * deg;
           const RawSample raw = decompensate(m, motion, Vector3d::Constant(tau), Vector3d::Constant(tau));
           EXPECT_LT(raw.accel.cwiseAbs().maxCoeff(), grade("mems-30g").accel_noise.range);

@@ -6,11 +6,12 @@
 #include "imulab/files.hpp"
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
+#include "imulab/recording/validate.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/results/live.hpp"
-#include "imulab/rig/rig_errors.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
 
@@ -28,7 +29,6 @@ CalibrationOptions options_of(const CalibrationTask& task, const Method& method,
   CalibrationOptions options;
   options.terms = parse_terms(task.terms);
   options.effects = task.effects;
-  options.second_opinion = task.effects;
   options.handheld.requirements = task.requirements;
   options.whole_unit = {.full = task.terms == "full", .stepwise = task.stepwise};
   options.progress = task.progress;
@@ -36,11 +36,6 @@ CalibrationOptions options_of(const CalibrationTask& task, const Method& method,
   if (task.curves && method.takes_curves && !recordings.empty())
     options.hybrid.curve_interval = static_cast<double>(recordings.front().size()) * recordings.front().interval_s / points;
   return options;
-}
-
-void expect_unit(const Recording& recording, const char* triad, const std::string& unit, const std::string& declared) {
-  const bool counts = declared == "count";
-  if (counts != (unit == "count")) throw Error(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, unit, declared));
 }
 
 /// The prior, and what is said of it.
@@ -119,7 +114,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
 std::vector<std::string> offered_methods(bool predicting) {
   std::vector<std::string> names;
   for (const Method& m : methods())
-    if (!predicting || m.predict != nullptr) names.emplace_back(m.name);
+    if (!predicting || m.predict) names.emplace_back(m.name);
   return names;
 }
 
@@ -183,27 +178,7 @@ SessionRecordings read_recordings(Session session, const std::string& chosen) {
 }
 
 SessionRecordings given_recordings(Session session, std::vector<Recording> recordings) {
-  if (session.recordings.empty()) {
-    for (const Recording& recording : recordings) {
-      RecordingSource source = session.source_of(recording.name);
-      source.file = recording.name;
-      source.gyro.unit = recording.gyro_unit;
-      source.accel.unit = recording.accel_unit;
-      if (!recording.gyro_temperature[0].empty()) source.gyro_temperature = ThermalSource{};  // degC
-      if (!recording.accel_temperature[0].empty()) source.accel_temperature = ThermalSource{};
-      session.recordings.push_back(std::move(source));
-    }
-    if (recordings.size() == 1)
-      for (Step& step : session.steps) step.recording = recordings.front().name;
-  }
-  if (recordings.size() != session.recordings.size())
-    throw Error(fmt::format("{} recordings were given; the session declares {}", recordings.size(), session.recordings.size()));
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    if (recordings[k].name != session.recordings[k].file)
-      throw Error(fmt::format("recording {} is named {}; expected {} as in the session", k + 1, recordings[k].name, session.recordings[k].file));
-    expect_unit(recordings[k], "gyro", recordings[k].gyro_unit, session.recordings[k].gyro.unit);
-    expect_unit(recordings[k], "accel", recordings[k].accel_unit, session.recordings[k].accel.unit);
-  }
+  session = declared_session(std::move(session), recordings);
   return {std::move(session), std::move(recordings), {}};
 }
 
@@ -211,7 +186,6 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   const Method& chosen = method(task.method);
   CalibrationResult result = calibrate(chosen, {data.session, data.recordings}, options_of(task, chosen, data.recordings));
   if (task.prior) add_prior(result.calibration, *task.prior);
-  add_declared_origin(result.calibration, data.session, data.recordings);
   Quality& quality = result.calibration.quality;
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
   return result;

@@ -58,12 +58,11 @@ struct SessionRecordings {
 /// read_recording does, and where the caller has to choose one.
 SessionRecordings read_recordings(Session session, const std::string& chosen = "");
 
-/// Recordings from memory, one for each of the session's. Throws Error for another number, for a name that is not the session's, and for units that
-/// the session contradicts. A session without recordings takes them as they are, temperatures
-/// in degC.
+/// Recordings from memory, one for each of the session's, as declared_session takes them. A session without recordings takes them as they are,
+/// temperatures in degC.
 SessionRecordings given_recordings(Session session, std::vector<Recording> recordings);
 
-/// Calibrates. The result has the requirements' answers and its declared origin (`add_declared_origin`). Throws Error for a task that the method does
+/// Calibrates. The result has the requirements' answers. Throws Error for a task that the method does
 /// not know (TermsError for its terms), and as the method does.
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
 

@@ -5,6 +5,7 @@
 #include "imulab/files.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/store.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
@@ -46,6 +47,8 @@ void attempt(FleetItem& item, const Work& work) {
   } catch (const fleet::DatabaseError&) {
     throw;
   } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const Stopped&) {
     throw;
   } catch (const std::exception& e) {
     item.failure = e.what();

@@ -107,7 +107,9 @@ void LiveProgress::estimate() {
   options.handheld = {requirements_, 1, view_.rest_s};
   view_.problem.clear(), view_.requirements.clear(), view_.next.reset();
   try {
-    result_ = calibrate("handheld", {session_, {&recording_, 1}, rests_}, options);
+    Session session = session_;
+    if (!session.recordings.empty()) session.recordings.front().file = recording_.name;  // a stream has the name of where it comes from
+    result_ = calibrate("handheld", {session, {&recording_, 1}, rests_}, options);
     for (const Requirement& r : requirements_) result_->calibration.quality.requirements.push_back(assess(result_->calibration, r));
     view_.requirements = result_->calibration.quality.requirements;
     view_.done = reached();
@@ -130,7 +132,7 @@ bool LiveProgress::reached() const {
 std::optional<Eigen::Vector3d> LiveProgress::up_at(const Range& rest) const {
   if (!result_) return std::nullopt;
   const RestMeans means = summarize_rests(recording_, {rest}).front();
-  return compensate(result_->calibration.model, RawSample{means.accel, means.gyro}).force.normalized();
+  return compensate(result_->calibration.model, RawSample{.gyro = means.gyro, .accel = means.accel}).force.normalized();
 }
 
 /// Fills in the upward direction at each rest, and the angle by which the unit turned about each axis.

@@ -118,14 +118,14 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
     out.path = planning_method().plan.design(question, procedure_of(task, 60, {}), progress, sharing ? &*sharing : nullptr);
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
-    out.prediction = planning_method().predict(out.procedure, {.effects = task.effects, .advice = false});
+    out.prediction = predict(planning_method(), out.procedure, {.effects = task.effects, .advice = false});
     out.worst = 1;
     for (const Shortfall& s : shortfalls(out.prediction, requirements)) out.worst = std::max(out.worst, s.sigma / s.requirement.limit);
     if (out.worst == 1) break;
     if (round > 0 && out.path.duration > 2 * before.path.duration && out.worst > nearer * before.worst) break;
     if (round == 0) first = out;
     if (task.time || out.path.worst > 1) break;
-    const Prediction without = planning_method().predict(without_slow_noise(out.procedure), {.effects = false, .advice = false});
+    const Prediction without = predict(planning_method(), without_slow_noise(out.procedure), {.effects = false, .advice = false});
     allow_for_unsearched(question.requirements, requirements, out.prediction, without);
     before = out;
   }
@@ -133,7 +133,7 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
   const auto meets = [&](const PlannedPath& path) { return shortfalls(path.prediction, task.requirements).empty(); };
   if (!meets(out) || meets(first)) out = std::move(first);  // which would do without effects, where no path does with them
   if (task.effects)
-    out.by_effects = shortfalls(planning_method().predict(out.procedure, {.effects = false, .advice = false}), task.requirements).empty();
+    out.by_effects = shortfalls(predict(planning_method(), out.procedure, {.effects = false, .advice = false}), task.requirements).empty();
   return out;
 }
 

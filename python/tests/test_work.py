@@ -89,6 +89,28 @@ except KeyboardInterrupt:
     assert done.returncode == 0 and done.stdout == "interrupted\n", done.stderr
 
 
+def test_interrupted_work_stops():
+    """The interpreter waits for it at its end: a calibration of an hour, begun anew without end in a thread, and ten million runs."""
+    code = """
+import imulab, os, signal, sys, threading, time
+work = {
+    "calibrate": lambda: imulab.calibrate(s, method="hybrid"),
+    "predict": lambda: imulab.predict(imulab.procedure("zhang-24"), runs=10**7),
+}[sys.argv[1]]
+s = imulab.simulate(imulab.procedure("cheng-path", rest=120), seed=1) if sys.argv[1] == "calibrate" else None
+threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    while True:
+        work()
+except KeyboardInterrupt:
+    print(time.time())
+"""
+    for verb in ("calibrate", "predict"):
+        done = subprocess.run([sys.executable, "-c", code, verb], capture_output=True, text=True, timeout=300, check=False)
+        assert done.returncode == 0, done.stderr
+        assert time.time() - float(done.stdout) < 5, "a second, on a machine that does other things, too"
+
+
 def test_threads_calibrate_at_the_same_time(by_hand):
     expected = imulab.calibrate(by_hand, method="handheld").values
     found = [None] * 4

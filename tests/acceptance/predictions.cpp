@@ -63,7 +63,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
   CalibrationOptions options;
   options.whole_unit.full = true;
   options.effects = false;
-  const Calibration c = method.calibrate({of, recordings}, options).calibration;
+  const Calibration c = calibrate(method, {of, recordings}, options).calibration;
   Outcome out;
   for (const std::string& warning : c.quality.warnings)
     out.widened = out.widened || warning.find("is larger than expected of this IMU") != std::string::npos;
@@ -80,7 +80,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
 
 std::vector<Check> predictions(const Method& method, int sessions) {
   const Session of = predicted_case(method);
-  const Prediction p = method.predict(of, {.effects = false});  // none are drawn
+  const Prediction p = predict(method, of, {.effects = false});  // none are drawn
   auto all = runs_of<Outcome>(fmt::format("predictions {}", method.name), sessions, [&](std::size_t i) { return session_of(method, of, p, i + 1); });
   const auto widened = static_cast<double>(std::ranges::count_if(all, &Outcome::widened));
   std::erase_if(all, [](const Outcome& s) { return s.widened; });

@@ -157,7 +157,7 @@ MatrixXd fisher_information(const Scenario& scenario, const Truth& truth, const 
   for (std::size_t k = 0; k < spans.size(); ++k) {
     const double duration = static_cast<double>(spans[k].size()) * dt;
     const Matrix3d C_bn = model.C_nb[k].transpose();
-    const RawSample raw = decompensate(truth.model, {C_bn * Vector3d(0, 0, truth.gravity), C_bn * earth_rate_enu(model.latitude)});
+    const RawSample raw = decompensate(truth.model, {.rate = C_bn * earth_rate_enu(model.latitude), .force = C_bn * Vector3d(0, 0, truth.gravity)});
     all.push_back(model.rest(k, raw, truth.accel_noise.N / std::sqrt(duration), truth.gyro_noise.N / std::sqrt(duration)));
     if (!scenario.rotations || k + 1 == spans.size()) continue;
     const Range way{spans[k].end, spans[k + 1].begin};

@@ -30,7 +30,7 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 Vector6 raw_of(const SensorModel& model, const Vector6& motion, const Vector3d& accel_tau, const Vector3d& gyro_tau) {
-  const RawSample raw = decompensate(model, {motion.head<3>(), motion.tail<3>()}, accel_tau, gyro_tau);
+  const RawSample raw = decompensate(model, {.rate = motion.tail<3>(), .force = motion.head<3>()}, gyro_tau, accel_tau);
   Vector6 out;
   out << raw.accel, raw.gyro;
   return out;
@@ -205,11 +205,10 @@ std::vector<Check> whole_unit_outputs(int runs) {
     const double temperature = 70 * draws.uniform(n++);
     const Vector3d tau = Vector3d::Constant(temperature - 25);
     const Vector6 readings = raw_of(s.truth.model, motion, tau, tau);
-    const RawSample raw{readings.head<3>(), readings.tail<3>(), tau, tau};
+    const RawSample raw{.gyro = readings.tail<3>(), .accel = readings.head<3>(), .gyro_tau = tau, .accel_tau = tau};
     const Motion out = compensate(c.model, raw);
     Vector6 error;
-    error << out.force, out.rate;
-    error -= motion;
+    error << out.rate - motion.tail<3>(), out.force - motion.head<3>();
     return OutputRun{squared_norm_in(output_covariance(c, raw), error), errors_of(c, s.truth.model), errors_of(steps, s.truth.model), c.estimated};
   });
   const double n = runs, dof = 6 * n;

@@ -1,5 +1,6 @@
 // Faults on a table or a bench, and the response of the hybrid method.
 #include "imulab/core/rotation.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
@@ -126,9 +127,8 @@ TEST(HybridBadInput, ShortRestsAreSaid) {
 TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
   const auto passes = [](const HybridSession& s, const char* verdict) {
     int count = 0;
-    CalibrationOptions options;
-    options.progress = [&](double) { ++count; };
-    EXPECT_EQ(calibrated(s, options).calibration.quality.verdict, verdict);
+    const WorkScope scope({}, [&](double) { ++count; });
+    EXPECT_EQ(calibrated(s).calibration.quality.verdict, verdict);
     return count;
   };
   HybridSession s = session_with(2);

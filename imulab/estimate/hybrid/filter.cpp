@@ -2,6 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
@@ -209,6 +210,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   std::size_t first = 0;  // sample since which the motion was measured without interruption
 
   for (std::size_t k = 0; k < blocks.size(); ++k) {
+    stop_point();
     const Block& block = blocks[k];
     if (k == 0 || block.lost) {
       if (k > 0) {

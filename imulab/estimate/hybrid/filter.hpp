@@ -27,7 +27,6 @@ struct Data {
   SensorModel coarse;  ///< the coarse solution
   Terms terms = {};
   Unmodeled unmodeled = {};
-  std::function<void(double)> progress = {};  ///< called with the fraction of the iterations that is done
 
   /// Velocities: one of each block that is observed.
   std::ptrdiff_t observed() const {

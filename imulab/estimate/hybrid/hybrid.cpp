@@ -208,8 +208,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .place = place,
             .noise = noise_of(start.noise, coarse, recording, session.imu),
             .coarse = coarse,
-            .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s),
-            .progress = options.progress};
+            .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s)};
   if (options.effects) data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms);
   const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated

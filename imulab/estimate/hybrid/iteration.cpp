@@ -173,14 +173,13 @@ void correct(Iterate& c, const VectorXd& step, const Vector3d& start, const Data
 
 /// Passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c, int most_iterations = 30) {
-  constexpr int before_heading = 3, usual = 4;
+  constexpr int before_heading = 3;
   VectorXd before;  // the last step, in sigmas
   Stuck stuck;
   c.converged = kernel::iterate(most_iterations, [&](int k) {
     const bool with_effects = data.unmodeled.size() > 0 && (c.heading_known || k > 0);  // they take time, and a first step is a long one
     c.pass = filter_pass(data, c.about, c.states, c.states.parameters(c.total), {.rates = !c.heading_known, .effects = with_effects});
     ++c.iterations;
-    if (data.progress) data.progress(std::min(1.0, static_cast<double>(k + 1) / usual));
     Correction found = correction_of(c);
     const bool whole_model = with_effects || data.unmodeled.size() == 0;
     if (whole_model && kernel::is_small(found.step, found.sigma)) return kernel::Progress::converged;

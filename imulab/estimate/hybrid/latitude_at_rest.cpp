@@ -29,7 +29,7 @@ std::vector<Rest> compensated(const std::vector<RestMeans>& rests, SensorModel m
   model.g_sensitivity.setZero();  // an equal one may be what a wrong latitude made of it
   std::vector<Rest> out;
   for (const RestMeans& rest : rests) {
-    const Motion motion = compensate(model, {.accel = rest.accel, .gyro = rest.gyro});
+    const Motion motion = compensate(model, {.gyro = rest.gyro, .accel = rest.accel});
     out.push_back({motion.force.normalized(), motion.rate, std::max(rest.end_s - rest.begin_s, 1e-3)});
   }
   return out;

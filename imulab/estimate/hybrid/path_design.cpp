@@ -3,6 +3,9 @@
 #include "imulab/core/parallel.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/path_search.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -188,7 +191,23 @@ double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
+namespace {
+
+void check(const PathLimits& limits) {
+  std::vector<std::string> problems;
+  for (const Requirement& r : limits.requirements)
+    for (const std::string& problem : problems_of(r)) problems.push_back(problem);
+  if (limits.axes.empty()) problems.emplace_back("no axes to turn about; expected one or more");
+  for (const auto& [name, value] :
+       {std::pair{"turn_rate", std::optional(limits.turn_rate)}, std::pair{"time", limits.time}, std::pair{"rest", limits.rest}})
+    if (value && !(*value > 0 && std::isfinite(*value))) problems.push_back(fmt::format("{}: {} is not allowed; expected more than 0", name, *value));
+  throw_problems("the path", problems);
+}
+
+}  // namespace
+
 TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Sharing* sharing) {
+  check(q);
   const auto report = [&](double part) {
     if (progress) progress(static_cast<int>(100 * part));
   };

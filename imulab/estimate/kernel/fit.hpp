@@ -2,6 +2,7 @@
 // the steps are repeated. Suspects are parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
 #pragma once
 
+#include "imulab/stop.hpp"
 #include "imulab/eigen.hpp"
 
 #include <algorithm>
@@ -15,11 +16,14 @@ namespace imulab::kernel {
 /// The result of a step of a fit.
 enum class Progress { moving, converged, stuck };
 
-/// Takes steps until one converges or is stuck, at most `most` of them: step(number) returns its progress. Returns whether the fit converged.
+/// Takes steps until one converges or is stuck, at most `most` of them: step(number) returns its progress. Returns whether the fit converged. Throws
+/// Stopped between two steps where the work was asked to stop.
 template <class Step>
 bool iterate(int most, Step&& step) {
-  for (int number = 0; number < most; ++number)
+  for (int number = 0; number < most; ++number) {
+    count_iteration();
     if (const Progress progress = step(number); progress != Progress::moving) return progress == Progress::converged;
+  }
   return false;
 }
 
@@ -82,6 +86,7 @@ template <class Fit>
 Cleaned<Fit> drop_suspects(Fit fit, double level) {
   Cleaned<Fit> out{std::move(fit), {}, {}, true};
   for (;;) {
+    stop_point();
     const std::vector<Suspect> suspects = out.fit.suspects();
     const std::vector<std::size_t> found = improbable(suspects, level / static_cast<double>(std::max<std::size_t>(suspects.size(), 1)));
     if (found.empty()) return out;

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable/fit.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
@@ -155,6 +156,7 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
   now.table_errors = true;
   const auto usable = [](const TriadModel& triad) { return triad.matrix.allFinite() && triad.matrix.determinant() != 0; };
   for (int pass = 0;; ++pass) {
+    count_iteration();
     if (!usable(model.accel) || !usable(model.gyro))
       throw Unsupported("the readings do not follow the table's motion: a triad's readings do not span three axes");
     Estimator estimator(problem.motion, model, raw_noise(problem, model), now);

@@ -97,10 +97,19 @@ PointProblem::PointProblem(MachinePoints used, const Session& declared, const Se
   set_priors(*this);
 }
 
+CompensationDerivatives accel_first_derivatives(const SensorModel& model, const RawSample& raw) {
+  CompensationDerivatives d = compensation_derivatives(model, raw);
+  const std::array<int, 6> order{3, 4, 5, 0, 1, 2};
+  d.coefficients = d.coefficients(order, Eigen::all).eval();
+  d.raw = d.raw(order, order).eval();
+  d.temperature = d.temperature(order, order).eval();
+  return d;
+}
+
 Vector6d PointProblem::measured_noise() const {
   Vector6d variance = Vector6d::Zero();
   for (const MachinePoint& point : points.all) {
-    const Matrix6 slope = compensation_derivatives(model, sample(point)).raw;
+    const Matrix6 slope = accel_first_derivatives(model, sample(point)).raw;
     variance += slope.cwiseAbs2() * point.variance / static_cast<double>(points.all.size());
   }
   return variance;
@@ -125,7 +134,7 @@ std::array<double, 2> PointProblem::full_scale() const {
 }
 
 RawSample PointProblem::sample(const MachinePoint& point) const {
-  RawSample raw{point.raw.head<3>() - center.head<3>(), point.raw.tail<3>() - center.tail<3>()};
+  RawSample raw{.gyro = point.raw.tail<3>() - center.tail<3>(), .accel = point.raw.head<3>() - center.head<3>()};
   if (model.accel.temperature) raw.accel_tau = point.temperature.head<3>().array() - model.accel.temperature->reference;
   if (model.gyro.temperature) raw.gyro_tau = point.temperature.tail<3>().array() - model.gyro.temperature->reference;
   return raw;
@@ -163,7 +172,7 @@ Motion PointProblem::motion(const MachinePoint& point, Rows* motion_by_common) c
 }
 
 PointEquations PointProblem::equations(const MachinePoint& point) const {
-  const CompensationDerivatives d = compensation_derivatives(model, sample(point));
+  const CompensationDerivatives d = accel_first_derivatives(model, sample(point));
   Rows motion_by_common;
   const Motion truth = motion(point, &motion_by_common);
   PointEquations out;

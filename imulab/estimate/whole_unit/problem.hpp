@@ -11,6 +11,7 @@
 #include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/information.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/rig/machine_points.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/simulate.hpp"
@@ -112,6 +113,9 @@ struct PointProblem {
   MachinePlace<double> place_;
   Eigen::Index latitude_ = -1;  ///< among the effects: it is in the machine's motion, which is not linear in it
 };
+
+/// compensation_derivatives with the rows and columns of accelerometers before those of gyros, as the points have them.
+CompensationDerivatives accel_first_derivatives(const SensorModel& model, const RawSample& raw);
 
 struct Fit {
   kernel::Information data;       ///< before the last correction

@@ -99,7 +99,7 @@ void check_mounts(const MachinePoints& points, const Session& session, const Sen
     std::vector<Motion> measured;
     for (std::size_t k = here.begin; k < here.end; ++k) {
       const Vector6d raw = all[k].raw - center;
-      measured.push_back({linear_output(accel, raw.head<3>()), linear_output(gyro, raw.tail<3>())});
+      measured.push_back({.rate = linear_output(gyro, raw.tail<3>()), .force = linear_output(accel, raw.head<3>())});
     }
     expect_declared_mount(std::span(all).subspan(here.begin, here.size()), measured, session);
   }
@@ -208,14 +208,14 @@ class Steps {
   /// The change of the raw means by one sigma of the mean's noise, which is stated in force and rate.
   Eigen::Matrix<double, 6, 6> raw_by_noise(std::size_t p) const {
     const Vector6d sigma = (problem_.noise / static_cast<double>(points_[p].samples)).cwiseSqrt();
-    return compensation_derivatives(problem_.model, problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
+    return accel_first_derivatives(problem_.model, problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
   }
 
   Vector6d thermal_sigma(std::size_t p) const { return (problem_.points.thermal_variance / static_cast<double>(points_[p].samples)).cwiseSqrt(); }
 
   /// e = compensate - motion at a point, with the coefficients so far.
   Equations equations(std::size_t p, Triad triad) const {
-    const CompensationDerivatives d = compensation_derivatives(model_, problem_.sample(points_[p]));
+    const CompensationDerivatives d = accel_first_derivatives(model_, problem_.sample(points_[p]));
     Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_common;
     const Motion truth = problem_.motion(points_[p], &motion_by_common);
     const Index row = triad == Triad::accel ? 0 : 3;

@@ -133,7 +133,7 @@ TEST(WholeUnit, OffsetBinaryCountsGiveTheSameCalibration) {
   const Calibration counts = calibration_of(s, full());
   ASSERT_EQ(counts.estimated.size(), 57u);
   for (const double f : {-250.0, 0.0, 9.8, 280.0}) {
-    const RawSample raw{{f, -0.5 * f, 0.1 * f}, {f / 50, f / 70, -f / 60}};
+    const RawSample raw{.gyro = {f / 50, f / 70, -f / 60}, .accel = {f, -0.5 * f, 0.1 * f}};
     RawSample in_counts = raw;
     in_counts.accel = Vector3d::Constant(middle) + counts_per_si[0] * raw.accel;
     in_counts.gyro = Vector3d::Constant(middle) + counts_per_si[1] * raw.gyro;

@@ -2,8 +2,12 @@
 
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
 #include "imulab/fleet.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/units.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -192,8 +196,27 @@ void take_first_due(FleetStatistics& f) {
 
 }  // namespace
 
+namespace {
+
+void check(const FleetSample& s, const FleetOptions& options) {
+  std::vector<std::string> problems;
+  for (const auto& [name, level] : {std::pair{"confidence", options.confidence}, std::pair{"false_alarm", options.false_alarm}})
+    if (!(level > 0 && level < 1)) problems.push_back(fmt::format("{}: {} is no probability; expected more than 0 and less than 1", name, level));
+  for (const std::vector<Requirement>* limits : {&options.requirements, &options.errors})
+    for (const Requirement& r : *limits)
+      for (const std::string& problem : problems_of(r)) problems.push_back(problem);
+  const Eigen::Index rows = s.time.size(), columns = std::ssize(s.coefficients);
+  const bool rows_agree = std::ssize(s.unit) == rows && std::ssize(s.station) == rows && std::ssize(s.operated_by) == rows;
+  if (!rows_agree || s.values.rows() != rows || s.variances.rows() != rows || s.values.cols() != columns || s.variances.cols() != columns)
+    problems.emplace_back("the sample's tables have different sizes; expected a row a calibration and a column a coefficient");
+  throw_problems("the fleet", problems);
+}
+
+}  // namespace
+
 FleetStatistics fleet_statistics(FleetSample sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance,
                                  const FleetOptions& options) {
+  check(sample, options);
   FleetStatistics f;
   f.sample = std::move(sample);
   f.search = search_of(f.sample, covariance, options.false_alarm);

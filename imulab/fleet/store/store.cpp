@@ -5,7 +5,6 @@
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/numbers.hpp"
-#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/format.h>

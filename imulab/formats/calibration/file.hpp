@@ -3,6 +3,7 @@
 
 #include "imulab/calibration.hpp"
 #include "imulab/recording.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/session.hpp"
 #include "imulab/simulate.hpp"
 
@@ -14,6 +15,10 @@
 
 namespace imulab {
 
+/// Adds the declared origin (recording/origin.hpp), and each recording's file with SHA-256, size, stamps and range of thermal readings. Throws Error
+/// where a file cannot be read, and for another number of recordings than the session declares, or one without samples.
+void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
+
 /// A file is compared with its SHA-256 at the time of the calibration.
 enum class FileState { unchanged, changed, missing };
 struct VerifiedFile {
@@ -22,9 +27,6 @@ struct VerifiedFile {
 };
 /// The session's file, where it is now, and the recordings beside it.
 std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const std::filesystem::path& session);
-
-/// "imulab 0.1.0"
-std::string software();
 
 /// A simulation's truth: the calibration, and under the key "rig" each recording's rig errors by name (rad, s).
 struct RecordedRigErrors {

@@ -1,5 +1,3 @@
-#include "imulab/formats/calibration/file.hpp"
-
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"

@@ -126,7 +126,7 @@ TEST(Import, TermsOfThirdOrderAreReplacedWithinWhatIsSaid) {
   const auto P = [](double T) { return 1e-6 * (3000 + (30 + 3 * (T - 35)) * (T - 35)) * (T - 35); };
   double worst = 0;
   for (double T = -5; T <= 60; T += 0.25) {
-    RawSample raw{{0, 0, 9.8}, {0, 0, 0}};
+    RawSample raw{.accel = {0, 0, 9.8}};
     raw.accel_tau.setConstant(T - imported.calibration.model.accel.temperature->reference);
     worst = std::max(worst, std::abs(compensate(imported.calibration.model, raw).force.z() - (9.8 - P(T) + P(22.5) + 0.1)));
   }
@@ -154,7 +154,7 @@ TEST(Import, ImuTksFilesAreReadByItsEquation) {
   T << 1, -0.0021, 0.0035, 0, 1, -0.0019, 0, 0, 1;
   T_g << 1, 0.001, 0.002, 0.003, 1, 0.004, 0.005, 0.006, 1;
   const Matrix3d K = Vector3d(0.0004, 0.00041, 0.00042).asDiagonal(), K_g = Vector3d(0.0002, 0.00021, 0.00022).asDiagonal();
-  const RawSample raw{{30000, 35000, 31000}, {32000, 33000, 34000}};
+  const RawSample raw{.gyro = {32000, 33000, 34000}, .accel = {30000, 35000, 31000}};
   const Motion found = compensate(m, raw);
   EXPECT_LT((found.force - T * K * (raw.accel - Vector3d(33123, 33276.4, 32360.5))).norm(), 1e-12 * 30);  // offsets of 13 m/s^2 cancel
   EXPECT_LT((found.rate - T_g * K_g * (raw.gyro - Vector3d(32768, 32760, 32750))).norm(), 1e-12 * 30);
@@ -177,21 +177,21 @@ TEST(Import, ImucalsFilesAreReadByItsEquation) {
   // mad-lab-fau/imucal, imucal/ferraris_calibration_info.py, _calibrate_acc and _calibrate_gyr
   const Vector3d acc = R_a.inverse() * K_a.inverse() * (g - Vector3d(0.05, -0.06, 0.04));
   const Vector3d gyr = R_g.inverse() * K_g.inverse() * (dps - (K_ga * acc + Vector3d(0.5, -0.6, 0.7)));
-  const Motion found = compensate(imported.calibration.model, {unit::g * g, unit::deg * dps});
+  const Motion found = compensate(imported.calibration.model, {.gyro = unit::deg * dps, .accel = unit::g * g});
   EXPECT_LT((found.force - acc).norm(), 1e-12);
   EXPECT_LT((found.rate - unit::deg * gyr).norm(), 1e-12);
   std::string text = imucal_text;
   text.replace(text.find("\"acc_unit\": \"m/s^2\""), 19, "\"acc_unit\": \"g\"");
-  const Motion in_g = compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps});
+  const Motion in_g = compensate(import(text).calibration.model, {.gyro = unit::deg * dps, .accel = unit::g * g});
   EXPECT_LT((in_g.force - unit::g * acc).norm(), 1e-11);
   EXPECT_LT((in_g.rate - unit::deg * gyr).norm(), 1e-12);
   text.replace(text.find("\"from_acc_unit\": \"g\""), 20, "\"from_acc_unit\": \"a.u.\"");
   EXPECT_EQ(import(text).calibration.model.accel.raw_unit, "count");
   text = imucal_text;
   text.replace(text.find("\"gyr_unit\": \"deg/s\""), 19, "\"gyro_unit\": \"deg/s\"");  // before version 2
-  EXPECT_LT((compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps}).rate - unit::deg * gyr).norm(), 1e-12);
+  EXPECT_LT((compensate(import(text).calibration.model, {.gyro = unit::deg * dps, .accel = unit::g * g}).rate - unit::deg * gyr).norm(), 1e-12);
   text.replace(text.find("\"gyro_unit\": \"deg/s\", "), 22, "");
-  EXPECT_LT((compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps}).rate - unit::deg * gyr).norm(), 1e-12);
+  EXPECT_LT((compensate(import(text).calibration.model, {.gyro = unit::deg * dps, .accel = unit::g * g}).rate - unit::deg * gyr).norm(), 1e-12);
   EXPECT_THAT(import(text).warnings, Contains(HasSubstr("gyr_unit is not given: taken as deg/s")));
   text.replace(text.find("\"from_acc_unit\": \"g\""), 20, "\"from_acc_unit\": null");
   EXPECT_EQ(import(text).calibration.model.accel.raw_unit, "count") << "about 10 m/s^2 to one";
@@ -213,7 +213,7 @@ TEST(Import, PsinsFilesAreReadByItsEquation) {
   const Vector3d fm(3, -5, 8), wm(0.5, -1, 2);
   // PSINS, imuclbt.m by imuadderr.m with imuerr = -clbt: drift gets imu(:,4:6) gSens' before Ka, then imu = K imu + drift
   const Vector3d f = Ka * fm - db, w = Kg * wm - eb - gSens * (unit::deg_per_h / g0) * fm;
-  const Motion found = compensate(imported.calibration.model, {fm, wm});
+  const Motion found = compensate(imported.calibration.model, {.gyro = wm, .accel = fm});
   EXPECT_LT((found.force - f).norm(), 1e-12);
   EXPECT_LT((found.rate - w).norm(), 1e-12);
 }
@@ -223,7 +223,7 @@ TEST(Import, AMatrixAndABiasAreTakenAsTheyStand) {
   EXPECT_EQ(one.format, "matrix and bias");
   EXPECT_EQ(one.calibration.frame, "accelerometers");
   EXPECT_EQ(one.calibration.model.accel.raw_unit, "m/s^2");
-  EXPECT_LT((compensate(one.calibration.model, {{1.1, 0.8, 9}, {0, 0, 0}}).force - Vector3d(1.01, 0.992, 8.7)).norm(), 1e-14);
+  EXPECT_LT((compensate(one.calibration.model, {.accel = {1.1, 0.8, 9}}).force - Vector3d(1.01, 0.992, 8.7)).norm(), 1e-14);
   const Imported two = import("1 0 0 0 1 0 0 0 1 0 0 0\n2e-4 1e-6 0 0 2e-4 0 0 0 2e-4 10 20 30\n");
   EXPECT_EQ(two.calibration.model.gyro.raw_unit, "count");
   EXPECT_THAT(two.warnings, Contains(HasSubstr("taken as counts, because their scale is 0.0002")));
@@ -236,7 +236,7 @@ TEST(Import, OpenCvsYamlIsRead) {
   const Imported imported = import(chain);
   EXPECT_EQ(imported.format, "Kalibr");
   // a_b = C_i_b^T M^-1 a_m
-  EXPECT_LT((compensate(imported.calibration.model, {{2, 3, 4}, {0, 0, 0}}).force - Vector3d(3, -1, 4)).norm(), 1e-15);
+  EXPECT_LT((compensate(imported.calibration.model, {.accel = {2, 3, 4}}).force - Vector3d(3, -1, 4)).norm(), 1e-15);
 }
 
 TEST(Import, OpenVinsIgnoresATriangleAndSoDoesImport) {

@@ -1,6 +1,7 @@
 #include "imulab/navigation/budget/budget.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 
 #include <fmt/format.h>
@@ -159,6 +160,8 @@ BudgetMatrix block_of(const ErrorMatrix& P) {
 }  // namespace
 
 std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
+  if (quantity < 0 || quantity >= budget_quantities || at >= time.size())
+    throw Error(fmt::format("quantity {} at output {}; expected one of {} at one of {}", quantity, at, budget_quantities, time.size()));
   const auto column = static_cast<Eigen::Index>(at);
   const double m = mean(quantity, column), variance = covariance[at](quantity, quantity), square = m * m + variance;
   std::vector<double> out;
@@ -173,6 +176,7 @@ std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
 }
 
 std::vector<double> ErrorBudget::horizontal_shares(std::size_t at) const {
+  if (at >= time.size()) throw Error(fmt::format("output {}; expected one of {}", at, time.size()));
   std::vector<double> out(groups.size() + 1, 0);
   double all = 0;
   for (const int q : {0, 1}) {
@@ -243,6 +247,7 @@ ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& source
 }
 
 ErrorSources error_sources(const Calibration& calibration) {
+  standard_uncertainty(calibration, coefficient_indices().front());  // checks the size of the covariance
   ErrorSources out;
   out.model = calibration.model;
   std::vector<Eigen::Index> places;

@@ -58,8 +58,8 @@ struct Flown {
     Strapdown strapdown(with_error(motion.states.front(), start), options);
     for (std::size_t i = 0; i < motion.increments.size(); ++i) {
       const double T = motion.time[i + 1] - motion.time[i];
-      const Motion true_motion{motion.increments[i].velocity / T, motion.increments[i].angle / T};
-      const Motion c = compensate(assumed, decompensate(sources.model, true_motion, sources.accel_tau, sources.gyro_tau));
+      const Motion true_motion{.rate = motion.increments[i].angle / T, .force = motion.increments[i].velocity / T};
+      const Motion c = compensate(assumed, decompensate(sources.model, true_motion, sources.gyro_tau, sources.accel_tau));
       strapdown.step(Increment{c.rate * T, c.force * T}, T, motion.states[i + 1].height + barometer);
     }
     return error_of(strapdown.state(), motion.states.back());

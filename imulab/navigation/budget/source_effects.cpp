@@ -75,7 +75,7 @@ void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double 
   Eigen::Matrix<double, 3, direction_count> direction;
   Eigen::Matrix<double, scalar_count, 1> scalar;
   direction.middleCols<3>(axis) = C_nb;
-  const RawSample raw = plain_ ? RawSample{motion.force, motion.rate} : decompensate(model_, motion, accel_tau_, gyro_tau_);
+  const RawSample raw = plain_ ? RawSample{.gyro = motion.rate, .accel = motion.force} : decompensate(model_, motion, gyro_tau_, accel_tau_);
   const Vector3d a = without_drift(raw.accel, model_.accel, accel_tau_), w = without_drift(raw.gyro, model_.gyro, gyro_tau_);
   if (!plain_) {
     direction.middleCols<3>(leak) = C_nb * model_.g_sensitivity;

@@ -1,0 +1,46 @@
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+bool has_thermal_terms(const TriadModel& m) { return !m.thermal.rightCols<2>().isZero(0); }
+
+void check_form(const TriadModel& m, const char* triad, std::string_view unit, std::string_view temperature_unit,
+                std::vector<std::string>& problems) {
+  if (!m.raw_unit.empty() && m.raw_unit != unit)
+    problems.push_back(fmt::format("{}: the readings are in {}; expected {}, which the calibration was made from", triad, unit, m.raw_unit));
+  if (!has_thermal_terms(m)) return;
+  if (!m.temperature)
+    problems.push_back(fmt::format("{}: the model has thermal terms, but no reference temperature", triad));
+  else if (m.temperature->unit != temperature_unit)
+    problems.push_back(fmt::format("{}: the temperatures are in {}; expected {}, which the calibration was made from", triad, temperature_unit,
+                                   m.temperature->unit));
+}
+
+}  // namespace
+
+SampleCompensator::SampleCompensator(const SensorModel& model, const SampleOptions& options) : model_(model) {
+  std::vector<std::string> problems = problems_of(model);
+  check_form(model.gyro, "gyro", options.gyro_unit, options.gyro_temperature_unit, problems);
+  check_form(model.accel, "accel", options.accel_unit, options.accel_temperature_unit, problems);
+  if (!options.leave_lever_arms && !model.lever_arm.isZero(0))
+    problems.push_back("the model has lever arms, which act over several samples; expected a model without, or leave_lever_arms in the options");
+  throw_problems("the model", problems);
+  needs_temperature_ = has_thermal_terms(model.gyro) || has_thermal_terms(model.accel);
+  if (model.gyro.temperature) gyro_reference_.setConstant(model.gyro.temperature->reference);
+  if (model.accel.temperature) accel_reference_.setConstant(model.accel.temperature->reference);
+}
+
+Motion SampleCompensator::operator()(const Vector3d& gyro, const Vector3d& accel) const {
+  if (needs_temperature_) throw Error("the model has thermal terms; expected the temperatures with each sample");
+  return compensate(model_, {.gyro = gyro, .accel = accel});
+}
+
+}  // namespace imulab
