@@ -154,21 +154,40 @@ bool Effects::widen(const Information& data, const Parameters& parameters, doubl
   return factor > 1 || widen_if_likelier(data, parameters);
 }
 
-bool Effects::widen_if_likelier(const Information& data, const Parameters& parameters) {
-  constexpr double more_likely = 2;  // logarithm of the ratio of probabilities: in few of a hundred sessions, where the prior is right
-  const Solution s = solve(data, parameters);
-  const VectorXd value = s.x - parameters.offset;
-  Wider best{0, 1, more_likely};
+namespace {
+
+/// Logarithm of the ratio of probabilities: as much in few of a hundred sessions, where the prior is right.
+constexpr double more_likely = 2;
+
+}  // namespace
+
+bool Effects::widen_if_likelier(const Information& data, const Parameters& parameters, double for_another) {
+  const Solution before = solve(data, parameters);
+  const VectorXd value = (before.x - parameters.offset).tail(size());
+  const std::optional<Wider> found = likelier(value, before.covariance);
+  if (!found || found->evidence < for_another) return false;
+  // Noise of another size than stated explains, too: for it speaks as much before, and as much after.
+  Effects wider = *this;
+  wider.widen(*found);
+  Parameters after = parameters;
+  wider.add_to(after);
+  const auto for_noise = [](const Solution& s) { return Deviation{s.chi2, static_cast<int>(s.degrees_of_freedom)}.evidence(); };
+  if (found->evidence + for_noise(solve(data, after)) - for_noise(before) < more_likely) return false;
+  *this = std::move(wider);
+  return true;
+}
+
+std::optional<Effects::Wider> Effects::likelier(const VectorXd& value, const MatrixXd& covariance) const {
+  std::optional<Wider> best;
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const EffectGroup& g = groups_[k];
-    const Index at = parameters.size() - size() + g.first;
     if (g.widened > 1) continue;
-    const double evidence =
-        evidence_of_wider(value.segment(at, g.size), VectorXd::Constant(g.size, g.sigma), s.covariance.block(at, at, g.size, g.size), most_widening);
-    if (evidence > best.evidence) best = {k, most_widening, evidence};
+    const Index at = covariance.rows() - size() + g.first;
+    const double evidence = evidence_of_wider(value.segment(g.first, g.size), VectorXd::Constant(g.size, g.sigma),
+                                              covariance.block(at, at, g.size, g.size), most_widening);
+    if (evidence > (best ? best->evidence : more_likely)) best = Wider{k, most_widening, evidence};
   }
-  if (best.factor > 1) widen(best);
-  return best.factor > 1;
+  return best;
 }
 
 void Effects::add_causes(const std::vector<std::string>& names) {
@@ -208,7 +227,39 @@ double significance_of(const EffectTest& test, const std::vector<EffectTest>& al
 
 }  // namespace
 
-void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance, double level) {
+namespace {
+
+/// Notes the effects that could be ten times as large as expected and neither show nor be covered: along the change of an effect by which a
+/// coefficient follows it most, the data tell less than a tenth of what the prior does, and ten sigmas of the prior shift the coefficient by more
+/// than three of its own.
+void name_assumed(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance,
+                  const std::vector<CoefficientIndex>& coefficients) {
+  constexpr double told = 0.1, follows = 0.3;
+  const auto is_among = [](const std::vector<std::string>& names, std::string_view name) { return std::ranges::find(names, name) != names.end(); };
+  std::vector<std::string>& considered = calibration.quality.considered;
+  const Index first = covariance.rows() - effects.size();
+  for (const EffectGroup& g : effects.groups()) {
+    const MatrixXd P = covariance.block(first + g.first, first + g.first, g.size, g.size) / (g.sigma * g.sigma);
+    std::vector<std::string_view> following;
+    for (std::size_t k = 0; k < coefficients.size(); ++k) {
+      const auto row = static_cast<Index>(k);
+      const VectorXd shift = covariance.block(row, first + g.first, 1, g.size).transpose() / g.sigma, along = shift.normalized();
+      const bool is_stated = contains(calibration.estimated, coefficients[k]) && !is_among(considered, coefficient(coefficients[k]).name);
+      if (is_stated && shift.norm() > follows * std::sqrt(covariance(row, row)) && along.dot(along - P * along) < told)
+        following.push_back(coefficient(coefficients[k]).name);
+    }
+    if (following.empty()) continue;
+    if (!is_among(considered, g.effect->name)) considered.emplace_back(g.effect->name);
+    findings.note(
+        fmt::format("assumed: {} of {:.3g} {} (one sigma); the data hardly show it, and if it is larger, so are the errors of {}; to see it: {}",
+                    g.effect->name, g.sigma / g.effect->unit, g.effect->unit_name, fmt::join(following, ", "), g.effect->advice));
+  }
+}
+
+}  // namespace
+
+void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance, double level,
+                 const std::vector<CoefficientIndex>& coefficients) {
   const std::vector<EffectTest> tests = test_effects(effects, covariance);
   Quality& quality = calibration.quality;
   for (const EffectTest& t : tests) {
@@ -217,6 +268,7 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
     quality.effects.push_back(std::move(out));
     if (t.rank == 0) quality.considered.emplace_back(t.effect->name);
   }
+  name_assumed(calibration, findings, effects, covariance, coefficients);
   if (effects.causes().empty()) return;
   std::string words, advice;
   for (const std::string& name : effects.causes()) {

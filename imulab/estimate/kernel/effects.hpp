@@ -76,6 +76,8 @@ class Effects {
   /// any is. The latter is no cause, as that is no rare event: an honest uncertainty of what it does, not a fault. None for which less speaks than
   /// `for_another` explanation (a logarithm as Deviation::evidence has it). `data` as of `contradicted_prior`.
   bool widen(const Information& data, const Parameters& parameters, double for_another = 0);
+  /// That of one more likely with the widest, unless noise of another size than stated explains as much; whether any is.
+  bool widen_if_likelier(const Information& data, const Parameters& parameters, double for_another = 0);
   /// What explains the data beyond the priors: effects, and optional terms.
   const std::vector<std::string>& causes() const { return causes_; }
   void add_causes(const std::vector<std::string>& names);
@@ -100,8 +102,8 @@ class Effects {
   void add_derivatives(Eigen::MatrixXd& jacobian, Eigen::Index row, Triad triad, const Eigen::MatrixXd& by_output, const EffectState& state) const;
 
  private:
-  /// The effect for whose widest prior most speaks, if enough does.
-  bool widen_if_likelier(const Information& data, const Parameters& parameters);
+  /// For whose widest prior most speaks, of those with the prior expected, if enough does.
+  std::optional<Wider> likelier(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) const;
 
   std::vector<EffectGroup> groups_;
   std::vector<EffectColumn> columns_;
@@ -123,7 +125,9 @@ struct EffectTest {
 std::vector<EffectTest> test_effects(const Effects& effects, const Eigen::MatrixXd& covariance);
 
 /// Adds the effects to a result: each with value and uncertainty [user units], and whether it is significant among all at `level`; their causes, as
-/// doubts where a prior was widened.
-void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const Eigen::MatrixXd& covariance, double level);
+/// doubts where a prior was widened; and which are assumed to be as small as expected: larger ones would not show, though they shift coefficients.
+/// The first rows of the covariance are those of `coefficients`, where it has any.
+void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const Eigen::MatrixXd& covariance, double level,
+                 const std::vector<CoefficientIndex>& coefficients = {});
 
 }  // namespace imulab::kernel

@@ -9,24 +9,34 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace imulab::kernel {
 
 std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const Calibration& other) {
   constexpr double least = 0.1;  // of the larger variance
   const Calibration a = in_accelerometer_frame(estimate), b = in_accelerometer_frame(other);
-  std::optional<SecondOpinion> worst;
+  struct Pair {
+    CoefficientIndex index;
+    double of_a, of_b;  // variances
+  };
+  std::vector<Pair> pairs;
   for (const CoefficientIndex index : a.estimated) {
     const std::optional<double> of_a = standard_uncertainty(a, index), of_b = standard_uncertainty(b, index);
     const auto held = [&](const Calibration& c) {
       const auto named = [&](const std::vector<std::string>& names) { return std::ranges::find(names, coefficient(index).name) != names.end(); };
       return named(c.quality.considered) || named(c.quality.unobservable);
     };
-    if (!of_a || !of_b || held(a) || held(b)) continue;
-    const double variance = std::abs(*of_b * *of_b - *of_a * *of_a);
-    if (!(variance >= least * std::pow(std::max(*of_a, *of_b), 2))) continue;
-    const double sigmas = (coefficient_value(b.model, index) - coefficient_value(a.model, index)) / std::sqrt(variance);
-    if (!worst || std::abs(sigmas) > std::abs(worst->sigmas)) worst = SecondOpinion{b.method, std::string(coefficient(index).name), sigmas};
+    if (of_a && of_b && !held(a) && !held(b)) pairs.push_back({index, *of_a * *of_a, *of_b * *of_b});
+  }
+  const bool a_is_better = std::ranges::any_of(pairs, [&](const Pair&p) { return p.of_a < (1 - least) * p.of_b; }),
+             b_is_better = std::ranges::any_of(pairs, [&](const Pair&p) { return p.of_b < (1 - least) * p.of_a; });
+  std::optional<SecondOpinion> worst;
+  for (const Pair& p : pairs) {
+    const double variance = a_is_better && b_is_better ? p.of_a + p.of_b : std::abs(p.of_b - p.of_a);
+    if (!(variance >= least * std::max(p.of_a, p.of_b))) continue;
+    const double sigmas = (coefficient_value(b.model, p.index) - coefficient_value(a.model, p.index)) / std::sqrt(variance);
+    if (!worst || std::abs(sigmas) > std::abs(worst->sigmas)) worst = SecondOpinion{b.method, std::string(coefficient(p.index).name), sigmas};
   }
   return worst;
 }

@@ -1,5 +1,7 @@
 // Two methods on the same data. The more efficient one's estimate is a, the other's b; the covariance of b - a is P_b - P_a (Hausman 1978), since
-// what b adds to a's error is independent of it. A model that is wrong in one of them, or a rig that is not as declared, sets them apart.
+// what b adds to a's error is independent of it. Where each of two methods knows some coefficient better, neither is efficient: what they have in
+// common is not known, and their errors count as independent. A model that is wrong in one of them, or a rig that is not as declared, sets them
+// apart.
 #pragma once
 
 #include "imulab/calibration.hpp"

@@ -30,6 +30,12 @@ TEST(SecondOpinion, IsByTheDifferenceOfTheVariances) {
 
 TEST(SecondOpinion, EstimatesOfOneVarianceTellNothing) { EXPECT_FALSE(second_opinion(offsets(1, {0, 0, 0}), offsets(1.02, {9, 9, 9})).has_value()); }
 
+TEST(SecondOpinion, TakesErrorsAsIndependentWhereNeitherIsEfficient) {
+  Calibration one = offsets(3, {0, 0, 0}), other = offsets(3, {4, -8, 2});
+  one.covariance(0, 0) = other.covariance(2, 2) = 25;
+  EXPECT_NEAR(second_opinion(one, other)->sigmas, -8 / std::sqrt(18.0), 1e-12);
+}
+
 TEST(SecondOpinion, BecomesADoubtBeyondChance) {
   Calibration c = offsets(3, {0, 0, 0});
   c.quality.verdict = "good";

@@ -241,7 +241,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
-  kernel::add_effects(result.calibration, findings, problem.effects(), fit.covariance(), 1e-3);
+  kernel::add_effects(result.calibration, findings, problem.effects(), fit.covariance(), 1e-3, problem.indices());
   kernel::conclude(result.calibration, findings);
   result.missing_turns = next_turns(problem, fit, options.handheld);
   return result;

@@ -230,11 +230,13 @@ bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kern
   }
   for (const auto& [name, at] : terms) groups.push_back({name, at});
   const std::optional<kernel::Contradicted> found = kernel::contradicted_prior(under_noise.information(), parameters, groups);
-  if (!found || found->evidence < for_another) return false;
+  if (!found) return effects_.widen_if_likelier(under_noise.information(), parameters, for_another);
+  if (found->evidence < for_another) return false;
   effects_.add_causes(found->alike);
   const kernel::PriorGroup& group = groups[found->group];
   const bool effect = found->group < effects_.groups().size();
   double& by = widening_.try_emplace(group.name, 1).first->second;
+  if (effect) by = effects_.groups()[found->group].widened;
   const double factor = std::min(found->factor, kernel::Effects::most_widening / by);
   if (!(factor > 1)) return false;
   by *= factor;

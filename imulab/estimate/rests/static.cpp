@@ -110,7 +110,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   result.calibration.quality.term_tests = test_terms(problem, fit, options.significance);
   start.findings.note(fmt::format("{} rests were used", problem.rests().size()));
   add_findings(start.findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, start.rests.size());
-  kernel::add_effects(result.calibration, start.findings, problem.effects(), fit.covariance(), 1e-3);
+  kernel::add_effects(result.calibration, start.findings, problem.effects(), fit.covariance(), 1e-3, problem.indices());
   kernel::conclude(result.calibration, start.findings);
   return result;
 }

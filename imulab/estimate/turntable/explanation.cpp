@@ -127,13 +127,17 @@ std::string name_of(const Candidate& c, const Fit& fit) {
   return c.kind == Candidate::Kind::move ? "mount.change" : std::string(fit.options.effects.table.groups()[c.place].effect->name);
 }
 
-/// All that explains something, the best first.
+/// All that explains something, the best first. A bad step, which may be off by anything, explains whatever one pair of turns shows of an effect: it
+/// is left out where that is convincingly better than any prior that can still be widened.
 std::vector<Candidate> candidates(const Fit& fit, const kernel::EffectSizes& sizes, const Widened& widened, double level) {
   std::vector<Candidate> all = large_effects(fit);
   for (const Candidate& c : large_terms(fit, widened)) all.push_back(c);
   for (const Candidate& c : {bad_step(fit, level), move(fit, sizes)})
     if (c.kind != Candidate::Kind::none) all.push_back(c);
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.evidence > b.evidence; });
+  const auto rival = std::find_if(all.begin(), all.end(), [](const Candidate& c) { return c.kind != Candidate::Kind::step && c.wider.factor > 1; });
+  if (rival != all.end() && all.front().kind == Candidate::Kind::step && rival->evidence > all.front().evidence - convincing)
+    std::rotate(all.begin(), rival, rival + 1);
   return all;
 }
 

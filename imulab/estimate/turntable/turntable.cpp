@@ -170,7 +170,14 @@ void add_effects(Calibration& calibration, Findings& findings, const Explained& 
   kernel::Effects effects = last.options.effects.table;
   effects.correct(last.estimator.effects(last.readings) - effects.value());
   effects.add_causes(explained.causes);
-  kernel::add_effects(calibration, findings, effects, last.estimator.effects_covariance(), unlikely);
+  const Index n = std::ssize(calibration.estimated), m = effects.size();
+  Eigen::MatrixXd joint(n + m, n + m);
+  joint.topLeftCorner(n, n) = calibration.covariance;
+  joint.topRightCorner(n, m) = -last.estimator.sensitivity(last.model, calibration.estimated) * last.estimator.readings_by_effects() *
+                               last.estimator.effects_sigma().cwiseAbs2().asDiagonal();
+  joint.bottomLeftCorner(m, n) = joint.topRightCorner(n, m).transpose();
+  joint.bottomRightCorner(m, m) = last.estimator.effects_covariance();
+  kernel::add_effects(calibration, findings, effects, joint, unlikely, calibration.estimated);
   for (const std::string& term : explained.widened) findings.doubt(term + " is larger than is expected of this IMU");
   if (const std::optional<std::size_t> step = last.options.effects.moved_at) {
     const TableProblem& problem = *last.problem;

@@ -274,7 +274,8 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   }
   calibration.quality = quality_of(problem, joint);
   check_chamber(joint.findings, problem);
-  if (problem.effects.size() > 0) kernel::add_effects(calibration, joint.findings, problem.effects, joint.solution.covariance, 1e-3);
+  if (problem.effects.size() > 0)
+    kernel::add_effects(calibration, joint.findings, problem.effects, joint.solution.covariance, 1e-3, problem.coefficients);
   if (problem.is_mirrored()) calibration.quality.cause = "site.latitude";
   if (options.effects && options.whole_unit.stepwise) joint.findings.note("the stepwise estimate takes the effects as absent");
   kernel::add_common_doubts(joint.findings, calibration, session.site);
