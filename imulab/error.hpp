@@ -42,7 +42,7 @@ class Unsupported : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The work was asked to stop (core/stop.hpp): neither the input nor the data are wrong, so it is no runtime_error.
+/// The work was asked to stop (stop.hpp): neither the input nor the data are wrong, so it is no runtime_error.
 class Stopped : public std::exception {
  public:
   const char* what() const noexcept override { return "stopped, as requested"; }

@@ -34,7 +34,7 @@ namespace imulab {
 
 namespace fleet {
 class Database;
-enum class Access { read, write };  ///< write: the file is made where there is none
+enum class Access { read, write };  ///< write: the store is made where there is none
 }  // namespace fleet
 
 /// Where and when a unit was measured.

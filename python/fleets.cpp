@@ -3,6 +3,7 @@
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/tasks/fleet.hpp"
@@ -67,7 +68,7 @@ Outcome statistics_of(const std::string& file, const std::string& method, const 
     const auto f = std::make_shared<FleetStatistics>(fleet_statistics(store, options, method));
     Answer out{.json = [f] { return fleet_statistics_json(*f); },
                .table = [f](bool) { return fleet_statistics_text(*f); },
-               .page = [f, file] { return fleet_page(*f, file); },
+               .page = [f, file] { return fleet_page(*f, fleet::shown_store(file)); },
                .warnings = store.clock_problems()};
     if (!due.empty() && f->due.empty()) out.warnings.emplace_back("due: no unit was calibrated twice: how units drift is not known");
     return out;
@@ -104,6 +105,7 @@ void bind_fleets(py::module_& module) {
     });
   });
   module.def("fleet_check", &checked);
+  module.def("shown_store", [](const std::string& store) { return fleet::shown_store(store); });
 }
 
 }  // namespace imulab::python

@@ -35,7 +35,7 @@ void wait_for_abandoned();
 
 /// Runs work(report) in a thread and returns its result; report(part) tells that a part from 0 to 1 is done, from any thread. Meanwhile the calling
 /// thread answers signals and calls `progress` (a callable or None) with the part. An interrupt is raised at once, and the work is asked to stop,
-/// which takes it about a second (core/stop.hpp): it must therefore own all that it uses.
+/// which takes it about a second (stop.hpp): it must therefore own all that it uses.
 template <class Work>
 auto run(const py::object& progress, Work work) {
   using Result = decltype(work(std::function<void(double)>{}));

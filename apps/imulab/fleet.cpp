@@ -8,6 +8,7 @@
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
@@ -144,7 +145,8 @@ void add_calibrate_all(Verb& fleet) {
   verb.option("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");
   verb.does = [o, &verb] {
-    if (!o->part.empty() && !verb.at("--store").given) throw OptionError("part", o->part + "; expected --store with a store of its own");
+    if (!o->part.empty() && (!verb.at("--store").given || fleet::is_server(o->store)))
+      throw OptionError("part", o->part + "; expected --store with a file of its own, which imulab fleet merge adds to any store");
     calibrate_all(*o);
   };
 }
@@ -267,7 +269,7 @@ UnitPages unit_pages(FleetStore& store, const FleetStatistics& f, const StatsOpt
     const std::int64_t id = last.at(unit);
     const std::string file = fmt::format("calibration-{}.html", id);
     CalibrationReport report;
-    report.result.calibration = parse_calibration(store.calibration_file(id), fmt::format("{}: calibration {}", o.store, id));
+    report.result.calibration = parse_calibration(store.calibration_file(id), fmt::format("{}: calibration {}", store.database().file(), id));
     report.missing.emplace_back("The recording, gravity and rotations: a store keeps the calibration alone.");
     pages.files.emplace_back(file, calibration_page(report));
     pages.links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(folder / file).lexically_proximate(base).generic_string());
@@ -292,7 +294,7 @@ void stats(const StatsOptions& o) {
     for (const auto& [file, text] : pages.files) write_whole(folder.path() / file, text);
     folder.commit();
   }
-  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store, pages.links));
+  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, store.database().file(), pages.links));
   if (o.json)
     print_json(Answer{.json = [&] { return fleet_statistics_json(statistics); }, .table = [&](bool) { return fleet_statistics_text(statistics); }}
                    .document());

@@ -5,6 +5,7 @@
 #include "imulab/files.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -46,11 +47,11 @@ void check(const Options& o) {
                {c.damaged.empty() && c.changed.empty() ? "good" : "doubtful",
                 fmt::format("{} damages; {} files changed, {} not there", c.damaged.size(), c.changed.size(), c.missing)});
   else
-    print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there", o.store,
-                                        c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
+    print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there",
+                                        store.database().file(), c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
                                         c.files - c.missing - static_cast<std::int64_t>(c.changed.size()), c.changed.size(), c.missing)));
-  if (!c.damaged.empty()) throw Error(fmt::format("{}: {}; expected a whole fleet store", o.store, fmt::join(c.damaged, "; ")));
-  if (!c.changed.empty()) throw Unsupported(fmt::format("{}: not what was calibrated: {}", o.store, fmt::join(c.changed, ", ")));
+  if (!c.damaged.empty()) throw Error(fmt::format("{}: {}; expected a whole fleet store", store.database().file(), fmt::join(c.damaged, "; ")));
+  if (!c.changed.empty()) throw Unsupported(fmt::format("{}: not what was calibrated: {}", store.database().file(), fmt::join(c.changed, ", ")));
 }
 
 void merge(const Options& o) {
@@ -60,8 +61,8 @@ void merge(const Options& o) {
   std::int64_t added = 0;
   for (const std::filesystem::path& other : others) added += store.merge(other);
   if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
-  print(fmt::format("{}: {} calibrations added from {}\n", one_line(o.store), added,
-                    o.others.size() == 1 ? one_line(o.others.front()) : fmt::format("{} stores", o.others.size())));
+  print(fmt::format("{}: {} calibrations added from {}\n", one_line(store.database().file()), added,
+                    o.others.size() == 1 ? one_line(fleet::shown_store(o.others.front())) : fmt::format("{} stores", o.others.size())));
   if (const std::size_t failed = store.failures().size(); failed > 0)
     note(fmt::format("{} sessions of the store are not calibrated: imulab fleet list --failures names them", failed));
 }
@@ -93,9 +94,9 @@ void remove(const Options& o) {
   else
     for (const FleetRecord& r : store.records(store.unit(o.unit).id)) ids.push_back(r.id);
   const std::int64_t removed = store.remove(ids, o.reason);
-  if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", o.store));
+  if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", store.database().file()));
   if (o.json) return print_json({{{"removed", static_cast<std::uint64_t>(removed)}}}, {"", fmt::format("{} calibrations removed", removed)});
-  print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", o.store, removed));
+  print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", store.database().file(), removed));
 }
 
 /// A verb that does `work` with the store of these options.

@@ -1,5 +1,6 @@
 // The one way of text to people: what would steer a terminal is shown.
 #include "apps/imulab/command.hpp"
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/conclusion.hpp"
@@ -37,13 +38,14 @@ std::string as_one_message(const std::string& text) {
   return out;
 }
 
-/// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out.
+/// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out; a message may quote the command line,
+/// and that a store's password.
 void say(Color color, const std::string& what, const std::string& text) {
   constexpr std::size_t longest = 4096, kept = 1024;
   const std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
   std::fflush(stdout);
-  const std::string line =
-      fmt::format("imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(as_one_message(shown)));
+  const std::string line = fmt::format("imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what,
+                                       printable(as_one_message(fleet::without_passwords(shown))));
   std::fwrite(line.data(), 1, line.size(), stderr);  // which may be closed: the exit code says it, too
 }
 

@@ -8,7 +8,7 @@
 namespace imulab {
 
 /// Calls `work` once for each of 0 ... count - 1, in any order and several at a time. If calls throw, throws one of their exceptions; calls that have
-/// not begun are then skipped. Throws Stopped where a WorkScope around the loop was asked to stop (core/stop.hpp).
+/// not begun are then skipped. Throws Stopped where a WorkScope around the loop was asked to stop (stop.hpp).
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work);
 
 /// Calls `work` and isolates its parallel loops: a thread that waits for one of them does not begin work of the enclosing loops on the same

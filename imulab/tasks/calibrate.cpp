@@ -6,6 +6,7 @@
 #include "imulab/files.hpp"
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/recording/validate.hpp"
@@ -65,7 +66,7 @@ std::map<std::string, std::string> options_used(const CalibrateOptions& o) {
   if (o.effects != "table") used["effects"] = o.effects;
   if (!o.recording.empty()) used["recording"] = o.recording;
   if (o.stepwise) used["stepwise"] = "true";
-  if (!o.prior.empty()) used["prior"] = o.prior;
+  if (!o.prior.empty()) used["prior"] = fleet::shown_store(o.prior);
   return used;
 }
 

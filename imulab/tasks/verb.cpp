@@ -1,5 +1,6 @@
 #include "imulab/tasks/verb.hpp"
 
+#include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/results/conclusion.hpp"
@@ -56,8 +57,11 @@ std::optional<Sharing> SharingOptions::sharing() const {
   std::vector<PartReader::Source> parts = sources;
   for (const std::string& file : joined) parts.push_back(PartReader::file(file));
   if (!parts.empty()) out.joined = std::make_shared<PartReader>(std::move(parts));
-  if (!part.empty())
-    out.part = std::make_shared<PartWriter>(errors_of_option("part", [&] { return part_named(part); }), verb != nullptr ? command_of(*verb) : "");
+  if (part.empty()) return out;
+  const std::string command = verb != nullptr ? command_of(*verb) : "";
+  if (fleet::without_passwords(command) != command)
+    throw OptionError("part", part + ": a part keeps its command; expected the store's password in ~/.pgpass or PGPASSWORD, not in --prior");
+  out.part = std::make_shared<PartWriter>(errors_of_option("part", [&] { return part_named(part); }), command);
   return out;
 }
 
@@ -111,7 +115,9 @@ VerbOption& json_option(Verb& verb, bool& json, const std::string& help) { retur
 
 VerbOption& seed_option(Verb& verb, std::uint64_t& seed, const std::string& help) { return verb.option("--seed", seed, help).show_default(); }
 
-VerbOption& store_option(Verb& verb, std::string& store) { return verb.option("--store FILE", store, "the fleet's store").show_default(); }
+VerbOption& store_option(Verb& verb, std::string& store) {
+  return verb.option("--store STORE", store, "the fleet's store: a file, or postgresql://USER@HOST/DATABASE").show_default();
+}
 
 VerbOption& prior_option(Verb& verb, std::string& store) {
   return verb.option("--prior STORE", store, "a fleet's store: how its units spread counts as what is known of this one before it is measured")

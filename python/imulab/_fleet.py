@@ -31,16 +31,16 @@ class FleetStatistics(Result):
 
 
 class Fleet:
-    """A store of units and their calibrations: one SQLite file, which is made when something is added.
+    """A store of units and their calibrations: one SQLite file, or "postgresql://USER@HOST/DATABASE". It is made when something is added.
 
-    The same file as of `imulab fleet`. As `prior` of `calibrate` and `plan` it says what is known of a unit before it is measured.
+    The same store as of `imulab fleet`. As `prior` of `calibrate` and `plan` it says what is known of a unit before it is measured.
     """
 
     def __init__(self, store: PathLike) -> None:
         self.store = path("store", store)
 
     def __repr__(self) -> str:
-        return f"<imulab.Fleet: {self.store}>"
+        return f"<imulab.Fleet: {_imulab.shown_store(self.store)}>"
 
     @property
     def units(self) -> list[dict[str, Any]]:

@@ -84,3 +84,11 @@ def test_bad_input(fleet, tmp_path):
     (tmp_path / "text.db").write_text("no store at all, but some text that is long enough")
     with pytest.raises(imulab.Error):
         imulab.calibrate(tmp_path, method="handheld", prior=tmp_path / "text.db")
+
+
+def test_a_servers_password_is_not_shown():
+    fleet = imulab.Fleet("postgresql://ada:secret@/fleet?host=/nowhere")
+    assert repr(fleet) == "<imulab.Fleet: postgresql://ada:***@/fleet?host=/nowhere>"
+    with pytest.raises(imulab.Error) as error:  # no such server, or no libpq
+        fleet.check()
+    assert "secret" not in str(error.value)

@@ -1,129 +1,112 @@
-// A SQLite file of one's own: statements, values, transactions. Every failure is a DatabaseError with the file.
+// A store of one's own, an SQLite file or a PostgreSQL database (engine.hpp): statements, values, transactions. Every failure is a DatabaseError with
+// the store's name.
 #pragma once
 
-#include "imulab/error.hpp"
 #include "imulab/fleet.hpp"
+#include "imulab/fleet/store/engine.hpp"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
-struct sqlite3;
-struct sqlite3_stmt;
-
 namespace imulab::fleet {
-
-/// The store itself is at fault: its disk, its file, another program that writes.
-class DatabaseError : public Error {
- public:
-  using Error::Error;
-};
 
 class Database {
  public:
-  /// A file in a folder that cannot be written is read as it is: nobody may write it meanwhile. Throws DatabaseError where the file cannot be opened
-  /// or is no database, where its last changes cannot be read, and in a build without SQLite.
-  Database(const std::filesystem::path& path, Access access);
-  ~Database();
-  Database(const Database&) = delete;
-  Database& operator=(const Database&) = delete;
+  /// A file, or the address of a server (server.hpp). A file in a folder that cannot be written is read as it is: nobody may write it meanwhile.
+  /// Throws DatabaseError where it cannot be opened or is no database, where its last changes cannot be read, and in a build without SQLite or on a
+  /// machine without libpq.
+  Database(const std::filesystem::path& store, Access access);
 
-  void run(const std::string& statements);
+  void run(const std::string& statements) { engine_->run(statements); }
   std::int64_t number(const std::string& query);  ///< the first value of the first row; 0 where there is none
-  std::int64_t last_id() const;
-  std::int64_t changes() const;  ///< rows that the last statement changed
-  const std::string& file() const { return file_; }
-  const std::string& uri() const { return uri_; }  ///< as it is opened, for another database that attaches it
-  sqlite3* handle() const { return handle_; }
-  [[noreturn]] void fail() const;
+  std::int64_t changes() const { return engine_->changes(); }
+  const std::string& file() const { return file_; }  ///< the store's name, without a password
+  Engine& engine() { return *engine_; }
 
  private:
-  std::string file_, uri_;
-  sqlite3* handle_ = nullptr;
-};
-
-/// Bytes that are no text.
-struct Blob {
-  std::string_view bytes;
+  std::string file_;
+  std::unique_ptr<Engine> engine_;
 };
 
 /// A statement, row by row. Texts and blobs that are bound are copied.
 class Statement {
  public:
-  Statement(Database& database, const std::string& text);
-  ~Statement();
-  Statement(const Statement&) = delete;
-  Statement& operator=(const Statement&) = delete;
+  Statement(Database& database, const std::string& text) : query_(database.engine().query(text)) {}
 
-  bool next();   ///< whether there is a row
-  void run();    ///< to its end; then it can be bound and run again
-  void reset();  ///< to be bound and run again
+  bool next() { return query_->next(); }  ///< whether there is a row
+  void run();                             ///< to its end; then it can be bound and run again
+  std::int64_t run_for_id();              ///< the same of INSERT ... RETURNING id: the new row's number
+  void reset() { query_->reset(); }       ///< to be bound and run again
   template <class... Values>
   Statement& with(const Values&... values) {
     reset();
     int parameter = 0;
-    (bind(++parameter, values), ...);
+    (query_->bind(++parameter, as_value(values)), ...);
     return *this;
   }
 
   std::int64_t integer(int column) const;
   double real(int column) const;
-  bool is_null(int column) const;
+  bool is_null(int column) const { return query_->value(column).index() == 0; }
   std::string_view bytes(int column) const;  ///< until the next row
   std::string text(int column) const { return std::string(bytes(column)); }
+  Query& query() { return *query_; }
 
  private:
-  void bind(int parameter, std::int64_t value);
-  void bind(int parameter, double value);
-  void bind(int parameter, std::string_view text);
-  void bind(int parameter, const std::string& text) { bind(parameter, std::string_view(text)); }
-  void bind(int parameter, const Blob& blob);
-  void bind(int parameter, const char* text) { bind(parameter, std::string_view(text)); }
-  struct Nothing {};
-  void bind(int parameter, Nothing nothing);
-  template <class Value>
-  void bind(int parameter, const std::optional<Value>& value) {
-    if (value)
-      bind(parameter, *value);
-    else
-      bind(parameter, Nothing{});
+  static Value as_value(std::int64_t value) { return value; }
+  static Value as_value(double value) { return value; }
+  static Value as_value(std::string_view text) { return text; }
+  static Value as_value(const std::string& text) { return std::string_view(text); }
+  static Value as_value(const char* text) { return std::string_view(text); }
+  static Value as_value(const Blob& blob) { return blob; }
+  template <class T>
+  static Value as_value(const std::optional<T>& value) {
+    return value ? as_value(*value) : Value{};
   }
 
-  Database& database_;
-  sqlite3_stmt* statement_ = nullptr;
+  std::unique_ptr<Query> query_;
 };
 
 /// From here to commit() all or nothing. No other process writes meanwhile; the transaction waits for one that does.
 class Transaction {
  public:
-  explicit Transaction(Database& database);
-  ~Transaction();
+  explicit Transaction(Database& database) : engine_(database.engine()) { engine_.begin(Access::write); }
+  ~Transaction() {
+    if (open_) engine_.rollback();
+  }
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
-  void commit();
+  void commit() {
+    engine_.commit();
+    open_ = false;
+  }
 
  private:
-  Database& database_;
+  Engine& engine_;
   bool open_ = true;
 };
 
 /// While it exists, all that is read is of one state of the store, whatever others write.
 class Snapshot {
  public:
-  explicit Snapshot(Database& database);
-  ~Snapshot();
+  explicit Snapshot(Database& database) : engine_(database.engine()) { engine_.begin(Access::read); }
+  ~Snapshot() { engine_.rollback(); }
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
 
  private:
-  Database& database_;
+  Engine& engine_;
 };
 
-// The tables of a fleet store.
+/// The tables of a fleet store.
+inline constexpr std::array store_tables{"units", "sessions", "files", "calibrations", "layouts", "numbers", "texts", "noises", "failures"};
 
-/// Makes the tables in a new file. Throws Error where the file is something else, newer, or without its tables.
+/// Makes the tables in a new store. Throws Error where it is something else, newer, or without its tables.
 void expect_schema(Database& database, Access access);
 
 }  // namespace imulab::fleet

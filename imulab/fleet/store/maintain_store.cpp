@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace imulab {
 
@@ -14,20 +15,13 @@ namespace {
 
 using fleet::Statement;
 
-void check_database(fleet::Database& db, std::vector<std::string>& damaged) {
-  for (Statement rows(db, "PRAGMA integrity_check(20)"); rows.next();)
-    if (rows.bytes(0) != "ok") damaged.push_back(rows.text(0));
-  for (Statement rows(db, "PRAGMA foreign_key_check"); rows.next();)
-    damaged.push_back(fmt::format("row {} of {} refers to a row of {} that is not there", rows.integer(1), rows.text(0), rows.text(2)));
-}
-
 /// Every calibration has its numbers and its text, and both are what was written.
 void check_numbers(fleet::Database& db, std::vector<std::string>& damaged, const std::function<void(double)>& progress) {
   const double all = std::max<double>(1, static_cast<double>(db.number("SELECT COUNT(*) FROM calibrations")));
   double done = 0;
   Statement rows(db,
                  "SELECT c.id, n.data, n.crc32, l.coefficients, t.deflated, t.bytes, t.sha256 FROM calibrations c LEFT JOIN numbers n ON "
-                 "n.calibration = c.id LEFT JOIN layouts l ON l.id = n.layout LEFT JOIN texts t ON t.calibration = c.id");
+                 "n.calibration = c.id LEFT JOIN layouts l ON l.id = n.layout LEFT JOIN texts t ON t.calibration = c.id ORDER BY c.id");
   for (; rows.next(); ++done) {
     const std::int64_t id = rows.integer(0);
     try {
@@ -54,7 +48,7 @@ Found look_at(const std::filesystem::path& file, std::string_view sha) {
 
 FleetStore::Checked FleetStore::check(const std::function<void(double)>& progress) {
   Checked out;
-  check_database(database_, out.damaged);
+  out.damaged = database_.engine().damages();
   check_numbers(database_, out.damaged, progress);
   const auto judge = [&](const std::filesystem::path& file, std::string_view sha) {
     const Found found = look_at(file, sha);
@@ -64,12 +58,16 @@ FleetStore::Checked FleetStore::check(const std::function<void(double)>& progres
   };
   const double all = std::max<double>(1, static_cast<double>(database_.number("SELECT COUNT(*) FROM sessions")));
   double done = 0;
-  Statement files(database_, "SELECT name, sha256 FROM files WHERE session = ? ORDER BY name");
-  for (Statement rows(database_, "SELECT id, file, sha256 FROM sessions ORDER BY id"); rows.next(); ++done) {
+  std::int64_t before = 0;
+  Statement rows(database_,
+                 "SELECT s.id, s.file, s.sha256, f.name, f.sha256 FROM sessions s LEFT JOIN files f ON f.session = s.id ORDER BY s.id, f.name");
+  while (rows.next()) {
     const std::filesystem::path session = rows.text(1);
-    judge(session, rows.bytes(2));
-    for (files.with(rows.integer(0)); files.next();) judge(session.parent_path() / files.text(0), files.bytes(1));
-    if (progress) progress(0.5 + 0.5 * done / all);
+    if (rows.integer(0) != std::exchange(before, rows.integer(0))) {
+      judge(session, rows.bytes(2));
+      if (progress) progress(0.5 + 0.5 * done++ / all);
+    }
+    if (!rows.is_null(3)) judge(session.parent_path() / rows.text(3), rows.bytes(4));
   }
   return out;
 }
@@ -81,35 +79,64 @@ constexpr const char* merge_statements = R"(
 INSERT INTO main.units (serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added)
   SELECT serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added FROM other.units o WHERE NOT EXISTS
     (SELECT 1 FROM main.units u WHERE u.serial = o.serial AND u.name = o.name) ORDER BY id;
-CREATE TEMP TABLE same_unit AS SELECT o.id AS theirs, u.id AS ours FROM other.units o JOIN main.units u ON u.serial = o.serial AND u.name = o.name;
-CREATE INDEX temp.same_unit_theirs ON same_unit (theirs);
+CREATE TABLE temp.same_unit (theirs INTEGER PRIMARY KEY, ours INTEGER NOT NULL);
+INSERT INTO temp.same_unit SELECT o.id, u.id FROM other.units o JOIN main.units u ON u.serial = o.serial AND u.name = o.name;
 UPDATE main.units SET (accel_unit, gyro_unit, accel_scale, gyro_scale) = (SELECT accel_unit, gyro_unit, accel_scale, gyro_scale FROM other.units o
   JOIN temp.same_unit s ON s.theirs = o.id WHERE s.ours = main.units.id) WHERE accel_scale = 0 AND id IN (SELECT ours FROM temp.same_unit);
 INSERT INTO main.sessions (unit, hash, file, sha256, operator, station, time, time_from, added)
   SELECT s.ours, hash, file, sha256, operator, station, time, time_from, added FROM other.sessions o JOIN temp.same_unit s ON s.theirs = o.unit
-    WHERE hash NOT IN (SELECT hash FROM main.sessions) ORDER BY o.id;
-CREATE TEMP TABLE same_session AS SELECT o.id AS theirs, m.id AS ours FROM other.sessions o JOIN main.sessions m USING (hash);
-CREATE INDEX temp.same_session_theirs ON same_session (theirs);
-INSERT OR IGNORE INTO main.files (session, name, sha256, bytes)
-  SELECT s.ours, name, sha256, bytes FROM other.files o JOIN temp.same_session s ON s.theirs = o.session;
-CREATE TEMP TABLE new_calibration AS SELECT id FROM other.calibrations WHERE key NOT IN (SELECT key FROM main.calibrations);
+    WHERE NOT EXISTS (SELECT 1 FROM main.sessions m WHERE m.hash = o.hash) ORDER BY o.id;
+CREATE TABLE temp.same_session (theirs INTEGER PRIMARY KEY, ours INTEGER NOT NULL);
+INSERT INTO temp.same_session SELECT o.id, m.id FROM other.sessions o JOIN main.sessions m USING (hash);
+INSERT INTO main.files (session, name, sha256, bytes)
+  SELECT s.ours, name, sha256, bytes FROM other.files o JOIN temp.same_session s ON s.theirs = o.session WHERE TRUE ON CONFLICT DO NOTHING;
+CREATE TABLE temp.new_calibration (id INTEGER PRIMARY KEY);
+INSERT INTO temp.new_calibration SELECT id FROM other.calibrations o WHERE NOT EXISTS (SELECT 1 FROM main.calibrations m WHERE m.key = o.key);
 INSERT INTO main.calibrations (key, unit, session, method, options, operator, station, time, time_from, created, software, verdict, added, removed, reason)
   SELECT key, u.ours, s.ours, method, options, operator, station, time, time_from, created, software, verdict, added, removed, reason
     FROM other.calibrations o JOIN temp.same_unit u ON u.theirs = o.unit LEFT JOIN temp.same_session s ON s.theirs = o.session
     WHERE o.id IN (SELECT id FROM temp.new_calibration) ORDER BY o.id;
-INSERT OR IGNORE INTO main.layouts (coefficients) SELECT coefficients FROM other.layouts ORDER BY id;
+INSERT INTO main.layouts (coefficients) SELECT coefficients FROM other.layouts WHERE TRUE ORDER BY id ON CONFLICT DO NOTHING;
 INSERT INTO main.numbers (calibration, layout, data, crc32)
   SELECT m.id, l.id, n.data, n.crc32 FROM other.numbers n JOIN other.calibrations o ON o.id = n.calibration JOIN main.calibrations m USING (key)
     JOIN other.layouts k ON k.id = n.layout JOIN main.layouts l USING (coefficients) WHERE o.id IN (SELECT id FROM temp.new_calibration) ORDER BY m.id;
 INSERT INTO main.texts (calibration, bytes, deflated, sha256)
   SELECT m.id, t.bytes, t.deflated, t.sha256 FROM other.texts t JOIN other.calibrations o ON o.id = t.calibration JOIN main.calibrations m USING (key)
     WHERE o.id IN (SELECT id FROM temp.new_calibration) ORDER BY m.id;
-INSERT OR IGNORE INTO main.noises (sha256, unit, operator, station, time, time_from, added, text)
-  SELECT sha256, u.ours, operator, station, time, time_from, added, text FROM other.noises o JOIN temp.same_unit u ON u.theirs = o.unit ORDER BY o.id;
-INSERT OR IGNORE INTO main.failures SELECT * FROM other.failures;
+INSERT INTO main.noises (sha256, unit, operator, station, time, time_from, added, text)
+  SELECT sha256, u.ours, operator, station, time, time_from, added, text FROM other.noises o JOIN temp.same_unit u ON u.theirs = o.unit WHERE TRUE
+    ORDER BY o.id ON CONFLICT DO NOTHING;
+INSERT INTO main.failures SELECT * FROM other.failures WHERE TRUE ON CONFLICT DO NOTHING;
+DROP TABLE temp.same_unit; DROP TABLE temp.same_session; DROP TABLE temp.new_calibration;
 )";
 
-constexpr const char* after_merge = "DROP TABLE temp.same_unit; DROP TABLE temp.same_session; DROP TABLE temp.new_calibration";
+/// The tables of another store as "other.": those of an SQLite file where they are, for another one, else copies.
+class OtherTables {
+ public:
+  OtherTables(fleet::Database& db, fleet::Database& other) : db_(db), other_(other), copied_(!db.engine().attach(other.engine().uri())) {}
+  ~OtherTables() { db_.engine().detach(); }
+  OtherTables(const OtherTables&) = delete;
+  OtherTables& operator=(const OtherTables&) = delete;
+
+  void copy() const {
+    if (!copied_) return;
+    const fleet::Snapshot one_state(other_);
+    for (const char* const table : fleet::store_tables) {
+      db_.run(fmt::format("CREATE TABLE other.{0} AS SELECT * FROM main.{0} WHERE FALSE", table));
+      Statement rows(other_, fmt::format("SELECT * FROM {}", table));
+      db_.engine().fill(fmt::format("other.{}", table), rows.query());
+    }
+  }
+  void drop() const {
+    for (const char* const table : fleet::store_tables)
+      if (copied_) db_.run(fmt::format("DROP TABLE other.{}", table));
+  }
+
+ private:
+  fleet::Database& db_;
+  fleet::Database& other_;
+  bool copied_;
+};
 
 /// One serial number with two names, or with two sets of sensors, in the two stores.
 void expect_same_units(fleet::Database& db, const std::string& other) {
@@ -130,21 +157,15 @@ std::int64_t FleetStore::merge(const std::filesystem::path& other) {
   std::error_code none;
   if (std::filesystem::equivalent(other, database_.file(), none)) throw Error(other.string() + ": is the store itself; expected another one");
   FleetStore whole(other, fleet::Access::read);  // a whole store of a known version
-  Statement(database_, "ATTACH DATABASE ? AS other").with(whole.database().uri()).run();
-  std::int64_t added = 0;
-  try {
-    fleet::Transaction transaction(database_);
-    expect_same_units(database_, other.string());
-    const std::int64_t before = database_.number("SELECT COUNT(*) FROM main.calibrations");
-    database_.run(merge_statements);
-    database_.run(after_merge);
-    added = database_.number("SELECT COUNT(*) FROM main.calibrations") - before;
-    transaction.commit();
-  } catch (...) {
-    database_.run("DETACH DATABASE other");
-    throw;
-  }
-  database_.run("DETACH DATABASE other");
+  const OtherTables tables(database_, whole.database());
+  fleet::Transaction transaction(database_);
+  tables.copy();
+  expect_same_units(database_, whole.database().file());
+  const std::int64_t before = database_.number("SELECT COUNT(*) FROM main.calibrations");
+  database_.run(merge_statements);
+  const std::int64_t added = database_.number("SELECT COUNT(*) FROM main.calibrations") - before;
+  tables.drop();
+  transaction.commit();
   return added;
 }
 

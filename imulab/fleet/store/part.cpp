@@ -3,9 +3,11 @@
 #include "imulab/core/shared_work.hpp"
 #include "imulab/error.hpp"
 #include "imulab/fleet/store/database.hpp"
+#include "imulab/fleet/store/server.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
@@ -22,7 +24,8 @@ struct Marked {
 
 std::optional<Marked> mark_of(FleetStore& store) {
   Database& db = store.database();
-  if (db.number("SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND name = 'part'") == 0) return std::nullopt;
+  const std::vector<std::string> names = db.engine().names();
+  if (std::find(names.begin(), names.end(), "part") == names.end()) return std::nullopt;
   Statement row(db, "SELECT number, of, task, finished FROM part");
   if (!row.next()) return std::nullopt;
   const std::int64_t number = row.integer(0), of = row.integer(1);
@@ -67,16 +70,17 @@ std::vector<std::filesystem::path> all_parts(std::vector<std::filesystem::path> 
     const std::optional<Marked> mark = mark_of(store);
     if (!mark && !first) continue;
     if (!mark || (!first && file != stores.front()))
-      throw Error(file.string() + ": of these stores some are parts, and some are not; expected one kind");
+      throw Error(shown_store(file) + ": of these stores some are parts, and some are not; expected one kind");
     if (!first) first = mark;
-    const auto fail = [&](const std::string& what) { throw Error(fmt::format("{}: {}", file.string(), what)); };
+    const auto fail = [&](const std::string& what) { throw Error(fmt::format("{}: {}", shown_store(file), what)); };
     if (mark->task != first->task)
-      fail(fmt::format("is a part of another run than {} (its \"{}\" differs)", stores.front().string(), differing_field(first->task, mark->task)));
+      fail(fmt::format("is a part of another run than {} (its \"{}\" differs)", shown_store(stores.front()),
+                       differing_field(first->task, mark->task)));
     if (mark->part.of != first->part.of)
-      fail(fmt::format("is one of {} parts, {} one of {}", mark->part.of, stores.front().string(), first->part.of));
+      fail(fmt::format("is one of {} parts, {} one of {}", mark->part.of, shown_store(stores.front()), first->part.of));
     if (!mark->finished) fail(fmt::format("part {} is not finished; the same command goes on with it", mark->part.number));
     if (!parts.emplace(mark->part.number, file).second)
-      fail(fmt::format("part {} is also {}", mark->part.number, parts.at(mark->part.number).string()));
+      fail(fmt::format("part {} is also {}", mark->part.number, shown_store(parts.at(mark->part.number))));
   }
   if (!first) return stores;
   const std::string missing = missing_parts(first->part.of, [&](std::size_t k) { return parts.contains(k); });

@@ -42,8 +42,9 @@ struct NumberedNames {
 
 std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, NumberedNames& stations, NumberedNames& operators) {
   std::vector<SampleRow> out;
-  fleet::Statement rows(store.database(), fmt::format("SELECT id, unit, station, operator, time FROM calibrations WHERE removed IS NULL {}",
-                                                      method.empty() ? "" : "AND method = ?"));
+  fleet::Statement rows(store.database(),
+                        fmt::format("SELECT id, unit, station, operator, time FROM calibrations WHERE removed IS NULL {} ORDER BY id",
+                                    method.empty() ? "" : "AND method = ?"));
   if (!method.empty()) rows.with(method);
   while (rows.next()) out.push_back({rows.integer(0), rows.integer(1), stations.place(rows.bytes(2)), operators.place(rows.bytes(3)), rows.real(4)});
   std::sort(out.begin(), out.end(),

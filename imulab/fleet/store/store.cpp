@@ -33,7 +33,7 @@ double scale_of(const Matrix3d& matrix) { return std::cbrt(std::abs(matrix(0, 0)
 /// The numbers of a calibration beside its row.
 void add_numbers(fleet::Database& db, std::int64_t id, const fleet::Numbers& numbers, const std::string& text) {
   const std::string layout = fleet::layout_text(numbers.estimated), data = fleet::packed(numbers), small = fleet::deflated(text);
-  Statement(db, "INSERT OR IGNORE INTO layouts (coefficients) VALUES (?)").with(layout).run();
+  Statement(db, "INSERT INTO layouts (coefficients) VALUES (?) ON CONFLICT DO NOTHING").with(layout).run();
   Statement(db, "INSERT INTO numbers (calibration, layout, data, crc32) VALUES (?, (SELECT id FROM layouts WHERE coefficients = ?), ?, ?)")
       .with(id, layout, Blob{data}, fleet::crc32_of(data))
       .run();
@@ -85,10 +85,11 @@ std::int64_t FleetStore::unit_of(const Calibration& c) {
   const double accel = scale_of(c.model.accel.matrix), gyro = scale_of(c.model.gyro.matrix);
   const std::int64_t id = unit_named(c.serial, c.imu);
   if (id == 0) {
-    Statement(database_, "INSERT INTO units (serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added) VALUES (?, ?, ?, ?, ?, ?, ?)")
+    return Statement(database_,
+                     "INSERT INTO units (serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added) VALUES (?, ?, ?, ?, ?, ?, ?) "
+                     "RETURNING id")
         .with(c.serial, c.imu, c.model.accel.raw_unit, c.model.gyro.raw_unit, accel, gyro, fleet::now())
-        .run();
-    return database_.last_id();
+        .run_for_id();
   }
   Statement sensors(database_, "SELECT accel_unit, gyro_unit, accel_scale, gyro_scale FROM units WHERE id = ?");
   sensors.with(id).next();
@@ -113,12 +114,12 @@ std::int64_t FleetStore::unit_of(const Calibration& c) {
 std::int64_t FleetStore::session_id(const FleetSession& session, std::int64_t unit, const FleetOccasion& o) {
   Statement find(database_, "SELECT id FROM sessions WHERE hash = ?");
   if (find.with(session.hash).next()) return find.integer(0);
-  Statement(database_,
-            "INSERT INTO sessions (unit, hash, file, sha256, operator, station, time, time_from, added) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .with(unit, session.hash, session.file, session.sha256, o.operated_by, o.station, o.time, o.time_from, fleet::now())
-      .run();
-  const std::int64_t id = database_.last_id();
-  Statement file(database_, "INSERT OR IGNORE INTO files (session, name, sha256, bytes) VALUES (?, ?, ?, ?)");
+  const std::int64_t id = Statement(database_,
+                                    "INSERT INTO sessions (unit, hash, file, sha256, operator, station, time, time_from, added) VALUES (?, ?, ?, ?, "
+                                    "?, ?, ?, ?, ?) RETURNING id")
+                              .with(unit, session.hash, session.file, session.sha256, o.operated_by, o.station, o.time, o.time_from, fleet::now())
+                              .run_for_id();
+  Statement file(database_, "INSERT INTO files (session, name, sha256, bytes) VALUES (?, ?, ?, ?) ON CONFLICT DO NOTHING");
   for (const SourceFile& source : session.files) file.with(id, source.file, source.sha256, static_cast<std::int64_t>(source.bytes)).run();
   return id;
 }
@@ -130,12 +131,12 @@ bool FleetStore::add_session(const FleetSession& session, const std::string& ser
   if (find.with(session.hash).next()) return false;
   find.reset();
   std::int64_t unit = unit_named(serial, name);
-  if (unit == 0) {
-    Statement(database_, "INSERT INTO units (serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added) VALUES (?, ?, '', '', 0, 0, ?)")
-        .with(serial, name, fleet::now())
-        .run();
-    unit = database_.last_id();
-  }
+  if (unit == 0)
+    unit = Statement(database_,
+                     "INSERT INTO units (serial, name, accel_unit, gyro_unit, accel_scale, gyro_scale, added) VALUES (?, ?, '', '', 0, 0, ?) "
+                     "RETURNING id")
+               .with(serial, name, fleet::now())
+               .run_for_id();
   session_id(session, unit, occasion);
   transaction.commit();
   return true;
@@ -156,13 +157,12 @@ bool FleetStore::add_calibration(const Calibration& c, const FleetOccasion& o, c
   const std::int64_t unit = unit_of(c);
   std::optional<std::int64_t> of_session;
   if (session != nullptr) of_session = session_id(*session, unit, o);
-  Statement(database_,
-            "INSERT INTO calibrations (key, unit, session, method, options, operator, station, time, time_from, created, software, verdict, "
-            "added) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .with(key, unit, of_session, c.method, request != nullptr ? request->options : options, o.operated_by, o.station, o.time, o.time_from,
-            c.created, c.software, c.quality.verdict, fleet::now())
-      .run();
-  add_numbers(database_, database_.last_id(), numbers, text);
+  Statement row(database_,
+                "INSERT INTO calibrations (key, unit, session, method, options, operator, station, time, time_from, created, software, verdict, "
+                "added) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id");
+  row.with(key, unit, of_session, c.method, request != nullptr ? request->options : options, o.operated_by, o.station, o.time, o.time_from, c.created,
+           c.software, c.quality.verdict, fleet::now());
+  add_numbers(database_, row.run_for_id(), numbers, text);
   if (session != nullptr && request != nullptr)
     Statement(database_, "DELETE FROM failures WHERE key = ?").with(failure_key(*session, *request)).run();
   transaction.commit();
@@ -174,7 +174,9 @@ bool FleetStore::add_noise(const std::string& text, const std::string& serial, c
   const std::int64_t unit = unit_named(serial, name);
   if (unit == 0)
     throw Error(fmt::format("{} is not in the store; expected a calibration of the unit before its noise", serial.empty() ? name : serial));
-  Statement(database_, "INSERT OR IGNORE INTO noises (sha256, unit, operator, station, time, time_from, added, text) VALUES (?, ?, ?, ?, ?, ?, ?, ?)")
+  Statement(database_,
+            "INSERT INTO noises (sha256, unit, operator, station, time, time_from, added, text) VALUES (?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO "
+            "NOTHING")
       .with(sha256(text), unit, o.operated_by, o.station, o.time, o.time_from, fleet::now(), text)
       .run();
   const bool added = database_.changes() > 0;
@@ -184,7 +186,10 @@ bool FleetStore::add_noise(const std::string& text, const std::string& serial, c
 
 void FleetStore::add_failure(const FleetSession& session, const FleetRequest& request, const std::string& message) {
   Transaction transaction(database_);
-  Statement(database_, "INSERT OR REPLACE INTO failures (key, file, hash, method, options, message, added) VALUES (?, ?, ?, ?, ?, ?, ?)")
+  Statement(database_,
+            "INSERT INTO failures (key, file, hash, method, options, message, added) VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT (key) DO UPDATE SET "
+            "file = excluded.file, hash = excluded.hash, method = excluded.method, options = excluded.options, message = excluded.message, "
+            "added = excluded.added")
       .with(failure_key(session, request), session.file, session.hash, request.method, request.options, message, fleet::now())
       .run();
   transaction.commit();
@@ -221,10 +226,11 @@ std::vector<FleetUnit> FleetStore::units() { return units_where("", ""); }
 
 std::vector<FleetUnit> FleetStore::units_where(const std::string& condition, const std::string& name) {
   Statement rows(database_,
-                 "SELECT u.id, u.serial, u.name, COUNT(c.id), (SELECT MIN(time) FROM calibrations f WHERE f.unit = u.id AND f.removed IS NULL), "
-                 "MAX(c.time), c.verdict, c.method, c.station, "  // c: of the maximum
-                 "(SELECT COUNT(*) FROM noises n WHERE n.unit = u.id) FROM units u LEFT JOIN calibrations c ON c.unit = u.id AND c.removed IS NULL " +
-                     condition + " GROUP BY u.id ORDER BY u.serial, u.name");
+                 "SELECT u.id, u.serial, u.name, (SELECT COUNT(*) FROM calibrations f WHERE f.unit = u.id AND f.removed IS NULL), "
+                 "(SELECT MIN(f.time) FROM calibrations f WHERE f.unit = u.id AND f.removed IS NULL), l.time, l.verdict, l.method, l.station, "
+                 "(SELECT COUNT(*) FROM noises n WHERE n.unit = u.id) FROM units u LEFT JOIN calibrations l ON l.id = (SELECT c.id FROM calibrations "
+                 "c WHERE c.unit = u.id AND c.removed IS NULL ORDER BY c.time DESC, c.id DESC LIMIT 1) " +
+                     condition + " ORDER BY u.serial, u.name");
   if (!condition.empty()) rows.with(name);
   std::vector<FleetUnit> out;
   while (rows.next())
@@ -247,7 +253,7 @@ std::vector<FleetRecord> FleetStore::records(std::int64_t unit, bool with_remove
                  fmt::format("SELECT c.id, u.id, u.serial, u.name, c.method, c.options, c.created, c.software, c.verdict, s.file, c.station, "
                              "c.operator, c.time, c.time_from, c.added, c.removed, c.reason FROM calibrations c JOIN units u ON u.id = c.unit "
                              "LEFT JOIN sessions s ON s.id = c.session WHERE {} {} ORDER BY c.time, c.id",
-                             unit != 0 ? fmt::format("c.unit = {}", unit) : "1", with_removed ? "" : "AND c.removed IS NULL"));
+                             unit != 0 ? fmt::format("c.unit = {}", unit) : "TRUE", with_removed ? "" : "AND c.removed IS NULL"));
   std::vector<FleetRecord> out;
   while (rows.next()) {
     FleetRecord r{rows.integer(0),
@@ -283,18 +289,18 @@ std::vector<FleetFailure> FleetStore::failures() {
 std::vector<std::string> FleetStore::clock_problems() {
   constexpr double tolerance = 60;  // s, between the clocks of two machines that are set by a network
   const auto found = [&](const std::string& what, const std::string& query) -> std::vector<std::string> {
-    Statement rows(database_, fmt::format("SELECT COUNT(*), MIN(id), MAX(by) FROM ({}) WHERE by > {}", query, tolerance));
+    Statement rows(database_, fmt::format("SELECT COUNT(*), MIN(id), MAX(late) FROM ({}) AS each_one WHERE late > {}", query, tolerance));
     if (!rows.next() || rows.integer(0) == 0) return {};
     return {fmt::format(fmt::runtime(what), rows.integer(0), rows.integer(1), rows.real(2))};
   };
   std::vector<std::string> out = found(
       "{} calibrations, the first of them number {}, were added up to {:.0f} s before the one ahead of them: a clock was set back, and their times "
       "may be wrong",
-      "SELECT id, LAG(added) OVER (ORDER BY id) - added AS by FROM calibrations");
+      "SELECT id, LAG(added) OVER (ORDER BY id) - added AS late FROM calibrations");
   for (std::string& text :
        found("{} calibrations, the first of them number {}, were measured up to {:.0f} s after they were added: a clock was wrong, and so are "
              "drifts of their units",
-             "SELECT id, time - added AS by FROM calibrations WHERE removed IS NULL"))
+             "SELECT id, time - added AS late FROM calibrations WHERE removed IS NULL"))
     out.push_back(std::move(text));
   return out;
 }
