@@ -12,10 +12,12 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -98,10 +100,20 @@ struct Nanoseconds {
 /// As above, with exact times.
 Recording make_recording(Nanoseconds t, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
 
+/// Stamps [s] as whole nanoseconds. Throws Error, naming the sample, for one that is no time.
+std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std::string& name);
 /// Times of std::chrono as whole nanoseconds: exact for all that are no coarser than nanoseconds. Throws Error, naming the sample, for one that is no
 /// time.
 template <class Rep, class Period>
-Nanoseconds nanoseconds_of(const std::vector<std::chrono::duration<Rep, Period>>& t, const std::string& name);
+Nanoseconds nanoseconds_of(const std::vector<std::chrono::duration<Rep, Period>>& t, const std::string& name) {
+  using Seconds = std::chrono::duration<double>;
+  std::vector<double> seconds;
+  for (const auto& time : t) seconds.push_back(Seconds(time).count());
+  Nanoseconds out{nanoseconds_of(seconds, name)};  // whether all are times
+  if constexpr (!std::chrono::treat_as_floating_point_v<Rep>)
+    for (std::size_t i = 0; i < t.size(); ++i) out.count[i] = std::chrono::duration_cast<std::chrono::nanoseconds>(t[i]).count();
+  return out;
+}
 /// As above, with times of std::chrono: std::vector<std::chrono::milliseconds>, of microseconds, of durations of doubles, ...
 template <class Rep, class Period>
 Recording make_recording(const std::vector<std::chrono::duration<Rep, Period>>& t, Columns3 gyro, Columns3 accel, RecordingOptions options = {}) {

@@ -6,6 +6,7 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/session.hpp"

@@ -4,6 +4,7 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/compare.hpp"

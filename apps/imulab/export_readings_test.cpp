@@ -3,6 +3,7 @@
 #include "imulab/export/c_header.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>

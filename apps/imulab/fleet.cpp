@@ -8,6 +8,7 @@
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/statistics/statistics.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"

@@ -5,6 +5,7 @@
 #include "imulab/files.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json.hpp"

@@ -12,6 +12,7 @@
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/recording/readings.hpp"
 
 #include <fmt/core.h>

@@ -7,6 +7,7 @@
 #include "imulab/export/write.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/recording/origin.hpp"
 
 #include <fmt/format.h>
 

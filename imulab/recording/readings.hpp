@@ -5,32 +5,16 @@
 #include "imulab/session.hpp"
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace imulab {
 
 /// The declaration of a session, without the temperatures.
 RecordingOptions recording_options(const RecordingSource& source);
-
-/// Stamps [s] as whole nanoseconds. Throws Error, naming the sample, for one that is no time.
-std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std::string& name);
-
-template <class Rep, class Period>
-Nanoseconds nanoseconds_of(const std::vector<std::chrono::duration<Rep, Period>>& t, const std::string& name) {
-  using Seconds = std::chrono::duration<double>;
-  std::vector<double> seconds;
-  for (const auto& time : t) seconds.push_back(Seconds(time).count());
-  Nanoseconds out{nanoseconds_of(seconds, name)};  // whether all are times
-  if constexpr (!std::chrono::treat_as_floating_point_v<Rep>)
-    for (std::size_t i = 0; i < t.size(); ++i) out.count[i] = std::chrono::duration_cast<std::chrono::nanoseconds>(t[i]).count();
-  return out;
-}
 
 /// One column for three axes, three, or none.
 Columns3 three_columns(std::vector<std::vector<double>> columns);

@@ -2,6 +2,7 @@
 
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/report/assets.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/results/calibration.hpp"

@@ -8,6 +8,7 @@
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/recording/origin.hpp"
 #include "imulab/simulate.hpp"
 #include "imulab/simulate/effects.hpp"
 #include "imulab/units.hpp"

@@ -4,6 +4,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/several_files.hpp"
+#include "imulab/recording/origin.hpp"
 
 #include <fmt/core.h>
 

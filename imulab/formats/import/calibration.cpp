@@ -6,6 +6,7 @@
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/recording/origin.hpp"
 
 #include <fmt/format.h>
 
