@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -65,6 +66,44 @@ void decompensate(const SensorModel& model, const std::array<std::span<const dou
 /// Covariance of a compensated sample (rate, then force) from that of the estimated coefficients alone (not from the sample's own noise). Throws
 /// Error for a calibration that `validate` refuses.
 Eigen::Matrix<double, 6, 6> output_covariance(const Calibration& calibration, const RawSample& raw);
+
+/// The form of the samples that a SampleCompensator takes.
+struct SampleOptions {
+  std::string_view gyro_unit = "rad/s", accel_unit = "m/s^2";                        ///< of the readings: these, or "count"
+  std::string_view gyro_temperature_unit = "degC", accel_temperature_unit = "degC";  ///< or "K", "raw"
+  /// Lever arms act over several samples, not on one. false: a model that has some is refused; true: the forces stay those at the accelerometers'
+  /// own places, as in all overloads of `compensate` (remove_lever_arms brings those of a recording to the body's origin).
+  bool leave_lever_arms = false;
+};
+
+/// Compensation for a real-time loop. The model is checked once, when it is made; a call allocates nothing, takes some tens of nanoseconds, and gives
+/// what `compensate` and the command give, to the last bit. A reading that is not finite gives a motion that is not.
+///
+/// Constant after its construction: any number of threads may call one object at the same time without a lock. Copies are independent.
+class SampleCompensator {
+ public:
+  /// Throws Error that lists all of it: a coefficient that is not finite, readings or temperatures in other units than those of the model, thermal
+  /// terms without a reference temperature, and lever arms, unless the options leave them.
+  explicit SampleCompensator(const SensorModel& model, const SampleOptions& options = {});
+
+  /// Throws Error where the model has thermal terms.
+  Motion operator()(const Vector3d& gyro, const Vector3d& accel) const;
+  /// With the thermal readings of each axis, as they are read: not less the reference. Those of a triad without thermal terms are not used.
+  Motion operator()(const Vector3d& gyro, const Vector3d& accel, const Vector3d& gyro_temperature, const Vector3d& accel_temperature) const {
+    return compensate(model_, {gyro, accel, gyro_temperature - gyro_reference_, accel_temperature - accel_reference_});
+  }
+  /// With one thermal reading for all axes.
+  Motion operator()(const Vector3d& gyro, const Vector3d& accel, double temperature) const {
+    return (*this)(gyro, accel, Vector3d::Constant(temperature), Vector3d::Constant(temperature));
+  }
+
+  bool needs_temperature() const { return needs_temperature_; }
+
+ private:
+  SensorModel model_;
+  Vector3d gyro_reference_ = Vector3d::Zero(), accel_reference_ = Vector3d::Zero();
+  bool needs_temperature_ = false;
+};
 
 struct CompensatedRecording {
   Recording recording;                    ///< rates [rad/s] and specific forces [m/s^2] in place of raw readings; the other columns as they were

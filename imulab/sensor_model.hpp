@@ -8,7 +8,7 @@
 // Example:
 //   SensorModel model;  // the ideal unit: output is input
 //   model.gyro.offset = {1e-3, 0, 0};
-//   const Motion motion = compensate(model, RawSample{.accel = {0, 0, 9.81}, .gyro = {0, 0, 0}});
+//   const Motion motion = compensate(model, RawSample{.gyro = {0, 0, 0}, .accel = {0, 0, 9.81}});
 //
 // Units: out is m/s^2 (accelerometers) or rad/s (gyros), raw the unit of the recording: SI, or counts. Axes are the body's (frame.hpp). A plain
 // value: copies are independent, and const use is safe on any thread.

@@ -191,7 +191,8 @@ std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std
 }
 
 Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
-  return make_recording(Nanoseconds{nanoseconds_of(t, options.name)}, std::move(gyro), std::move(accel), std::move(options));
+  Nanoseconds stamps{nanoseconds_of(t, options.name)};
+  return make_recording(std::move(stamps), std::move(gyro), std::move(accel), std::move(options));
 }
 
 }  // namespace imulab

@@ -158,7 +158,7 @@ void ErrorGrowth::end_block() {
     const Increment& sample = block_.increments[i];
     pushed += C_nb * sample.velocity;
     turned += T * C_nb;
-    effects_.add(C_nb, {sample.velocity / T, sample.angle / T}, T);
+    effects_.add(C_nb, {.rate = sample.angle / T, .force = sample.velocity / T}, T);
   }
   const ErrorDynamics d = error_dynamics(block_.states[count / 2], pushed / length, options_);
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
@@ -196,7 +196,7 @@ void ErrorGrowth::align(double duration) {
   by_rate.middleRows<3>(At::attitude) = tilt.leftCols<3>();
   by_force.middleRows<3>(At::attitude) = tilt.rightCols<3>();
   effects_.clear();
-  effects_.add(C_nb, {-C_nb.transpose() * earth.gravity, C_nb.transpose() * earth.rate}, 1);
+  effects_.add(C_nb, {.rate = C_nb.transpose() * earth.rate, .force = -C_nb.transpose() * earth.gravity}, 1);
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
   add_unit(by_rate * C_nb, by_force * C_nb, duration / 2);
   for (NoiseSource& n : noises_)
