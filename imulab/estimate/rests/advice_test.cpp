@@ -95,6 +95,7 @@ TEST(Advice, ReadingsInCountsAreCalibratedFromNothing) {
     triad->matrix = triad == &unit.truth.model.accel ? Matrix3d(triad->matrix * 10 * lsb) : Matrix3d(triad->matrix * lsb);
     triad->raw_unit = "count";
   }
+  unit.session.recordings.front().gyro.unit = unit.session.recordings.front().accel.unit = "count";
   const std::vector<Requirement> requirements = parse_requirements("gyro.matrix.diagonal <= 500 ppm, accel.matrix.diagonal <= 500 ppm");
   int poses = 0;
   const CalibrationResult result = by_advice(unit, requirements, poses);

@@ -115,8 +115,9 @@ double evidence_for_a_bad_part(const Problem& problem, const Conditions& under_n
 }
 
 /// Converges, and widens the priors of effects and optional terms that the data contradict, with `suspects` only where that explains more than one
-/// bad part does. Where the equations are not linear within the uncertainties, a contradiction means nothing: second-order misalignment residuals
-/// mimic such a term.
+/// bad part does. An effect that is only more likely with a wider prior gets it where that explains more, in any case: a part that is not bad enough
+/// to be dropped may be the better explanation. Where the equations are not linear within the uncertainties, a contradiction means nothing:
+/// second-order misalignment residuals mimic such a term.
 template <class Problem>
 Fit converge_under_true_priors(Problem& problem, bool suspects) {
   constexpr int most_rounds = 10;
@@ -126,7 +127,8 @@ Fit converge_under_true_priors(Problem& problem, bool suspects) {
       [&] {
         if (problem.effects().size() > 0) {
           const Conditions under_noise = problem.conditions({});
-          return problem.widen_beside_effects(under_noise, problem.parameters(), suspects ? evidence_for_a_bad_part(problem, under_noise) : 0);
+          const double for_a_bad_part = evidence_for_a_bad_part(problem, under_noise);
+          return problem.widen_beside_effects(under_noise, problem.parameters(), suspects ? for_a_bad_part : 0, for_a_bad_part);
         }
         Problem wider = problem;
         if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) return false;

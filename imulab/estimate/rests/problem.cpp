@@ -220,7 +220,8 @@ bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen
   return !names.empty();
 }
 
-bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another) {
+bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another,
+                                       double likelier_than) {
   std::vector<kernel::PriorGroup> groups = effects_.prior_groups(parameters.size());
   std::map<std::string, std::vector<Index>> terms;
   for (const Index i : parameters.with(kernel::Role::estimated)) {
@@ -230,7 +231,7 @@ bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kern
   }
   for (const auto& [name, at] : terms) groups.push_back({name, at});
   const std::optional<kernel::Contradicted> found = kernel::contradicted_prior(under_noise.information(), parameters, groups);
-  if (!found) return effects_.widen_if_likelier(under_noise.information(), parameters, for_another);
+  if (!found) return effects_.widen_if_likelier(under_noise.information(), parameters, likelier_than);
   if (found->evidence < for_another) return false;
   effects_.add_causes(found->alike);
   const kernel::PriorGroup& group = groups[found->group];

@@ -61,8 +61,9 @@ class RestProblem {
   /// Widens the priors of optional terms that the fit contradicts; whether any was.
   bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
   /// Widens the prior of the effect or optional term that the data contradict most, to at most four times, if no more speaks `for_another`
-  /// explanation (a logarithm as Deviation::evidence has it); whether any was. From conditions weighted by noise alone.
-  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another);
+  /// explanation (a logarithm as Deviation::evidence has it), or else of the effect that is likelier with a wider one, by more than `likelier_than`;
+  /// whether any was. From conditions weighted by noise alone.
+  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another, double likelier_than);
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
