@@ -29,7 +29,7 @@ RecordingSource only_source(const Session& procedure) {
 }
 
 Rests rests_of(const CalibrationInput& input, const Recording& recording) {
-  return input.rests ? Rests{*input.rests, {}} : imulab::rests_of(recording, input.session);
+  return input.rests ? Rests{*input.rests, {}, {}} : imulab::rests_of(recording, input.session);
 }
 
 void expect_alive(const Recording& recording, Triad triad, std::string_view consequence) {
