@@ -4,11 +4,11 @@
 //   const CalibrationResult result = calibrate("handheld", {session, {&recording, 1}});
 //   if (result.calibration.quality.verdict == "good") write_calibration("calibration.json", result.calibration);
 //
-// Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/references.md, and a page in docs/ on
-// each method. Every uncertainty is one sigma of what the data and the declared errors leave open. Throws Error for input that is wrong (an unknown
-// method, a session or recording that `validate` refuses, too few rests of a declared kind), Unsupported where the data determine nothing. What is
-// wrong with the unit, the rig or the declarations is in `Quality`, as a doubt with its cause. Time is linear in the number of samples. Several
-// calibrations may run at a time; `progress` may come from any thread.
+// Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/reference/references.md, and a page in
+// docs/ on each method. Every uncertainty is one sigma of what the data and the declared errors leave open. Throws Error for input that is wrong (an
+// unknown method, a session or recording that `validate` refuses, too few rests of a declared kind), Unsupported where the data determine nothing.
+// What is wrong with the unit, the rig or the declarations is in `Quality`, as a doubt with its cause. Time is linear in the number of samples.
+// Several calibrations may run at a time; `progress` may come from any thread.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -41,7 +41,7 @@ struct CalibrationOptions {
   double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
   bool second_opinion = true;           ///< compare with another method's estimate from the same data, where the data allow one; not without effects
-  bool effects = true;                  ///< what the sensor model lacks is estimated beside it (docs/effects.md); false: taken as absent
+  bool effects = true;                  ///< what the sensor model lacks is estimated beside it (docs/theory/effects.md); false: taken as absent
 
   struct Handheld {
     std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns

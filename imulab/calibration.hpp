@@ -106,7 +106,7 @@ struct RigErrorEstimate {
   bool operator==(const RigErrorEstimate&) const = default;
 };
 
-/// An effect that was estimated beside the coefficients (docs/effects.md).
+/// An effect that was estimated beside the coefficients (docs/theory/effects.md).
 struct EffectEstimate {
   std::string name, unit;             ///< "accel.asymmetry", "ppm"
   std::vector<double> values, sigma;  ///< of its columns, in that unit

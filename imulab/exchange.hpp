@@ -1,5 +1,5 @@
-// Calibrations for other programs, and from them: Kalibr, OpenVINS, VINS, ROS, PX4, ArduPilot, VectorNav, C for firmware, ... (docs/export.md,
-// docs/import.md).
+// Calibrations for other programs, and from them: Kalibr, OpenVINS, VINS, ROS, PX4, ArduPilot, VectorNav, C for firmware, ...
+// (docs/reference/export.md, docs/reference/import.md).
 //
 // Example:
 //   const ExportTarget& kalibr = export_target("kalibr");
@@ -41,7 +41,7 @@ struct ExportInput {
   ExportOptions options{};
 };
 
-/// A target. To add one: docs/architecture.md, "Extending".
+/// A target. To add one: docs/reference/extending.md.
 struct ExportTarget {
   /// Options that only some targets have, as bits.
   enum Takes : unsigned { noise = 1, variance_matched = 2, imu_model = 4, topic = 8, instance = 16 };

@@ -1,4 +1,4 @@
-// Files: sessions (TOML), recordings (any format of docs/formats.md), calibrations and noise (JSON), navigation solutions (CSV).
+// Files: sessions (TOML), recordings (any format of docs/reference/recordings.md), calibrations and noise (JSON), navigation solutions (CSV).
 //
 // Example:
 //   const Session mine = read_session("session");  // a folder with session.toml, or the file

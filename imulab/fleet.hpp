@@ -1,5 +1,5 @@
 // Many units: the store of their calibrations with their covariances, in one SQLite file, the statistics of a fleet, and the prior that it gives for
-// its next unit (docs/fleet.md, docs/formats.md).
+// its next unit (docs/start/fleet.md, docs/reference/fleet-store.md).
 //
 // Example:
 //   FleetStore store("fleet.db", fleet::Access::write);

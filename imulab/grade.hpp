@@ -1,4 +1,5 @@
-// Noise as a model, and grades of IMUs: how far an IMU of a grade departs from the ideal before calibration, as one sigma of a draw (docs/priors.md).
+// Noise as a model, and grades of IMUs: how far an IMU of a grade departs from the ideal before calibration, as one sigma of a draw
+// (docs/theory/effects.md).
 //
 // Example:
 //   session.imu.grade = "mems";
@@ -58,7 +59,7 @@ struct NonlinearRanges {
   double gyro_curvature, accel_curvature;           ///< likewise of the quadratic term
 };
 
-/// One sigma of the terms that an IMU of a grade may have and that are not drawn, SI: a calibration's priors (docs/priors.md has the sources).
+/// One sigma of the terms that an IMU of a grade may have and that are not drawn, SI: a calibration's priors (sources: docs/theory/effects.md).
 struct TermSizes {
   double accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
   double gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2

@@ -1,4 +1,4 @@
-// All public headers (docs/tutorial-library.md has a table of them).
+// All public headers (docs/reference/headers.md has a table of them).
 #pragma once
 
 #include "imulab/calibrate.hpp"

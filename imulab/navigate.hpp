@@ -1,5 +1,5 @@
 // Inertial navigation: alignment at rest and strapdown integration on the WGS-84 ellipsoid in east-north-up axes, of samples as they come or of a
-// recording with its calibration (docs/navigation.md).
+// recording with its calibration (docs/theory/strapdown.md).
 //
 //   C_nb' = C_nb [w_ib_b x] - [w_in_n x] C_nb,   v' = C_nb f_b + g(L, h) - (2 w_ie + w_en) x v,   L' = vN / (RM + h), ...
 //

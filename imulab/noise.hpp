@@ -6,11 +6,11 @@
 //     if (axis.fit) std::printf("%s N = %g, u = %g\n", axis.name.c_str(), axis.fit->N.value, axis.fit->N.standard_uncertainty);
 //   const std::vector<DeviationPoint> curve = deviation(gyro[0], 0.01, averaging_factors(gyro[0].size()));
 //
-// Coefficients: maximum likelihood on the spectrum (Whittle), intervals from the profile of the likelihood (docs/noise.md). Valid for stationary
-// noise of 64 readings and more; slow terms (B, K) need records that are long against the times at which they dominate. Deviations: NIST SP 1065
-// (Riley 2008); degrees of freedom: Greenhall and Riley 2003, for the noise identified at each averaging time by the lag-1 autocorrelation (Riley and
-// Greenhall 2004), and with fewer than 30 averages by the ratio of standard to Allan variance (Barnes 1969). Units are those of the readings: rad/s,
-// m/s^2 or counts. n samples take a time of n log n. Safe on any thread.
+// Coefficients: maximum likelihood on the spectrum (Whittle), intervals from the profile of the likelihood (docs/theory/noise.md). Valid for
+// stationary noise of 64 readings and more; slow terms (B, K) need records that are long against the times at which they dominate. Deviations: NIST
+// SP 1065 (Riley 2008); degrees of freedom: Greenhall and Riley 2003, for the noise identified at each averaging time by the lag-1 autocorrelation
+// (Riley and Greenhall 2004), and with fewer than 30 averages by the ratio of standard to Allan variance (Barnes 1969). Units are those of the
+// readings: rad/s, m/s^2 or counts. n samples take a time of n log n. Safe on any thread.
 #pragma once
 
 #include "imulab/recording.hpp"

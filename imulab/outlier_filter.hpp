@@ -1,4 +1,4 @@
-// Rejection of outliers, sample by sample, two samples late (docs/compensate.md).
+// Rejection of outliers, sample by sample, two samples late (docs/reference/compensate.md).
 //
 // Example:
 //   OutlierFilter filter;

@@ -1,5 +1,5 @@
 // A path of turns and rests that reaches required uncertainties in the shortest time, or the smallest ones in a given time, for the method "hybrid"
-// (docs/plan.md).
+// (docs/reference/predict.md).
 //
 // Example:
 //   const Session unit = turns_procedure("unit", 60, {}, {.grade = "navigation"});

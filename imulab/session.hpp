@@ -8,7 +8,7 @@
 //   mine.steps.push_back({.kind = StepKind::hold, .start = 0, .end = 60});
 //   validate(mine);          // throws Error that names every number out of range
 //
-// SI and radians, times in s of the recording's clock. Files are read into one by files.hpp (docs/formats.md has the keys and ranges, which
+// SI and radians, times in s of the recording's clock. Files are read into one by files.hpp (docs/reference/session.md has the keys and ranges, which
 // `validate` checks here), procedure.hpp makes standard ones. Absent values are std::optional: what a method needs it asks for by an Error. A plain
 // value.
 #pragma once
@@ -57,7 +57,7 @@ struct ImuDeclaration {
   NoiseTerms noise = NoiseTerms::white;
   std::optional<std::string> noise_file;  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
   TermSigmas term_sigmas;
-  std::map<std::string, double, std::less<>> effect_sigmas;                     ///< one sigma by the name of the effect (docs/effects.md), SI
+  std::map<std::string, double, std::less<>> effect_sigmas;                     ///< one sigma by the name of the effect (docs/theory/effects.md), SI
   std::optional<std::map<std::string, double, std::less<>>> simulated_effects;  ///< likewise, of those that a simulation draws
   std::optional<NoiseModel> accel_noise, gyro_noise;                            ///< in place of the grade's, except N, which the densities above give
   bool operator==(const ImuDeclaration&) const = default;

@@ -64,7 +64,7 @@ struct RigErrors {
 /// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed);
 
-/// What a unit does beside the sensor model, exactly (docs/effects.md).
+/// What a unit does beside the sensor model, exactly (docs/theory/effects.md).
 struct EffectValue {
   std::string name;  ///< "accel.asymmetry"
   int column = 0;    ///< of an effect that has several

@@ -129,16 +129,16 @@ std::vector<std::string> undocumented(const std::string& page) {
 
 TEST(DescribedFields, AreDocumented) {
   using testing::IsEmpty;
-  EXPECT_THAT(undocumented<Calibration>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NoiseAnalysis>("noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NoiseFit>("noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<BatchCoefficient>("noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<CoefficientDifference>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NamedComparison>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<ResultComparison>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<Agreement>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<PredictedCoefficient>("formats.md"), IsEmpty());
-  EXPECT_THAT(undocumented<PlanSummary>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<Calibration>("reference/calibration-file.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NoiseAnalysis>("reference/noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NoiseFit>("reference/noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<BatchCoefficient>("reference/noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<CoefficientDifference>("reference/results.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NamedComparison>("reference/results.md"), IsEmpty());
+  EXPECT_THAT(undocumented<ResultComparison>("reference/results.md"), IsEmpty());
+  EXPECT_THAT(undocumented<Agreement>("reference/results.md"), IsEmpty());
+  EXPECT_THAT(undocumented<PredictedCoefficient>("reference/results.md"), IsEmpty());
+  EXPECT_THAT(undocumented<PlanSummary>("reference/results.md"), IsEmpty());
 }
 
 }  // namespace

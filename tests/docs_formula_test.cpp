@@ -1,4 +1,4 @@
-// The documentation's statements about the sensor model, applied: the code of the tutorial by hand, and the signs.
+// The documentation's statements about the sensor model, applied: the code of the conventions, and the signs.
 #include "imulab/compensate.hpp"
 #include "imulab/units.hpp"
 
@@ -50,7 +50,7 @@ std::array<double, 12> formula_sample(int i) {
   return x;
 }
 
-TEST(DocumentedFormula, OfTheTutorialIsTheWholeModel) {
+TEST(DocumentedFormula, OfTheConventionsIsTheWholeModel) {
   const Calibration c = every_term();
   constexpr int samples = 20;
   std::string rows;
@@ -60,7 +60,7 @@ TEST(DocumentedFormula, OfTheTutorialIsTheWholeModel) {
     rows += "},\n";
   }
   const TemporaryFolder folder;
-  folder.write("program.c", c_of(docs_page("tutorial-by-hand.md")) + "#include <stdio.h>\nint main(void) {\n  const struct triad accel = " +
+  folder.write("program.c", c_of(docs_page("reference/conventions.md")) + "#include <stdio.h>\nint main(void) {\n  const struct triad accel = " +
                                 triad_of(c.model.accel) + ", gyro = " + triad_of(c.model.gyro) +
                                 ";\n  const double g_sensitivity[3][3] = " + c_numbers(c.model.g_sensitivity) + ", in[][12] = {" + rows + R"(};
   int i;
@@ -91,7 +91,7 @@ TEST(DocumentedFormula, OfTheTutorialIsTheWholeModel) {
 }
 
 TEST(DocumentedFormula, TheSignOfTheGSensitivityIsThatOfTheModel) {
-  const std::string conventions = docs_page("conventions.md");
+  const std::string conventions = on_one_line(docs_page("reference/conventions.md"));
   std::smatch said;
   ASSERT_TRUE(std::regex_search(
       conventions, said,
@@ -100,8 +100,8 @@ TEST(DocumentedFormula, TheSignOfTheGSensitivityIsThatOfTheModel) {
   c.model.g_sensitivity(0, 0) = std::stod(said[1]);
   const RawSample at_rest{.gyro = {std::stod(said[2]), 0, 0}, .accel = {unit::g, 0, 0}};
   EXPECT_NEAR(compensate(c.model, at_rest).rate.x(), 0, 5e-5) << "the page has two digits";
-  for (const char* name : {"conventions.md", "glossary.md", "tutorial-by-hand.md", "formats.md"}) {
-    const std::string page = docs_page(name);
+  for (const char* name : {"reference/conventions.md", "reference/glossary.md", "start/by-hand.md", "reference/calibration-file.md"}) {
+    const std::string page = on_one_line(docs_page(name));
     EXPECT_NE(page.find("minus the false rate"), std::string::npos) << name;
     EXPECT_EQ(page.find("| false rate"), std::string::npos) << name;
   }

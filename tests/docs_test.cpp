@@ -1,4 +1,4 @@
-// Every command in the documentation works: the ```console blocks of a page of README.md and docs/*.md run in order in one new folder.
+// Every command in the documentation works: the ```console blocks of a page of README.md and docs/**/*.md run in order in one new folder.
 //
 // A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it). "# exit code N" after it is the expected exit code (0
 // if absent). Output is illustrative, but a line that begins with "imulab: " must appear on standard error. A picture that a page shows is one that
@@ -90,7 +90,7 @@ std::vector<std::string> pictures_of(const std::string& page) {
 
 std::vector<fs::path> all_pages() {
   std::vector<fs::path> pages{fs::path(IMULAB_SOURCE) / "README.md"};
-  for (const auto& entry : fs::directory_iterator(fs::path(IMULAB_SOURCE) / "docs"))
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(IMULAB_SOURCE) / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   return pages;
 }
@@ -148,7 +148,7 @@ TEST(Documentation, EveryLinkExists) {
 }
 
 TEST(Documentation, ABrokenLinkIsFound) {
-  const fs::path docs = fs::path(IMULAB_SOURCE) / "docs";
+  const fs::path docs = fs::path(IMULAB_SOURCE) / "docs/reference";
   EXPECT_THAT(broken_links("[a](glossary.md) [b](glossary.md#statistics) [c](https://example.org/#x)", docs), testing::IsEmpty());
   EXPECT_THAT(broken_links("[a](glosary.md) [b](glossary.md#nothing)", docs), testing::SizeIs(2));
   EXPECT_THAT(broken_links("# A word, or 2\n[a](#a-word-or-2)", docs), testing::IsEmpty());

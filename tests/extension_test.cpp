@@ -1,5 +1,5 @@
-// docs/architecture.md, "Extending": a method, a recording format and an export target for this test alone, each a row more in a copy of its table.
-// The page shows this code.
+// docs/reference/extending.md: a method, a recording format and an export target for this test alone, each a row more in a copy of
+// its table. The page shows this code.
 #include "apps/imulab/help.hpp"
 #include "imulab/calibrate.hpp"
 #include "imulab/earth.hpp"
@@ -155,7 +155,7 @@ Recording read_imu7_session(const TemporaryFolder& folder, const std::vector<Rec
 }
 
 TEST(Extension, ThePageShowsThisCode) {
-  const std::string page = read_text(IMULAB_SOURCE "/docs/architecture.md"), code = read_text(IMULAB_SOURCE "/tests/extension_test.cpp");
+  const std::string page = read_text(IMULAB_SOURCE "/docs/reference/extending.md"), code = read_text(IMULAB_SOURCE "/tests/extension_test.cpp");
   const std::regex excerpt("```cpp\n([^`]*)\n```");
   std::size_t shown = 0;
   for (std::sregex_iterator i(page.begin(), page.end(), excerpt), end; i != end; ++i, ++shown) EXPECT_THAT(code, HasSubstr((*i)[1].str()));
@@ -181,13 +181,13 @@ std::string rows_below(const std::string& page, const std::string& head) {
 }
 
 TEST(Extension, EveryRecordingFormatIsDocumentedAndFuzzed) {
-  const std::string rows = rows_below("formats.md", "| format | tables (`topic`) | columns |");
+  const std::string rows = rows_below("reference/recordings.md", "| format | tables (`topic`) | columns |");
   const std::string fuzzed = read_text(IMULAB_SOURCE "/fuzz/recording.cpp");
   std::vector<std::string> parts;  // of the names of formats
   const std::regex call("read_all\\(\"([^\"]+)\"");
   for (std::sregex_iterator i(fuzzed.begin(), fuzzed.end(), call), end; i != end; ++i) parts.push_back((*i)[1]);
   for (const RecordingFormat& format : recording_formats()) {
-    EXPECT_THAT(rows, HasSubstr(std::string(format.name.substr(0, format.name.find(' '))))) << format.name << ": docs/formats.md";
+    EXPECT_THAT(rows, HasSubstr(std::string(format.name.substr(0, format.name.find(' '))))) << format.name << ": docs/reference/recordings.md";
     if (format.recognizes_path != nullptr) continue;  // of several files, each of which is in another format
     EXPECT_TRUE(std::ranges::any_of(parts, [&](const std::string& part) { return format.name.find(part) != std::string_view::npos; }))
         << format.name << ": expected a target of fuzz/recording.cpp";
@@ -195,7 +195,7 @@ TEST(Extension, EveryRecordingFormatIsDocumentedAndFuzzed) {
 }
 
 TEST(Extension, EveryTargetAndImportIsDocumentedAndFuzzed) {
-  const std::string targets = rows_below("export.md", "| target | for |"), imports = rows_below("import.md", "| format |");
+  const std::string targets = rows_below("reference/export.md", "| target | for |"), imports = rows_below("reference/import.md", "| format |");
   for (const ExportTarget& target : export_targets()) EXPECT_THAT(targets, HasSubstr("\n| `" + std::string(target.name) + "` |"));
   std::vector<std::string> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/tests/imports")) seeds.push_back(read_text(entry.path()));

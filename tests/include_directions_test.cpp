@@ -1,4 +1,4 @@
-// The rooms of the house include only rooms below them (docs/architecture.md).
+// The rooms of the house include only rooms below them (docs/reference/architecture.md).
 #include <gmock/gmock.h>
 
 #include <filesystem>

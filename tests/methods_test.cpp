@@ -56,7 +56,7 @@ std::string error_of(const Method& method, const CalibrationInput& input, const 
 }
 
 TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
-  const std::string papers = read_text(IMULAB_SOURCE "/docs/references.md");
+  const std::string papers = read_text(IMULAB_SOURCE "/docs/reference/references.md");
   for (const Method& method : methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);

@@ -107,7 +107,7 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
 }
 
 TEST(Package, TheTutorialShowsTheExamples) {
-  const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md");
+  const std::string page = read_text(IMULAB_SOURCE "/docs/start/library.md");
   std::map<std::string, std::string> sources;  // by file
   for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/examples"))
     sources[entry.path().filename().string()] = read_text(entry.path());
@@ -122,7 +122,7 @@ TEST(Package, TheTutorialNamesItsDependencies) {
   const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"},    {"fmt", "libfmt-dev"},  {"tomlplusplus", "libtomlplusplus-dev"},
                                                     {"PkgConfig", "pkg-config"},    {"ZLIB", "zlib1g-dev"}, {"libdeflate", "libdeflate-dev"},
                                                     {"yaml-cpp", "libyaml-cpp-dev"}};
-  const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
+  const std::string page = read_text(IMULAB_SOURCE "/docs/start/library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
   const std::regex dependency("(?:find_package|pkg_check_modules)\\(([\\w-]+)");
   for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {
     ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];

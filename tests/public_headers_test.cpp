@@ -39,7 +39,7 @@ TEST(PublicHeaders, IncludeOnlyEachOther) {
 
 TEST(PublicHeaders, AreThoseOfThePageAndOfTheUmbrella) {
   std::set<std::string> all = public_headers_of_tree();
-  const std::vector<std::string> shown = captures(read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), std::regex("\n\\| `([a-z_]+\\.hpp)` \\|"));
+  const std::vector<std::string> shown = captures(read_text(IMULAB_SOURCE "/docs/reference/headers.md"), std::regex("\n\\| `([a-z_]+\\.hpp)` \\|"));
   std::set<std::string> rows;
   for (const std::string& name : shown) rows.insert("imulab/" + name);
   EXPECT_EQ(rows, all);

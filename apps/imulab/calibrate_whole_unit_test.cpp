@@ -24,7 +24,7 @@ TEST_F(CalibrateWholeUnit, FromThreeMachines) {
   EXPECT_EQ(joint.exit_code, 0) << joint.errors;
   EXPECT_EQ(joint.errors, "");
   for (const char* text : {"frame: rig", "303 points were used: 15 in the chamber, 246 on the rate table, 42 on the centrifuge",
-                           "% RMS of the full scale of 30", "ug/g^3", "left-out points are missed by"})
+                           "% RMS of the full scale of 30", "ug/g^3", "held-out points are missed by"})
     EXPECT_THAT(on_one_line(joint.output), HasSubstr(text));
   EXPECT_THAT(joint.output, testing::StartsWith("good: "));
   EXPECT_EQ(imulab("compare c.json session/truth.json").exit_code, 0);

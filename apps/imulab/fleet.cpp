@@ -11,6 +11,7 @@
 #include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -61,7 +62,8 @@ void add(const Options& o) {
     } catch (const Error& e) {
       wrong.emplace_back(e.what());
     }
-  if (o.json) print_json({{{"files", added}, {"errors", wrong}}}, {"", fmt::format("{} files added, {} refused", added.size(), wrong.size())});
+  if (o.json)
+    print_json({{{"files", added}, {"errors", wrong}}}, {"", fmt::format("{} added, {} refused", text::plural(added.size(), "file"), wrong.size())});
   warn_each(store.clock_problems());
   if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "\n")));
 }
@@ -122,10 +124,11 @@ void calibrate_all(const Options& o) {
                  {"failed", counted(n.failed)},
                  {"failed_before", counted(n.failed_before)},
                  {"failures", failures_json(n.failures)}}},
-               {"", fmt::format("{} sessions: {} calibrated, {} in the store before, {} failed", n.sessions, n.calibrated, n.skipped, n.failed)});
+               {"", fmt::format("{}: {} calibrated, {} in the store before, {} failed", text::plural(n.sessions, "session"), n.calibrated, n.skipped,
+                                n.failed)});
   else
-    print(fmt::format("{} sessions: {} calibrated, {} in the store before, {} failed{}\n", n.sessions, n.calibrated, n.skipped, n.failed,
-                      n.failed_before > 0 ? fmt::format(", {} failed before (--retry tries them again)", n.failed_before) : ""));
+    print(fmt::format("{}: {} calibrated, {} in the store before, {} failed{}\n", text::plural(n.sessions, "session"), n.calibrated, n.skipped,
+                      n.failed, n.failed_before > 0 ? fmt::format(", {} failed before (--retry tries them again)", n.failed_before) : ""));
   if (n.failed + n.failed_before > 0)
     throw Unsupported(
         fmt::format("{} of {} sessions are not calibrated: imulab fleet list --failures names them", n.failed + n.failed_before, n.sessions));
@@ -154,7 +157,7 @@ void add_calibrate_all(Verb& fleet) {
 
 void list_failures(const Options& o, FleetStore& store) {
   const std::vector<FleetFailure> failures = store.failures();
-  if (o.json) return print_json({{{"failures", failures_json(failures)}}}, {"", fmt::format("{} sessions failed", failures.size())});
+  if (o.json) return print_json({{{"failures", failures_json(failures)}}}, {"", fmt::format("{} failed", text::plural(failures.size(), "session"))});
   std::string text;
   for (const FleetFailure& f : failures)
     text += fmt::format("{} ({} {}): {}\n", one_line(f.file), one_line(f.method), one_line(f.options), indented(f.message));
@@ -178,7 +181,7 @@ void list(const Options& o) {
                        {"method", u.method},
                        {"verdict", u.verdict},
                        {"station", u.station}}});
-    return print_json({{{"units", rows}}}, {"", fmt::format("{} units", rows.size())});
+    return print_json({{{"units", rows}}}, {"", text::plural(rows.size(), "unit")});
   }
   std::size_t serial = 6, name = 4;
   std::vector<std::pair<std::string, std::string>> shown;
@@ -191,7 +194,8 @@ void list(const Options& o) {
     text += fmt::format("{:<{}}  {:<{}}  {:>12}  {:<20}  {:<8}  {}\n", shown[k].first, serial, shown[k].second, name, units[k].calibrations,
                         units[k].calibrations > 0 ? time_text(units[k].last) : "-", one_line(units[k].verdict), one_line(units[k].station));
   const std::size_t failed = store.failures().size();
-  print(text + fmt::format("{} units{}\n", units.size(), failed > 0 ? fmt::format("; {} sessions failed (--failures)", failed) : ""));
+  print(text + fmt::format("{}{}\n", text::plural(units.size(), "unit"),
+                           failed > 0 ? fmt::format("; {} failed (--failures)", text::plural(failed, "session")) : ""));
 }
 
 void add_list(Verb& fleet) {
@@ -209,7 +213,7 @@ void show(const Options& o) {
   const FleetUnit unit = store.unit(o.unit);
   const std::vector<FleetRecord> records = store.records(unit.id, true);
   std::vector<JsonFields> rows;
-  std::string text = fmt::format("{} {}: {} calibrations\n", one_line(unit.name), one_line(unit.serial), unit.calibrations);
+  std::string text = fmt::format("{} {}: {}\n", one_line(unit.name), one_line(unit.serial), text::plural(unit.calibrations, "calibration"));
   for (const FleetRecord& r : records) {
     rows.push_back({{{"calibration", static_cast<std::uint64_t>(r.id)},
                      {"time", time_text(r.occasion.time)},
@@ -232,7 +236,7 @@ void show(const Options& o) {
             "\n";
   }
   if (!o.json) return print(text);
-  print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {"", fmt::format("{} calibrations", rows.size())});
+  print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {"", text::plural(rows.size(), "calibration")});
 }
 
 void add_show(Verb& fleet) {

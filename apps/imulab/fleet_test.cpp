@@ -160,7 +160,7 @@ TEST_F(FleetCommand, AddsShowsRemovesAndMerges) {
   EXPECT_THAT(run("fleet add c1.json").output, HasSubstr("calibration (known)"));
   EXPECT_THAT(run("fleet show 1001").output, HasSubstr("2026-03-31T00:00:00Z (declared)  drawn"));
   run("fleet add c3.json --store other.db");
-  EXPECT_THAT(run("fleet merge other.db").output, HasSubstr("1 calibrations added"));
+  EXPECT_THAT(run("fleet merge other.db").output, HasSubstr("1 calibration added"));
   EXPECT_THAT(run("fleet list").output, HasSubstr("3 units"));
   run("fleet remove 1002 --reason 'dropped on the floor'");
   EXPECT_THAT(run("fleet show 1002").output, HasSubstr("dropped on the floor"));

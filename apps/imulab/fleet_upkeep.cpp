@@ -3,9 +3,9 @@
 #include "apps/imulab/files.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/part.hpp"
 #include "imulab/fleet/store/sample.hpp"
-#include "imulab/fleet/store/database.hpp"
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json.hpp"
@@ -40,16 +40,17 @@ void check(const Options& o) {
   const std::vector<std::string> clocks = store.clock_problems();
   warn_each(clocks);
   if (o.json)
-    print_json({{{"damaged", c.damaged},
-                 {"changed", c.changed},
-                 {"files", static_cast<std::uint64_t>(c.files)},
-                 {"missing", static_cast<std::uint64_t>(c.missing)},
-                 {"clocks", clocks}}},
-               {c.damaged.empty() && c.changed.empty() ? "good" : "doubtful",
-                fmt::format("{} damages; {} files changed, {} not there", c.damaged.size(), c.changed.size(), c.missing)});
+    print_json(
+        {{{"damaged", c.damaged},
+          {"changed", c.changed},
+          {"files", static_cast<std::uint64_t>(c.files)},
+          {"missing", static_cast<std::uint64_t>(c.missing)},
+          {"clocks", clocks}}},
+        {c.damaged.empty() && c.changed.empty() ? "good" : "doubtful",
+         fmt::format("{}; {} changed, {} missing", text::plural(c.damaged.size(), "damage"), text::plural(c.changed.size(), "file"), c.missing)});
   else
-    print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there",
-                                        store.database().file(), c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
+    print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are missing",
+                                        store.database().file(), c.damaged.empty() ? "whole" : text::plural(c.damaged.size(), "damage"), c.files,
                                         c.files - c.missing - static_cast<std::int64_t>(c.changed.size()), c.changed.size(), c.missing)));
   if (!c.damaged.empty()) throw Error(fmt::format("{}: {}; expected a whole fleet store", store.database().file(), fmt::join(c.damaged, "; ")));
   if (!c.changed.empty()) throw Unsupported(fmt::format("{}: not what was calibrated: {}", store.database().file(), fmt::join(c.changed, ", ")));
@@ -61,11 +62,13 @@ void merge(const Options& o) {
   fleet::expect_no_part(store);
   std::int64_t added = 0;
   for (const std::filesystem::path& other : others) added += store.merge(other);
-  if (o.json) return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}, {"", fmt::format("{} calibrations added", added)});
-  print(fmt::format("{}: {} calibrations added from {}\n", one_line(store.database().file()), added,
-                    o.others.size() == 1 ? one_line(fleet::shown_store(o.others.front())) : fmt::format("{} stores", o.others.size())));
+  if (o.json)
+    return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}},
+                      {"", fmt::format("{} added", text::plural(static_cast<std::size_t>(added), "calibration"))});
+  print(fmt::format("{}: {} added from {}\n", one_line(store.database().file()), text::plural(static_cast<std::size_t>(added), "calibration"),
+                    o.others.size() == 1 ? one_line(fleet::shown_store(o.others.front())) : text::plural(o.others.size(), "store")));
   if (const std::size_t failed = store.failures().size(); failed > 0)
-    note(fmt::format("{} sessions of the store are not calibrated: imulab fleet list --failures names them", failed));
+    note(fmt::format("{} of the store without a calibration: imulab fleet list --failures names them", text::plural(failed, "session")));
 }
 
 std::int64_t calibration_number(const std::string& text) {
@@ -96,8 +99,11 @@ void remove(const Options& o) {
     for (const FleetRecord& r : store.records(store.unit(o.unit).id)) ids.push_back(r.id);
   const std::int64_t removed = store.remove(ids, o.reason);
   if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", store.database().file()));
-  if (o.json) return print_json({{{"removed", static_cast<std::uint64_t>(removed)}}}, {"", fmt::format("{} calibrations removed", removed)});
-  print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", store.database().file(), removed));
+  if (o.json)
+    return print_json({{{"removed", static_cast<std::uint64_t>(removed)}}},
+                      {"", fmt::format("{} removed", text::plural(static_cast<std::size_t>(removed), "calibration"))});
+  print(fmt::format("{}: {} removed, kept in the store as history\n", store.database().file(),
+                    text::plural(static_cast<std::size_t>(removed), "calibration")));
 }
 
 /// A verb that does `work` with the store of these options.
@@ -113,7 +119,7 @@ Verb& upkeep(Verb& fleet, const char* name, const char* summary, const std::shar
 void add_fleet_upkeep(Verb& fleet) {
   const auto checked = std::make_shared<Options>(), merged = std::make_shared<Options>(), exported = std::make_shared<Options>(),
              removed = std::make_shared<Options>();
-  Verb& checking = upkeep(fleet, "check", "Check that the store is whole, and the files of its sessions are what they were", checked, check);
+  Verb& checking = upkeep(fleet, "check", "Check store integrity, and that the files of its sessions are unchanged", checked, check);
   json_option(checking, checked->json);
   checking.example("imulab fleet check --store fleet.db");
 
@@ -129,7 +135,7 @@ void add_fleet_upkeep(Verb& fleet) {
   exporting.option("--force", exported->force, "replace an existing file");
   exporting.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
 
-  Verb& removing = upkeep(fleet, "remove", "Take calibrations out of lists and statistics; they stay as history", removed, remove);
+  Verb& removing = upkeep(fleet, "remove", "Remove calibrations from lists and statistics; they remain as history", removed, remove);
   removing.option("UNIT", removed->unit, "all calibrations of this unit: a serial number, or a name where there is none");
   removing.option("--calibration N", removed->calibration, "this one alone");
   removing.option("--reason TEXT", removed->reason, "why");

@@ -147,7 +147,7 @@ void show_which(const WhichArguments& a) {
     text += (text.empty() ? "" : "\n") + procedure_text(choice, prediction, a.require.has_value());
   }
   print(text);
-  if (!met) throw Unsupported("none of these procedures meets what is required; imulab plan and longer rests may (docs/procedures.md)");
+  if (!met) throw Unsupported("none of these procedures meets what is required; imulab plan and longer rests may (docs/start/choose.md)");
 }
 
 void add_which(Verb& verb) {

@@ -181,7 +181,8 @@ void add_report(Verb& app) {
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
   verb.option("--certificate", o->certificate, "of a calibration: a calibration certificate for paper, two A4 pages and an appendix");
   verb.option("--number N", o->number, "the certificate's number");
-  verb.option("--laboratory FILE", o->laboratory, "what the laboratory declares: name, address, customer, conditions (docs/formats.md)").reads();
+  verb.option("--laboratory FILE", o->laboratory, "what the laboratory declares: name, address, customer, conditions (docs/reference/calibration-file.md)")
+      .reads();
   verb.option("--json", o->json, "print what was written as JSON");
   verb.example("imulab report calibration.json -o calibration.html");
   verb.does = [o] { run(*o); };

@@ -86,7 +86,7 @@ TEST(TrajectoryCommand, EveryKindOfSegmentComesBackToItsTruth) {
   EXPECT_THAT(result.output, HasSubstr("session.toml"));
   EXPECT_THAT(result.output, HasSubstr("at most 60 m/s"));
   const Worst worst = integrated(folder / "out");
-  // The integration's own error (0.25 mm here, most of it the sway's coning): docs/navigation.md.
+  // The integration's own error (0.25 mm here, most of it the sway's coning): docs/theory/strapdown.md.
   EXPECT_LT(worst.way, 1e-3);
   EXPECT_LT(worst.velocity, 1e-5);
   EXPECT_LT(worst.attitude, 1e-8);

@@ -1,4 +1,4 @@
-// How a method plans its own procedure (docs/plan.md).
+// How a method plans its own procedure (docs/reference/predict.md).
 #pragma once
 
 #include "imulab/core/shared_work.hpp"

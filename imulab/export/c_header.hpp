@@ -1,4 +1,4 @@
-// A calibration as a self-contained C99 and C++ header for firmware (docs/export.md).
+// A calibration as a self-contained C99 and C++ header for firmware (docs/reference/export.md).
 #pragma once
 
 #include "imulab/calibration.hpp"

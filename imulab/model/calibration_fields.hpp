@@ -1,4 +1,4 @@
-// The fields of a calibration in its file, each stated once (core/fields.hpp; docs/formats.md).
+// The fields of a calibration in its file, each stated once (core/fields.hpp; docs/reference/calibration-file.md).
 #pragma once
 
 #include "imulab/calibration.hpp"

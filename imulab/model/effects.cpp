@@ -96,7 +96,7 @@ OutputChange turned_about_up(const EffectState& s, int machine) { return machine
 constexpr double square = ug / (g * g), g_squared = deg_per_h / (g * g);
 constexpr unsigned need_accel = Effect::of_accel, need_gyro = Effect::of_gyro;
 
-// Sizes: docs/effects.md has their sources.
+// Sizes: docs/theory/effects.md has their sources.
 constexpr std::array table{
     Effect{.name = "accel.asymmetry",
            .needs = need_accel,

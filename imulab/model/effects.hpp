@@ -1,6 +1,6 @@
 // Effects: what a real unit, or its mount, does besides the sensor model. Each adds c phi(state) to the output of the calibrated triads, with c about
 // zero under a prior; every method estimates the c beside its coefficients, so that these are as uncertain as such effects make them
-// (docs/effects.md).
+// (docs/theory/effects.md).
 //
 //   EffectState at{.force = f, .rate = w, .gravity = 9.81};
 //   const EffectSetting setting{.accel = true, .gyro = true};

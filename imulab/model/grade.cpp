@@ -22,7 +22,7 @@ constexpr TermSizes terms(double accel_quadratic, double accel_cubic, double gyr
           g_sensitivity * deg_per_h / g};
 }
 
-// Biases, scales and misalignments lie inside the ranges of Xu 2024 table 1; docs/simulate.md gives those ranges and the source of every number.
+// docs/reference/grades.md has the source of every number.
 constexpr std::array<Grade, 5> catalogue{{
     {.name = "strategic",
      .gyro_bias = 1e-3 * deg_per_h,

@@ -201,7 +201,7 @@ std::string effects_section(const Calibration& calibration) {
   Table t{.head = {"effect", "result", "clearest axis", "u", "unit"}, .rows = {}, .text_columns = true};
   for (const EffectEstimate& effect : quality.effects) {
     const std::size_t k = clearest_axis(effect);
-    t.rows.push_back({"<code>" + escaped(effect.name) + "</code>", effect.significant ? "seen" : "not seen, its prior counts",
+    t.rows.push_back({"<code>" + escaped(effect.name) + "</code>", effect.significant ? "significant" : "not significant, its prior is included",
                       rounded_to(effect.values[k], effect.sigma[k]), uncertainty_text(effect.sigma[k]), escaped(effect.unit)});
   }
   std::string opinion;
@@ -215,13 +215,13 @@ std::string effects_section(const Calibration& calibration) {
 }
 
 std::string tests_section(const Calibration& calibration) {
-  Table t{.head = {"term", "result", "chi-square", "probability by chance"}, .rows = {}, .text_columns = true};
+  Table t{.head = {"term", "result", "chi-square", "p"}, .rows = {}, .text_columns = true};
   for (const TermTest& test : calibration.quality.term_tests) {
     const bool tested = test.degrees_of_freedom > 0;
     t.rows.push_back({"<code>" + escaped(test.term) + "</code>",
-                      !tested     ? "the data do not show it"
-                      : test.kept ? "seen, estimated"
-                                  : "not seen, its prior is used",
+                      !tested     ? "not observable"
+                      : test.kept ? "significant, estimated"
+                                  : "not significant, its prior is included",
                       tested ? fmt::format("{} / {}", number_text(test.statistic), test.degrees_of_freedom) : "",
                       tested ? number_text(test.p_value, 2) : ""});
   }

@@ -70,7 +70,7 @@ std::string hidden_text(const Calibration& calibration) {
   std::string names;
   for (const TermTest& test : calibration.quality.term_tests)
     if (!test.kept) names += (names.empty() ? "" : ", ") + test.term;
-  return names.empty() ? "" : wrapped("  ", "not seen, but included in the uncertainties (see docs/priors.md): " + names);
+  return names.empty() ? "" : wrapped("  ", "not significant; their priors are included in the uncertainties: " + names);
 }
 
 std::string effect_text(const EffectEstimate& effect) {
@@ -84,8 +84,8 @@ std::string effects_text(const Quality& quality, bool significant) {
   for (const EffectEstimate& effect : quality.effects)
     if (effect.significant == significant) names += (names.empty() ? "" : ", ") + effect_text(effect);
   if (names.empty()) return names;
-  return wrapped("  ", (significant ? "seen besides the model, the clearest axis (see docs/effects.md): "
-                                    : "not seen besides the model, but included in the uncertainties: ") +
+  return wrapped("  ", (significant ? "significant effects besides the model, the clearest axis: "
+                                    : "effects that are not significant, but included in the uncertainties: ") +
                            names);
 }
 
@@ -98,14 +98,14 @@ std::string second_opinion_text(const Quality& quality) {
 }
 
 std::string term_test_text(const TermTest& test) {
-  if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": the data do not show it; its prior enters the uncertainties");
+  if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": not observable; its prior is included in the uncertainties");
   std::string validation;
   if (test.cross_validation_with > 0)
-    validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
+    validation = fmt::format("; held-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
                              test.cross_validation_without);
-  return wrapped("  ", fmt::format("{}: {} (chi2 {:.4g} with {} degree{} of freedom, probability by chance {:.2g}{})", test.term,
-                                   test.kept ? "seen" : "not seen; its prior counts in the uncertainties", test.statistic, test.degrees_of_freedom,
-                                   test.degrees_of_freedom == 1 ? "" : "s", test.p_value, validation));
+  return wrapped("  ", fmt::format("{}: {} (chi2 {:.4g} with {} degree{} of freedom, p = {:.2g}{})", test.term,
+                                   test.kept ? "significant" : "not significant; its prior is included in the uncertainties", test.statistic,
+                                   test.degrees_of_freedom, test.degrees_of_freedom == 1 ? "" : "s", test.p_value, validation));
 }
 
 std::string requirements_text(const Calibration& calibration) {

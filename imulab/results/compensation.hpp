@@ -29,7 +29,7 @@ struct CompensationSummary {
   std::vector<CompensatedFile> files;
 };
 
-/// {"files": [{"file", "samples", ...}], "calibration": {...}} (docs/compensate.md).
+/// {"files": [{"file", "samples", ...}], "calibration": {...}} (docs/reference/compensate.md).
 std::string compensation_json(const CompensationSummary& summary);
 
 /// Doubtful where samples or the calibration have a reservation.

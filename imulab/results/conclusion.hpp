@@ -1,4 +1,4 @@
-// The conclusion of an answer as the begin of its JSON: "verdict", "headline", "warnings" (docs/formats.md).
+// The conclusion of an answer as the begin of its JSON: "verdict", "headline", "warnings" (docs/reference/results.md).
 #pragma once
 
 #include "imulab/formats/text/json.hpp"

@@ -21,7 +21,7 @@ struct NavigatedSession {
 };
 
 /// One session as an object; several as {"sessions": [...], "rate_nmi_per_h": {"rms", "cep", "sessions"}}. Units are in the keys
-/// (docs/navigation.md).
+/// (docs/theory/strapdown.md).
 std::string navigation_json(const std::vector<NavigatedSession>& sessions);
 
 /// One session: alignment, end, errors at the end. Several: a row each, and the pure-inertial rate of all.

@@ -137,7 +137,7 @@ std::string table_of_shares(const Prediction& p, bool details) {
   if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
     text += "\n" + text::wrapped("",
                                  "eff.: what a unit and its mount may do besides the sensor model, as large as is expected of the grade or "
-                                 "declared (docs/effects.md).");
+                                 "declared (docs/theory/effects.md).");
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=
         "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");

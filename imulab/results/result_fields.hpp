@@ -1,4 +1,4 @@
-// The fields of what `compare`, `predict` and `plan` print with --json, each stated once (core/fields.hpp; docs/formats.md).
+// The fields of what `compare`, `predict` and `plan` print with --json, each stated once (core/fields.hpp; docs/reference/results.md).
 #pragma once
 
 #include "imulab/coefficient.hpp"

@@ -1,4 +1,4 @@
-// A three-axis table with its errors (Zhang 2010; docs/turntable.md), for any scalar: with AutoDiffScalar of Eigen every result comes with its
+// A three-axis table with its errors (Zhang 2010; docs/theory/turntable.md), for any scalar: with AutoDiffScalar of Eigen every result comes with its
 // derivatives. At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include "imulab/fleet/statistics/control.hpp"
 #include "imulab/fleet/statistics/stated.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -59,7 +60,9 @@ Verdict fleet_verdict(const FleetStatistics& f) {
     for (const Eigen::Index row : beyond_limit(f, c)) beyond.insert(row);
   }
   Verdict v;
-  if (!f.search.outliers.empty()) v.because.push_back(fmt::format("{} units are outliers", f.search.outliers.size()));
+  if (!f.search.outliers.empty())
+    v.because.push_back(
+        fmt::format("{} {}", text::plural(f.search.outliers.size(), "unit"), f.search.outliers.size() == 1 ? "is an outlier" : "are outliers"));
   if (!f.drifts.empty()) v.because.push_back(fmt::format("{} coefficients of units drift beyond what their calibrations explain", f.drifts.size()));
   if (stations > 0) v.because.push_back(fmt::format("stations differ in {} coefficients", stations));
   if (operators > 0) v.because.push_back(fmt::format("operators differ in {} coefficients", operators));

@@ -50,7 +50,7 @@ VerbOption& topics_option(Verb& verb, std::vector<std::string>& topics) {
 
 void declarations_option(Verb& verb, std::vector<std::string>& declarations) {
   verb.option("--set KEY=VALUE", declarations,
-              fmt::format("declare of a recording what its data leave open, as often as needed: {}", fmt::join(declaration_keys(), ", ")))
+              fmt::format("declare what the data of a recording do not determine; repeatable: {}", fmt::join(declaration_keys(), ", ")))
       .repeats()
       .of_command();
   verb.option("--time COLUMN", declarations,

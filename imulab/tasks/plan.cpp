@@ -306,7 +306,8 @@ std::string shortcomings(const PlannedProcedure& p) {
     if (!std::isfinite(s.sigma))
       text += fmt::format(", it stays at {:.3g} {}", p.prediction.remaining[at] / s.requirement.unit.size, s.requirement.unit.name);
   }
-  if (p.by_effects) text += "; without the effects that such a unit may have (docs/effects.md) they are met: declare smaller ones if it is better";
+  if (p.by_effects)
+    text += "; without the effects that such a unit may have (docs/theory/effects.md) they are met: declare smaller ones if it is better";
   return fmt::format("no path was found that meets the requirements: {}", text);
 }
 

@@ -1,5 +1,5 @@
 // Which procedure? The standard procedures, and what each reaches with the rig that one has and the grade of the unit, as `predict` foresees it
-// (docs/procedures.md).
+// (docs/start/choose.md).
 #pragma once
 
 #include "imulab/predict.hpp"
@@ -43,7 +43,7 @@ std::vector<ProcedureChoice> procedure_choices(std::string_view rig = "", std::s
 /// Without Monte Carlo, as `imulab predict --runs 0`.
 Prediction predict(const ProcedureChoice& choice, const std::vector<Requirement>& requirements = {});
 
-/// A row of the table in docs/procedures.md.
+/// A row of the table in docs/start/choose.md.
 std::string procedure_row(const ProcedureChoice& choice, const Prediction& prediction);
 
 /// What it reaches, and which requirements it misses, for a terminal.

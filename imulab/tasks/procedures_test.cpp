@@ -10,7 +10,7 @@ namespace imulab {
 namespace {
 
 std::string page_text() {
-  std::ifstream file(std::string(IMULAB_SOURCE) + "/docs/procedures.md");
+  std::ifstream file(std::string(IMULAB_SOURCE) + "/docs/start/choose.md");
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();

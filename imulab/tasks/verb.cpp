@@ -120,7 +120,7 @@ VerbOption& store_option(Verb& verb, std::string& store) {
 }
 
 VerbOption& prior_option(Verb& verb, std::string& store) {
-  return verb.option("--prior STORE", store, "a fleet's store: how its units spread counts as what is known of this one before it is measured")
+  return verb.option("--prior STORE", store, "a fleet's store: its mean and covariance are the prior")
       .reads();
 }
 

@@ -28,7 +28,7 @@ class Site:
 class Session:
     """The declarations of recordings: IMU, site, rigs, steps.
 
-    Its tables are those of session.toml (docs/formats.md), as dicts:
+    Its tables are those of session.toml (docs/reference/session.md), as dicts:
 
         Session(imu={"name": "IMU 7"}, site=Site(latitude_deg=47.4), rig={"kind": "turntable"}, step=[{"kind": "hold", "duration_s": 60}])
 

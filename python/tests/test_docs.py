@@ -1,4 +1,4 @@
-"""The documentation's Python runs: docs/python.md from top to bottom, and every notebook."""
+"""The documentation's Python runs: docs/start/python.md from top to bottom, and every notebook."""
 
 import os
 import pathlib
@@ -13,7 +13,7 @@ docs = pathlib.Path(os.environ["IMULAB_SOURCE"]) / "docs"
 def test_page(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    blocks = re.findall(r"^```python\n(.*?)^```", (docs / "python.md").read_text(), re.DOTALL | re.MULTILINE)
+    blocks = re.findall(r"^```python\n(.*?)^```", (docs / "start/python.md").read_text(), re.DOTALL | re.MULTILINE)
     assert len(blocks) >= 5
     for block in blocks:
         exec(compile(block, "python.md", "exec"), names)
@@ -28,7 +28,8 @@ def test_notebook(notebook, tmp_path):
     pytest.importorskip("matplotlib")
     book = nbformat.read(notebook, as_version=4)
     assert any(cell.get("outputs") for cell in book.cells), "committed without its outputs"
-    (tmp_path / "xu2024").mkdir()
-    (tmp_path / "xu2024" / "pattern.toml").write_text((docs / "xu2024" / "pattern.toml").read_text())
+    pattern = pathlib.Path("evidence/papers/xu2024/pattern.toml")
+    (tmp_path / pattern.parent).mkdir(parents=True)
+    (tmp_path / pattern).write_text((docs / pattern).read_text())
     (tmp_path / "notebooks").mkdir()
     nbclient.NotebookClient(book, timeout=300, resources={"metadata": {"path": str(tmp_path / "notebooks")}}).execute()  # a failing cell raises

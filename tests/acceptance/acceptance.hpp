@@ -79,7 +79,7 @@ std::vector<Check> misspecified(const Method& method, int sessions);
 /// the estimates.
 std::vector<Check> predictions(const Method& method, int sessions);
 
-/// The rows of the table in docs/procedures.md against what is predicted now; prints those that differ.
+/// The rows of the table in docs/start/choose.md against what is predicted now; prints those that differ.
 std::vector<Check> procedures();
 
 /// Noise coefficients of simulated logs (seeds 1 .. logs) against their truth and the Cramer-Rao bound of the spectrum's likelihood.
@@ -109,7 +109,7 @@ std::string describe(const std::vector<DriveRun>& runs);
 
 /// Position errors at the end of a flight, east-north-up [m], one per row of the table that describe_flights makes.
 using FlightRun = std::vector<Eigen::Vector3d>;
-/// IMUs, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, and on the same without its roll.
+/// IMUs, calibrations and noise of seeds 1 .. runs on docs/evidence/papers/dai2011/flight.toml, and on the same without its roll.
 struct DaiFlights {
   std::vector<FlightRun> with_roll, without_roll;
 };

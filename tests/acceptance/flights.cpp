@@ -45,7 +45,7 @@ struct Flight {
 };
 
 Flight flight(bool roll) {
-  MissionFile file = read_mission(IMULAB_SOURCE "/docs/dai2011/flight.toml");
+  MissionFile file = read_mission(IMULAB_SOURCE "/docs/evidence/papers/dai2011/flight.toml");
   Mission& mission = file.mission;
   if (!roll)
     for (Segment& s : mission.segments) std::erase_if(s.pulses, [](const Pulse& p) { return p.of == Pulse::Of::table; });

@@ -1,5 +1,5 @@
-// imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures. Before these, --checkpoint DIR goes on
-// from where it ended, and --part K/N -o FILE does a part of every test; imulab_accept --join FILE... tells what came out.
+// imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/evidence has its figures. Before these, --checkpoint
+// DIR goes on from where it ended, and --part K/N -o FILE does a part of every test; imulab_accept --join FILE... tells what came out.
 #include "imulab/core/part_file.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
@@ -97,7 +97,7 @@ int run(int argc, char** argv) {
       if (of_method.empty() || of_method == method.name)
         passed &= report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)),
                          [&] { return predictions(method, count(200)); });
-  if (chosen("procedures")) passed &= report("procedures: every cell of docs/procedures.md\n", [&] { return procedures(); });
+  if (chosen("procedures")) passed &= report("procedures: every cell of docs/start/choose.md\n", [&] { return procedures(); });
   if (chosen("noise")) passed &= report(fmt::format("noise: {} logs, seeds 1..{}", count(500), count(500)), [&] { return noise_logs(count(500)); });
   if (chosen("noise-lengths"))
     passed &= report(fmt::format("noise-lengths: {} logs of each length", count(400)), [&] { return noise_lengths(count(400)); });
@@ -124,7 +124,7 @@ int run(int argc, char** argv) {
                          [of = flights] { return judge_flights(*of); });
     });
   }
-  if (!any) throw imulab::Error(only + ": is no test; expected one of docs/validation.md");
+  if (!any) throw imulab::Error(only + ": is no test; expected one of docs/evidence");
   if (!part.empty()) imulab::write_whole(part, shared_runs().part->bytes());
   return passed ? 0 : 1;
 }

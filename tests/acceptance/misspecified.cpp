@@ -1,5 +1,5 @@
-// Every method with its defaults on units and data that are not ideal (docs/validation.md): all terms of the model, correlated noise, a delay between
-// the triads, late stamps, a bumped rest. What is stated has to hold all the same.
+// Every method with its defaults on units and data that are not ideal (docs/evidence/departures.md): all terms of the model, correlated noise, a
+// delay between the triads, late stamps, a bumped rest. What is stated has to hold all the same.
 #include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"

@@ -1,4 +1,4 @@
-// The length at which a log shows its random walk beside its flicker: the table of docs/noise.md.
+// The length at which a log shows its random walk beside its flicker: the table of docs/theory/noise.md.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/sensor_noise.hpp"

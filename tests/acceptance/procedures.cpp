@@ -1,4 +1,4 @@
-// Every cell of the table in docs/procedures.md is what `predict` gives.
+// Every cell of the table in docs/start/choose.md is what `predict` gives.
 #include "imulab/tasks/procedures.hpp"
 
 #include <fmt/core.h>
@@ -11,7 +11,7 @@ namespace imulab::acceptance {
 
 std::vector<Check> procedures() {
   std::ostringstream page;
-  page << std::ifstream(std::string(IMULAB_SOURCE) + "/docs/procedures.md").rdbuf();
+  page << std::ifstream(std::string(IMULAB_SOURCE) + "/docs/start/choose.md").rdbuf();
   std::vector<Check> checks;
   for (const ProcedureChoice& choice : procedure_choices()) {
     const std::string row = procedure_row(choice, predict(choice));

@@ -1,5 +1,5 @@
-// Hybrid calibration (docs/hybrid.md): a coarse static solution, then a Kalman filter on the velocity of an IMU that stays in one place (Cheng 2014).
-// A table only turns the IMU; its angles are not used.
+// Hybrid calibration (docs/theory/hybrid.md): a coarse static solution, then a Kalman filter on the velocity of an IMU that stays in one place (Cheng
+// 2014). A table only turns the IMU; its angles are not used.
 #pragma once
 
 #include "imulab/calibrate.hpp"

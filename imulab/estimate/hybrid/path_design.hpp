@@ -1,5 +1,5 @@
 // The path of a hybrid calibration: the turns of 90 and 180 deg and the rests between them that reach required uncertainties in the shortest time, or
-// the smallest uncertainties in a given time (docs/plan.md).
+// the smallest uncertainties in a given time (docs/reference/predict.md).
 #pragma once
 
 #include "imulab/calibration.hpp"

@@ -25,8 +25,8 @@ struct ClockGain {
 std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said);
 
 /// States whose seconds the gyros' scales are in, and what is known of that clock: by the prior (50 ppm for a clock that stamped, 2 % where the rate
-/// is only nominal: docs/conventions.md) and by the steps' times. With [imu] clock = "true" the gyros' model becomes that of true seconds, as
-/// uncertain as the clock.
+/// is only nominal: docs/reference/conventions.md) and by the steps' times. With [imu] clock = "true" the gyros' model becomes that of true seconds,
+/// as uncertain as the clock.
 void state_clock(Calibration& calibration, const Session& session, const std::vector<ClockGain>& gains);
 
 /// If samples of increments were lost without a trace in the stamps, the gyros' scales are off by as much. Doubtful where they are stated to be

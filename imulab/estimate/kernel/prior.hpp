@@ -48,7 +48,7 @@ inline double needed_sigma(const Coefficient& c, double prior) {
 
 /// Priors of quadratic, cubic, g-sensitivity and lever arms for any method, in fields of the same name; offsets, scales, misalignments and drifts
 /// stay 0. Declared sizes come first, then those of the declared grade, then sizes that grow with the offsets, `accel_offset` [m/s^2] and
-/// `gyro_offset` [rad/s]: a sensor whose zero is far off is not straight either (docs/priors.md).
+/// `gyro_offset` [rad/s]: a sensor whose zero is far off is not straight either (docs/theory/effects.md).
 PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
 
 /// By how much a prior about zero is to be widened that the data contradict: estimates under it, with their covariance, are as large as chance makes

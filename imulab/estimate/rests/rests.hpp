@@ -6,19 +6,19 @@
 
 namespace imulab::rests {
 
-/// Static calibration (docs/static.md): Cheng's coarse solution from the rests alone (Cheng 2014 sec 1.2), then its maximum-likelihood refinement.
-/// Accelerometers from |f| = g. Gyros, where they resolve Earth's rate at a known latitude, from the angle between Earth's rate and gravity and from
-/// its size. One recording. Throws Unsupported where nothing can be determined, Error where the declared units contradict the data.
+/// Static calibration (docs/theory/handheld.md): Cheng's coarse solution from the rests alone (Cheng 2014 sec 1.2), then its maximum-likelihood
+/// refinement. Accelerometers from |f| = g. Gyros, where they resolve Earth's rate at a known latitude, from the angle between Earth's rate and
+/// gravity and from its size. One recording. Throws Unsupported where nothing can be determined, Error where the declared units contradict the data.
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options);
 
-/// Handheld calibration (docs/handheld.md): accelerometers from the rests, gyros with their g-sensitivity from the rests and the rotations between
-/// them, all jointly by maximum likelihood (after Tedaldi 2014). One recording. Throws as calibrate_static does.
+/// Handheld calibration (docs/theory/handheld.md): accelerometers from the rests, gyros with their g-sensitivity from the rests and the rotations
+/// between them, all jointly by maximum likelihood (after Tedaldi 2014). One recording. Throws as calibrate_static does.
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options);
 
 /// The turn after that many rests, while the data are too few for a fit: the six faces in turn.
 HandTurn opening_turn(std::size_t rests);
 
-/// Standard uncertainties that they will state of a procedure (docs/predict.md), of an ideal IMU with the declared noise.
+/// Standard uncertainties that they will state of a procedure (docs/theory/prediction.md), of an ideal IMU with the declared noise.
 /// Throws Error for a procedure of several recordings, without a hold, or whose noise is not declared.
 Prediction predict_static(const Session& procedure, const PredictionOptions& options = {});
 Prediction predict_handheld(const Session& procedure, const PredictionOptions& options = {});

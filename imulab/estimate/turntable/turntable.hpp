@@ -1,5 +1,5 @@
-// Turntable calibration (docs/turntable.md): both triads from the holds' means and the turns' sums of any procedure, by generalized least squares
-// with the table's declared errors in the weights and in the stated uncertainties.
+// Turntable calibration (docs/theory/turntable.md): both triads from the holds' means and the turns' sums of any procedure, by generalized least
+// squares with the table's declared errors in the weights and in the stated uncertainties.
 #pragma once
 
 #include "imulab/calibrate.hpp"

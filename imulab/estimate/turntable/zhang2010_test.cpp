@@ -1,4 +1,4 @@
-// Zhang 2010, table 1 (docs/zhang2010.md): the printed errors of one simulated calibration against the distribution predicted for it.
+// Zhang 2010, table 1 (docs/evidence/papers/zhang2010.md): the printed errors of one simulated calibration against the distribution predicted for it.
 #include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -61,7 +61,7 @@ TEST(Zhang2010, ThePrintedErrorsOfTable1AreOneDrawOfOurs) {
   }
 }
 
-/// docs/zhang2010.md: a turn's angle is off by its end error less its start error, shared by the turns there and back.
+/// docs/evidence/papers/zhang2010.md: a turn's angle is off by its end error less its start error, shared by the turns there and back.
 TEST(Zhang2010, AnglesGiveAGyroScaleErrorOfRootSix) {
   const Prediction p = predict(plan_of_table_1());
   const auto row = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index("gyro.matrix.xx")) - p.coefficients.begin();

@@ -1,4 +1,4 @@
-// The turntable estimator against Zhang 2010: his formulas, and the closed form of their errors (docs/zhang2010.md).
+// The turntable estimator against Zhang 2010: his formulas, and the closed form of their errors (docs/evidence/papers/zhang2010.md).
 #include "imulab/earth.hpp"
 
 #include <Eigen/LU>
@@ -102,7 +102,7 @@ TEST(Turntable, TheTurnsAlsoTellTheBias) {
   }
 }
 
-// --- Zhang's closed form (docs/zhang2010.md), in his north-up-east axes ---
+// --- Zhang's closed form (docs/evidence/papers/zhang2010.md), in his north-up-east axes ---
 
 /// The nine constant errors of a table, by RigAxis: (o1, o2), (m1, m2), (i1, i2), and the zero errors.
 struct ConstantTableErrors {

@@ -1,4 +1,4 @@
-// The fleet's prediction of its next unit before it is measured, and a calibration combined with this prior (docs/fleet.md).
+// The fleet's prediction of its next unit before it is measured, and a calibration combined with this prior (docs/start/fleet.md).
 #pragma once
 
 #include "imulab/calibration.hpp"

@@ -222,8 +222,8 @@ std::string headed(const std::string& heading, const std::string& body) { return
 }  // namespace
 
 std::string fleet_statistics_text(const FleetStatistics& f) {
-  std::string text = fmt::format("{} units, {} calibrations; each unit's last one counts{}\n\n", f.sample.units.size(), f.sample.calibration.size(),
-                                 f.search.outliers.empty() ? "" : ", outliers apart");
+  std::string text = fmt::format("{}, {}; each unit's last one counts{}\n\n", text::plural(f.sample.units.size(), "unit"),
+                                 text::plural(f.sample.calibration.size(), "calibration"), f.search.outliers.empty() ? "" : ", outliers apart");
   text += fmt::format("{:<21} {:>10} {:>7} {:>7} {:>7} {:>8}  unit\n", "coefficient", "mean", "spread", "low", "high", "measured");
   std::string gauge, rules, drift, capabilities;
   const double level = f.search.false_alarm / static_cast<double>(f.coefficients.size());

@@ -7,7 +7,7 @@
 
 namespace imulab {
 
-/// JSON (docs/fleet.md): SI.
+/// JSON (docs/start/fleet.md): SI.
 std::string fleet_statistics_json(const FleetStatistics& statistics);
 /// "gyro.cubic.x, gyro.cubic.y": the coefficients that the statistics leave out, for this reason; empty: none.
 inline constexpr const char* left_out_reason = "Left out, since the data show nothing of them and only their prior sets them";

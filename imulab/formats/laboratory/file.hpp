@@ -1,4 +1,4 @@
-// A laboratory's file: what a certificate states that no recording shows, "imulab.laboratory/1" (docs/formats.md).
+// A laboratory's file: what a certificate states that no recording shows, "imulab.laboratory/1" (docs/reference/calibration-file.md).
 #pragma once
 
 #include <filesystem>

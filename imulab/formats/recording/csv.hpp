@@ -1,4 +1,4 @@
-// CSV and plain columns of numbers, as docs/formats.md says: the text format of recordings, solutions and heights.
+// CSV and plain columns of numbers, as docs/reference/recordings.md says: the text format of recordings, solutions and heights.
 #pragma once
 
 #include "imulab/formats/recording/table.hpp"

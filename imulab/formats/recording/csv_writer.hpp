@@ -1,4 +1,4 @@
-// Compensated recordings as rows of CSV (docs/formats.md, "Recordings").
+// Compensated recordings as rows of CSV (docs/reference/checks.md).
 #pragma once
 
 #include "imulab/files.hpp"

@@ -1,4 +1,4 @@
-// The sessions of docs/formats.md, "Recordings", read the files of tests/recordings/.
+// The sessions of docs/reference/recordings.md read the files of tests/recordings/.
 #include "imulab/files.hpp"
 #include "imulab/formats/recording/reader.hpp"
 
@@ -11,10 +11,7 @@ namespace imulab {
 namespace {
 
 TEST(DocumentedFormats, EverySessionReads) {
-  const std::string page = file_bytes(IMULAB_SOURCE "/docs/formats.md");
-  const std::size_t begin = page.find("\n## Recordings"), end = page.find("\n### Stamps and checks");
-  ASSERT_LT(begin, end);
-  const std::string section = page.substr(begin, end - begin);
+  const std::string section = file_bytes(IMULAB_SOURCE "/docs/reference/recordings.md");
   const std::regex block("```toml\n([^`]*)```"), file("file += \"([^\"]+)\"");
   std::size_t sessions = 0;
   for (std::sregex_iterator i(section.begin(), section.end(), block), last; i != last; ++i, ++sessions) {

@@ -1,4 +1,4 @@
-// Recording files -> Recording (docs/formats.md, "Recordings"): in memory, or on disk where it is too long.
+// Recording files -> Recording (docs/reference/recordings.md): in memory, or on disk where it is too long.
 #pragma once
 
 #include "imulab/files.hpp"

@@ -1,4 +1,4 @@
-// Navigation solutions and heights over time as CSV (docs/formats.md).
+// Navigation solutions and heights over time as CSV (docs/reference/results.md).
 #pragma once
 
 #include "imulab/formats/recording/column_file.hpp"

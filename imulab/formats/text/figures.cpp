@@ -56,6 +56,8 @@ std::string number(double value, int digits) {
   return to_place(static_cast<int>(std::floor(std::log10(size))) - digits + 1, value);
 }
 
+std::string plural(std::size_t count, std::string_view word) { return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s"); }
+
 std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
 
 std::string wrapped(std::string_view first, std::string_view sentence, std::size_t width) {

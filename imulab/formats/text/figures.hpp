@@ -19,6 +19,9 @@ std::string to_digits_of(double uncertainty, double value);
 /// A number with this many significant digits, and without a power of ten where none is needed: "1360", "0.0873", "3.12e-06".
 std::string number(double value, int digits = 3);
 
+/// "1 unit", "3 units"
+std::string plural(std::size_t count, std::string_view word);
+
 /// "14 min 05 s"
 std::string minutes(double seconds);
 
