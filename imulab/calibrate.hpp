@@ -37,27 +37,27 @@ struct CalibrationInput {
 };
 
 struct CalibrationOptions {
-  std::vector<CoefficientIndex> terms;  ///< to estimate; empty: all of the method's, optional ones where the data show them
-  double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
-  double outlier_level = 1e-3;          ///< probability of dropping anything from good data
-  bool second_opinion = true;           ///< compare with another method's estimate from the same data, where the data allow one; not without effects
-  bool effects = true;                  ///< what the sensor model lacks is estimated beside it (docs/theory/effects.md); false: taken as absent
+  std::vector<CoefficientIndex> terms = {};  ///< to estimate; empty: all of the method's, optional ones where the data show them
+  double significance = 0.01;                ///< an optional term is kept if chance explains it with at most this probability
+  double outlier_level = 1e-3;               ///< probability of dropping anything from good data
+  bool second_opinion = true;  ///< compare with another method's estimate from the same data, where the data allow one; not without effects
+  bool effects = true;         ///< what the sensor model lacks is estimated beside it (docs/theory/effects.md); false: taken as absent
 
   struct Handheld {
     std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns
-    std::size_t advised_turns = 3;               ///< at most this number of them
+    std::size_t advised_turns = 3;               ///< at most this number of them, up to 100
     double rest_s = 4;                           ///< of a future rest
-  } handheld;
+  } handheld = {};
   struct Turntable {
     bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
-  } turntable;
+  } turntable = {};
   struct Hybrid {
     double curve_interval = 0;  ///< s between points of the convergence curves; 0: none
-  } hybrid;
+  } hybrid = {};
   struct WholeUnit {
     bool full = false;      ///< all that the data determine, significant or not
     bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
-  } whole_unit;
+  } whole_unit = {};
 
   /// Called with the fraction done, from 0 to 1, which never falls. The number of iterations is not known in advance: between 0 and 1 it is an
   /// estimate.
@@ -67,7 +67,7 @@ struct CalibrationOptions {
 
 /// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).
 struct ConvergenceCurve {
-  std::string name;  ///< of the coefficient it corrects
+  std::string name = {};  ///< of the coefficient it corrects
   std::vector<double> residual, sigma;
 };
 

@@ -30,10 +30,10 @@ namespace imulab {
 
 /// A requirement, and what was reached.
 struct RequirementResult {
-  std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
-  std::string coefficient;  ///< the worst of them; of other results the figure: "gyro.x.N", "CEP"
-  double limit = 0;         ///< SI
-  double reached = 0;       ///< SI, of a coefficient its standard uncertainty; infinite: not determined
+  std::string text = {};         ///< "gyro.matrix.diagonal <= 100 ppm"
+  std::string coefficient = {};  ///< the worst of them; of other results the figure: "gyro.x.N", "CEP"
+  double limit = 0;              ///< SI
+  double reached = 0;            ///< SI, of a coefficient its standard uncertainty; infinite: not determined
   bool met = false;
   std::string note = {};  ///< how it was judged, where that is not plain: "by the bound"
   bool operator==(const RequirementResult&) const = default;
@@ -43,11 +43,11 @@ struct RequirementResult {
 
 /// The instrument behind a quantity, and its certificate. None of this is checked.
 struct Reference {
-  std::string quantity;    ///< acceleration, rotation, time or temperature
-  std::string instrument;  ///< make, type, serial number
-  std::string certificate;
-  std::string date;       ///< of the certificate, YYYY-MM-DD; may be empty
-  std::string statement;  ///< of the certificate: "U = 2 arcsec, k = 2"; may be empty
+  std::string quantity = {};    ///< acceleration, rotation, time or temperature
+  std::string instrument = {};  ///< make, type, serial number
+  std::string certificate = {};
+  std::string date = {};       ///< of the certificate, YYYY-MM-DD; may be empty
+  std::string statement = {};  ///< of the certificate: "U = 2 arcsec, k = 2"; may be empty
   bool operator==(const Reference&) const = default;
 };
 
@@ -56,7 +56,7 @@ struct Reference {
 /// Reading of column j, as the driver gives it, times `si_factor(unit) / counts_per_unit` (of increments also divided by `interval_s`) is the raw
 /// reading of the calibration's model along the body axis `axes[j]`.
 struct RecordedAs {
-  std::string unit;                                   ///< as a session names it: "g", "deg/s", "count"; of increments "deg", "g*s"
+  std::string unit = {};                              ///< as a session names it: "g", "deg/s", "count"; of increments "deg", "g*s"
   double counts_per_unit = 1;                         ///< number of the recording's counts in one `unit`; 1: the recording has the unit itself
   double interval_s = 0;                              ///< of increments: the nominal interval that they were divided by; 0: the readings are rates
   std::array<std::string, 3> axes{"+x", "+y", "+z"};  ///< along which body axis each column measures, with its sign
@@ -65,16 +65,16 @@ struct RecordedAs {
 
 /// One contribution to the stated uncertainty that is common to many coefficients, for example the declared uncertainty of g.
 struct UncertaintySource {
-  std::string name;         ///< "gravity"
-  double relative = 0;      ///< its size relative to the quantity itself (sigma_g / g)
-  std::string consequence;  ///< its effect, in words
+  std::string name = {};         ///< "gravity"
+  double relative = 0;           ///< its size relative to the quantity itself (sigma_g / g)
+  std::string consequence = {};  ///< its effect, in words
   bool operator==(const UncertaintySource&) const = default;
 };
 
 /// A term that was tested for significance: seen, or not; a term that is not seen may stay in the fit under its prior.
 struct TermTest {
-  std::string term;      ///< "gyro.g_sensitivity"
-  double statistic = 0;  ///< Wald chi-square of the term's coefficients
+  std::string term = {};  ///< "gyro.g_sensitivity"
+  double statistic = 0;   ///< Wald chi-square of the term's coefficients
   int degrees_of_freedom = 0;
   double p_value = 1;
   bool kept = false;
@@ -84,7 +84,7 @@ struct TermTest {
 
 /// Residuals of one axis relative to the full scale that the data reached.
 struct FitResidual {
-  std::string axis;                             ///< "gyro.x"
+  std::string axis = {};                        ///< "gyro.x"
   double rms = 0, largest = 0, full_scale = 0;  ///< m/s^2 or rad/s
   bool operator==(const FitResidual&) const = default;
 };
@@ -100,7 +100,7 @@ struct PartResidual {
 
 /// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI.
 struct RigErrorEstimate {
-  std::string name;  ///< "centrifuge: radius.+z+x"
+  std::string name = {};  ///< "centrifuge: radius.+z+x"
   double declared_sigma = 0;
   double value = 0, uncertainty = 0;
   bool operator==(const RigErrorEstimate&) const = default;
@@ -126,22 +126,22 @@ struct Quality {
   int degrees_of_freedom = 0;
   double condition = 0;   ///< of the scaled normal equations
   bool converged = true;  ///< false: the fit stopped before its corrections were small against their uncertainties
-  std::vector<std::string> unobservable;
-  std::vector<std::string> warnings;
-  std::string verdict;  ///< "good", or "doubtful" for the reasons in `because`
-  std::vector<std::string> because;
-  std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty enters that of the others
-  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (handheld)
-  std::vector<TermTest> term_tests;
-  std::optional<SecondOpinion> second_opinion;
-  std::vector<EffectEstimate> effects;
-  std::optional<std::string> cause;          ///< of a doubt: the effect, or those that the data do not tell apart
-  std::vector<FitResidual> fit_residuals;    ///< whole-unit
-  std::vector<RigErrorEstimate> rig_errors;  ///< whole-unit
-  std::vector<UncertaintySource> sources;
-  std::vector<std::string> notes;  ///< data and settings used: rests, thresholds, spreads
+  std::vector<std::string> unobservable = {};
+  std::vector<std::string> warnings = {};
+  std::string verdict = {};  ///< "good", or "doubtful" for the reasons in `because`
+  std::vector<std::string> because = {};
+  std::vector<std::string> considered = {};          ///< coefficients that keep their prior value; its uncertainty enters that of the others
+  std::optional<double> rotation_residual_deg = {};  ///< cross-validated, RMS over rotations left out of the fit (handheld)
+  std::vector<TermTest> term_tests = {};
+  std::optional<SecondOpinion> second_opinion = {};
+  std::vector<EffectEstimate> effects = {};
+  std::optional<std::string> cause = {};          ///< of a doubt: the effect, or those that the data do not tell apart
+  std::vector<FitResidual> fit_residuals = {};    ///< whole-unit
+  std::vector<RigErrorEstimate> rig_errors = {};  ///< whole-unit
+  std::vector<UncertaintySource> sources = {};
+  std::vector<std::string> notes = {};  ///< data and settings used: rests, thresholds, spreads
   std::vector<PartResidual> rests, rotations;
-  std::vector<RequirementResult> requirements;
+  std::vector<RequirementResult> requirements = {};
   bool operator==(const Quality&) const = default;
 };
 
@@ -160,7 +160,7 @@ std::string verdict_text(const Quality& quality);
 
 /// A recording's file in its state when it was used.
 struct SourceFile {
-  std::string file;  ///< as the session names it
+  std::string file = {};  ///< as the session names it
   std::string sha256;
   std::uint64_t bytes = 0;
   double first_s = 0, last_s = 0;                                            ///< first and last stamp
@@ -182,23 +182,24 @@ struct Calibration {
   std::string imu, serial, method, created, software;
   std::string operated_by, station, measured;  ///< who took the data, where, and when (UTC)
   std::string firmware, filter, warm_up, power_cycles, valid_until;
-  std::vector<Reference> references;  ///< as the session declares them
+  std::vector<Reference> references = {};  ///< as the session declares them
   std::string session_file, session_sha256;
-  std::vector<SourceFile> sources;
-  std::map<std::string, std::string> options;  ///< of the calibration, as they were given
-  std::string frame = "accelerometers";        ///< or "rig"
-  std::optional<ClockScale> clock;             ///< absent: no gyros, or not known
+  std::vector<SourceFile> sources = {};
+  std::map<std::string, std::string> options = {};  ///< of the calibration, as they were given
+  std::string frame = "accelerometers";             ///< or "rig"
+  std::optional<ClockScale> clock = {};             ///< absent: no gyros, or not known
   SensorModel model;
   std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
-  std::vector<CoefficientIndex> estimated;                  ///< table indices of the coefficients in `covariance`, in its order
+  std::vector<CoefficientIndex> estimated = {};             ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Quality quality;
-  std::optional<RestNoise> rest_noise;  ///< absent: not known, or the recordings have no rests
+  std::optional<RestNoise> rest_noise = {};  ///< absent: not known, or the recordings have no rests
 };
 
 /// Throws Error that lists all that is wrong with a calibration made in memory, as with one read from a file: estimated coefficients that are not in
 /// the table or listed twice; a covariance of another size, that is not finite or not symmetric, with a negative variance or a correlation beyond 1;
-/// a model that is not finite. A calibration without covariance has no estimated coefficients.
+/// a model that is not finite, has units that there are not, or thermal terms without a reference; another frame. A calibration without covariance
+/// has no estimated coefficients.
 void validate(const Calibration& calibration);
 
 /// The raw readings at which a triad's compensated output is zero, of the linear model: -A1^-1 A0, and their standard uncertainties (NaN where a
@@ -211,14 +212,14 @@ RawZero raw_zero(const Calibration& calibration, Triad triad);
 /// The coefficients of offsets and matrices that the data did not determine: they keep starting values, which compensate nothing.
 std::vector<std::string> unusable(const Calibration& calibration);
 
-/// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame. Throws Error for a covariance of another
-/// size than the estimated coefficients.
+/// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame. Throws Error for an index outside the
+/// table, and a covariance of another size than the estimated coefficients.
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
 struct UserValue {
   double value = 0;
   double uncertainty = 0;  ///< standard; NaN where it was not estimated
-  std::string unit;        ///< the same for all coefficients of one term of a triad; empty where the readings are counts and the term has no name
+  std::string unit = {};   ///< the same for all coefficients of one term of a triad; empty where the readings are counts and the term has no name
 };
 
 /// A calibration's coefficient in user units. Scales: ppm from one, or counts per unit; misalignments: relative to their row's scale.
@@ -244,8 +245,8 @@ struct ExpandedUncertainty {
 ExpandedUncertainty expanded_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
 struct Requirement {
-  std::string selector;
-  std::vector<CoefficientIndex> coefficients;
+  std::string selector = {};
+  std::vector<CoefficientIndex> coefficients = {};
   double limit = 0;  ///< SI, above 0
   UserUnit unit;     ///< in which it was stated
 };

@@ -5,7 +5,7 @@
 //   const Vector3d rate = earth_rate_enu(52 * unit::deg);  // rad/s
 //
 // Latitudes are geodetic [rad], heights above the ellipsoid [m]. Gravity is the closed form of the level ellipsoid, equal to GeographicLib's
-// NormalGravity within 1e-12 m/s^2 from 1 km below the ellipsoid upward; the gravity of a place differs from it by up to some 1e-4. No errors; safe
+// NormalGravity within 1e-12 m/s^2 from 1 km below the ellipsoid upward; the gravity of a place differs from it by up to some 1e-4. Safe
 // on any thread.
 #pragma once
 
@@ -15,7 +15,8 @@ namespace imulab {
 
 inline constexpr double earth_rate = 7.292115e-5;  // rad/s, WGS-84
 
-/// Magnitude of WGS-84 normal gravity [m/s^2] at geodetic latitude [rad] and height above the ellipsoid [m], in closed form as in local_earth:
+/// Magnitude of WGS-84 normal gravity [m/s^2] at geodetic latitude [rad] and height above the ellipsoid [m], in closed form as in local_earth. Throws
+/// Error for a latitude beyond a pole, as one in degrees is:
 ///
 ///   normal_gravity(52 * unit::deg, 100)   // 9.8122 m/s^2
 double normal_gravity(double latitude, double height);

@@ -49,11 +49,13 @@ class Stopped : public std::exception {
   const char* what() const noexcept override { return "stopped, as requested"; }
 };
 
-/// Throws Error with all problems, if there are any: "PLACE: PROBLEM", or a line each.
+/// Throws Error with the problems, if there are any: "PLACE: PROBLEM", or a line each, of the first 20.
 inline void throw_problems(std::string_view place, const std::vector<std::string>& problems) {
   if (problems.empty()) return;
+  constexpr std::size_t most = 20;
   std::string all(place);
-  for (const std::string& problem : problems) all += (all.empty() ? "" : problems.size() > 1 ? "\n  " : ": ") + problem;
+  for (std::size_t k = 0; k < problems.size() && k < most; ++k) all += (all.empty() ? "" : problems.size() > 1 ? "\n  " : ": ") + problems[k];
+  if (problems.size() > most) all += "\n  and " + std::to_string(problems.size() - most) + " more";
   throw Error(all);
 }
 

@@ -41,14 +41,14 @@ enum class Access { read, write };  ///< write: the store is made where there is
 struct FleetOccasion {
   std::string station, operated_by;
   double time = 0;
-  std::string time_from;  ///< "stamps", "file", "created", "added" or "declared": where the time comes from
+  std::string time_from = {};  ///< "stamps", "file", "created", "added" or "declared": where the time comes from
 };
 
 /// A session by its content.
 struct FleetSession {
   std::string file, sha256;
-  std::vector<SourceFile> files;
-  std::string hash;  ///< of the session and of all its recordings
+  std::vector<SourceFile> files = {};
+  std::string hash = {};  ///< of the session and of all its recordings
 };
 
 /// The request for a calibration of a session: each request is carried out once per session hash.
@@ -62,8 +62,8 @@ struct FleetRecord {
   std::string serial, name, method, options, created, software, verdict, session_file;
   FleetOccasion occasion;
   double added = 0;
-  std::optional<double> removed;
-  std::string reason;  ///< of the removal
+  std::optional<double> removed = {};
+  std::string reason = {};  ///< of the removal
 };
 
 struct FleetUnit {
@@ -142,14 +142,14 @@ FleetSession hashed_session(const std::string& file, const std::string& sha256,
 
 /// Rows are calibrations in the order of their times; columns coefficients in table order. SI, in the accelerometers' frame.
 struct FleetSample {
-  std::vector<CoefficientIndex> coefficients;
+  std::vector<CoefficientIndex> coefficients = {};
   Eigen::MatrixXd values, variances;                     ///< NaN where a calibration's data did not determine the coefficient
   Eigen::ArrayXd time;                                   ///< s since 1970
-  std::vector<std::int64_t> calibration;                 ///< numbers in the store
+  std::vector<std::int64_t> calibration = {};            ///< numbers in the store
   std::vector<Eigen::Index> unit, station, operated_by;  ///< of each row, from 0
   std::vector<std::string> units, stations, operators;   ///< their names; of units with the serial number
-  std::vector<Eigen::Index> last;                        ///< each unit's last row, in the order of their times
-  std::vector<Eigen::Index> common;                      ///< columns that most units' last calibrations have together
+  std::vector<Eigen::Index> last = {};                   ///< each unit's last row, in the order of their times
+  std::vector<Eigen::Index> common = {};                 ///< columns that most units' last calibrations have together
   Eigen::MatrixXd mean_covariance;                       ///< of these columns, over those last calibrations
   std::vector<CoefficientIndex> left_out = {};           ///< no column: in every calibration that states them only the prior sets them
   std::vector<std::string> serials = {};                 ///< of the units, or their names where they have none
@@ -202,8 +202,8 @@ struct UnitDrift {
 struct FleetDrift {
   double repeatability = 0;  ///< standard deviation of a unit about its line, beyond the uncertainties: turn-on, handling
   double degrees_of_freedom = 0;
-  double p_value = 1;            ///< of such scatter about the lines by the uncertainties alone
-  std::vector<UnitDrift> units;  ///< those with calibrations at two times or more
+  double p_value = 1;                 ///< of such scatter about the lines by the uncertainties alone
+  std::vector<UnitDrift> units = {};  ///< those with calibrations at two times or more
 };
 
 struct GaugeLevel {
@@ -212,11 +212,11 @@ struct GaugeLevel {
 };
 
 struct Gauge {
-  std::vector<GaugeLevel> levels;  ///< those without calibrations have none, and no bias
-  double repeatability = 0;        ///< standard deviation of one unit at one level, beyond the uncertainties; 0 where no unit was measured twice
-  double reproducibility = 0;      ///< standard deviation between levels, apart from the uncertainty of their biases
-  double spread = 0;               ///< between units
-  double p_value = 1;              ///< of such biases where there are none
+  std::vector<GaugeLevel> levels = {};  ///< those without calibrations have none, and no bias
+  double repeatability = 0;             ///< standard deviation of one unit at one level, beyond the uncertainties; 0 where no unit was measured twice
+  double reproducibility = 0;           ///< standard deviation between levels, apart from the uncertainty of their biases
+  double spread = 0;                    ///< between units
+  double p_value = 1;                   ///< of such biases where there are none
   bool units_shared = false;  ///< whether units were measured at several levels; else only the number of units separates a bias from their spread
 };
 
@@ -233,8 +233,8 @@ struct OutlierSearch {
   bool possible = false;   ///< false: there are too few units for so many coefficients
   double false_alarm = 0;  ///< probability of any outlier in a fleet without
   Eigen::VectorXd mean;
-  Eigen::MatrixXd spread;              ///< covariance between units, apart from the measurement
-  std::vector<FleetOutlier> outliers;  ///< the farthest first
+  Eigen::MatrixXd spread;                   ///< covariance between units, apart from the measurement
+  std::vector<FleetOutlier> outliers = {};  ///< the farthest first
 };
 
 struct FleetOptions {
@@ -253,17 +253,17 @@ struct UnitDue {
 
 struct CoefficientStatistics {
   CoefficientIndex index{};
-  double size = 1;                 ///< SI of one user unit
-  std::string unit;                ///< the user unit; SI where there is none
-  RandomEffects fleet;             ///< of each unit's last calibration, without the outliers
-  ControlChart chart;              ///< by `rows`
-  std::vector<Eigen::Index> rows;  ///< of the sample: the last calibrations that have this coefficient, in the order of their times
-  double control = 0;              ///< three standard deviations of a unit that is measured as well as the average
-  std::optional<Capability> capability;
+  double size = 1;                      ///< SI of one user unit
+  std::string unit = {};                ///< the user unit; SI where there is none
+  RandomEffects fleet;                  ///< of each unit's last calibration, without the outliers
+  ControlChart chart;                   ///< by `rows`
+  std::vector<Eigen::Index> rows = {};  ///< of the sample: the last calibrations that have this coefficient, in the order of their times
+  double control = 0;                   ///< three standard deviations of a unit that is measured as well as the average
+  std::optional<Capability> capability = {};
   FleetDrift drift;
-  std::optional<RandomEffects> mean_drift;  ///< of the units' slopes, per year
+  std::optional<RandomEffects> mean_drift = {};  ///< of the units' slopes, per year
   std::optional<Gauge> stations, operators;
-  std::vector<UnitDue> due;  ///< each unit that has this coefficient; none where no error is limited, or no unit's drift is known
+  std::vector<UnitDue> due = {};  ///< each unit that has this coefficient; none where no error is limited, or no unit's drift is known
 };
 
 struct SignificantDrift {
@@ -278,12 +278,12 @@ struct SignificantCorrelation {
 
 struct FleetStatistics {
   FleetSample sample;
-  std::vector<CoefficientStatistics> coefficients;
+  std::vector<CoefficientStatistics> coefficients = {};
   OutlierSearch search;         ///< units: of the sample's `last`; columns: of its `common`
   Eigen::MatrixXd correlation;  ///< of `common` over the fleet; zero where a coefficient has no spread
-  std::vector<SignificantCorrelation> correlations;
-  std::vector<SignificantDrift> drifts;  ///< changes that the calibrations do not explain
-  std::vector<UnitDue> due;              ///< the earliest first, each unit once
+  std::vector<SignificantCorrelation> correlations = {};
+  std::vector<SignificantDrift> drifts = {};  ///< changes that the calibrations do not explain
+  std::vector<UnitDue> due = {};              ///< the earliest first, each unit once
 };
 
 /// The statistics of these. Throws Error where there is none.
@@ -291,20 +291,20 @@ FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options 
 
 /// In the accelerometers' frame, SI.
 struct FleetPrior {
-  std::string fleet;  ///< where it is from, as a note names it: "fleet.db"
-  double units = 0;   ///< that it rests on: without outliers
+  std::string fleet = {};  ///< where it is from, as a note names it: "fleet.db"
+  double units = 0;        ///< that it rests on: without outliers
   std::string accel_unit, gyro_unit;
-  std::vector<CoefficientIndex> coefficients;
+  std::vector<CoefficientIndex> coefficients = {};
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;  ///< of a unit that was not measured yet
 };
 
 /// The use of a prior in a calibration.
 struct PriorUse {
-  bool taken = false;                    ///< false: the unit contradicts the fleet, and its calibration stays as it is
-  double distance = 0;                   ///< of the calibration from the fleet's mean: Mahalanobis
-  double p_value = 1;                    ///< of so large a distance of a unit of this fleet
-  std::vector<CoefficientIndex> filled;  ///< coefficients that the data did not determine: they have the values that the fleet predicts
+  bool taken = false;                         ///< false: the unit contradicts the fleet, and its calibration stays as it is
+  double distance = 0;                        ///< of the calibration from the fleet's mean: Mahalanobis
+  double p_value = 1;                         ///< of so large a distance of a unit of this fleet
+  std::vector<CoefficientIndex> filled = {};  ///< coefficients that the data did not determine: they have the values that the fleet predicts
 };
 
 /// The calibration in the accelerometers' frame, with the prior as one observation more. A coefficient that it leaves open has afterwards what the

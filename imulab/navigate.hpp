@@ -114,20 +114,23 @@ class Strapdown {
 
   NavigationState state_;
   StrapdownOptions options_;
-  LocalEarth earth_;                   // at the last step's middle
-  Eigen::Vector3d slow_;               // gravity and Coriolis acceleration there [m/s^2]
-  std::optional<Increment> previous_;  // the last single sample
-  bool lacking_ = false;               // it was the first, integrated without one before it
-  double barometer_integral_ = 0;      // of height minus barometer, times its gain [m/s^2]
+  LocalEarth earth_;                        // at the last step's middle
+  Eigen::Vector3d slow_;                    // gravity and Coriolis acceleration there [m/s^2]
+  std::optional<Increment> previous_ = {};  // the last single sample
+  bool lacking_ = false;                    // it was the first, integrated without one before it
+  double barometer_integral_ = 0;           // of height minus barometer, times its gain [m/s^2]
 };
 
 // Attitude, velocity and position over time: the result of navigation, and the reference it is compared with.
 
 struct Solution {
-  std::vector<double> time;  // s, ascending
-  std::vector<NavigationState> states;
+  std::vector<double> time = {};  // s, ascending
+  std::vector<NavigationState> states = {};
   std::size_t size() const { return time.size(); }
 };
+
+/// Throws Error where it has not a state for each time.
+void validate(const Solution& solution);
 
 struct AlignmentSite {
   double latitude = 0;  // rad, at most 89.9 deg either way
@@ -218,11 +221,11 @@ inline constexpr double largest_heading_sigma = 10 * unit::deg;  // rad
 struct Navigated {
   Solution solution;  // from the start, then at every sample's end; or its first and last state
   VerticalChannel vertical = VerticalChannel::free;
-  std::optional<AlignedOn> aligned;    // absent: started from the session's initial state
-  std::vector<MissingTime> gaps;       // bridged
-  std::size_t saturated = 0;           // samples at a limit among those integrated
-  std::vector<NavigationState> track;  // some thousand states along the way, for drawings
-  std::vector<std::string> warnings;
+  std::optional<AlignedOn> aligned = {};    // absent: started from the session's initial state
+  std::vector<MissingTime> gaps = {};       // bridged
+  std::size_t saturated = 0;                // samples at a limit among those integrated
+  std::vector<NavigationState> track = {};  // some thousand states along the way, for drawings
+  std::vector<std::string> warnings = {};
   bool doubtful = false;  // for a reason among the warnings: errors that no uncertainty holds
 };
 
@@ -246,9 +249,9 @@ struct NavigationError {
 };
 
 struct NavigationErrors {
-  std::vector<NavigationError> history;  // at the times of the coarser of the two, the last one where both last end
-  double rate = 0;                       // horizontal error at the end over the time navigated until then [m/s]
-  std::vector<std::string> warnings;
+  std::vector<NavigationError> history = {};  // at the times of the coarser of the two, the last one where both last end
+  double rate = 0;                            // horizontal error at the end over the time navigated until then [m/s]
+  std::vector<std::string> warnings = {};
 };
 
 /// Where the times differ the finer of the two is interpolated: position and velocity by the cubic through its positions and velocities (error

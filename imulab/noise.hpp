@@ -45,7 +45,7 @@ struct MarkovTerm {
 /// The noise coefficients of one axis.
 struct NoiseCoefficients {
   NoiseCoefficient Q, N, B, K, R;
-  std::vector<MarkovTerm> markov;  ///< by falling correlation time
+  std::vector<MarkovTerm> markov = {};  ///< by falling correlation time
 };
 
 /// The contribution of each term to the Allan variance over an averaging time [u^2] (IEEE Std 952); a term that is not determined adds nothing.
@@ -57,7 +57,7 @@ AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
 
 /// Axes without coefficients (constant readings) have none.
 struct ImuNoise {
-  std::string recording;
+  std::string recording = {};
   double interval_s = 0;
   std::string gyro_unit, accel_unit;  ///< of u: "rad/s", "m/s^2", or "count"
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
@@ -121,14 +121,14 @@ struct SpectrumPoint {
 };
 
 struct NoiseFit : NoiseCoefficients {
-  std::optional<LowPass> low_pass;
-  std::vector<NoiseLine> lines;         ///< by frequency; lines above half the rate appear at their alias below it
-  double resolution = 0;                ///< step of the readings; 0: not rounded, or finely
-  double chi2_per_dof = 0;              ///< of the power in some dozens of ranges of frequency
-  double highest_hz = 0;                ///< higher frequencies were left out because the model does not hold there; else half the rate
-  bool cut = false;                     ///< whether some were
-  std::vector<NoiseMisfit> misfits;     ///< remaining misfits; all intervals are then widened by the root of chi2_per_dof
-  std::vector<SpectrumPoint> spectrum;  ///< without the lines
+  std::optional<LowPass> low_pass = {};
+  std::vector<NoiseLine> lines = {};         ///< by frequency; lines above half the rate appear at their alias below it
+  double resolution = 0;                     ///< step of the readings; 0: not rounded, or finely
+  double chi2_per_dof = 0;                   ///< of the power in some dozens of ranges of frequency
+  double highest_hz = 0;                     ///< higher frequencies were left out because the model does not hold there; else half the rate
+  bool cut = false;                          ///< whether some were
+  std::vector<NoiseMisfit> misfits = {};     ///< remaining misfits; all intervals are then widened by the root of chi2_per_dof
+  std::vector<SpectrumPoint> spectrum = {};  ///< without the lines
 
   bool accepted() const { return misfits.empty(); }
 };
@@ -140,21 +140,21 @@ struct NoiseFit : NoiseCoefficients {
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step = {});
 
 struct NoiseAxis {
-  std::string name;  ///< "gyro.x"
-  std::string unit;  ///< of its readings: "rad/s", "m/s^2" or "count"
-  std::vector<DeviationPoint> deviation;
-  std::optional<NoiseFit> fit;  ///< none where the axis has no usable noise:
-  std::string problem;          ///< why
+  std::string name = {};  ///< "gyro.x"
+  std::string unit = {};  ///< of its readings: "rad/s", "m/s^2" or "count"
+  std::vector<DeviationPoint> deviation = {};
+  std::optional<NoiseFit> fit = {};  ///< none where the axis has no usable noise:
+  std::string problem = {};          ///< why
 };
 
 struct NoiseAnalysis {
-  std::string recording;
+  std::string recording = {};
   double begin_s = 0, end_s = 0, interval_s = 0;
   std::size_t samples = 0;
   DeviationKind kind = DeviationKind::overlapping_allan;
-  std::vector<NoiseAxis> axes;        ///< gyros, then accelerometers
-  std::vector<std::string> notes;     ///< what was cut
-  std::vector<std::string> warnings;  ///< findings, and their consequence for the result
+  std::vector<NoiseAxis> axes = {};        ///< gyros, then accelerometers
+  std::vector<std::string> notes = {};     ///< what was cut
+  std::vector<std::string> warnings = {};  ///< findings, and their consequence for the result
 };
 
 struct NoiseOptions {
@@ -186,8 +186,8 @@ struct BatchAxis {
 };
 
 struct NoiseBatch {
-  std::vector<NoiseAnalysis> logs;
-  std::vector<BatchAxis> axes;
+  std::vector<NoiseAnalysis> logs = {};
+  std::vector<BatchAxis> axes = {};
 };
 
 /// Throws Error where the logs' units differ.

@@ -25,8 +25,8 @@ inline constexpr double longest_path = 4 * 3600.0;  // s
 
 /// The bounds of a search.
 struct PathLimits {
-  std::vector<Requirement> requirements;
-  std::vector<RigAxis> axes;        ///< that can be turned about
+  std::vector<Requirement> requirements = {};
+  std::vector<RigAxis> axes = {};   ///< that can be turned about
   double turn_rate = 0;             ///< rad/s
   std::optional<double> time = {};  ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest = {};  ///< s, of every rest; absent: chosen, rest by rest
@@ -34,7 +34,7 @@ struct PathLimits {
 
 struct TurnPath {
   double first_rest = 0;  ///< s
-  std::vector<TableTurn> turns;
+  std::vector<TableTurn> turns = {};
   double duration = 0;  ///< s
   double worst = 0;     ///< largest ratio of a coefficient's sigma to its requirement; one that is not determined has its prior's sigma
   CoefficientIndex worst_coefficient{-1};

@@ -31,8 +31,8 @@ namespace imulab {
 struct Shortfall {
   Requirement requirement;
   CoefficientIndex coefficient;
-  double sigma;        ///< of it, SI; infinite: the procedure does not determine it
-  std::string source;  ///< of most of its variance, where that is known
+  double sigma;             ///< of it, SI; infinite: the procedure does not determine it
+  std::string source = {};  ///< of most of its variance, where that is known
 };
 
 struct Sharing;  // of work among processes: the command's
@@ -53,7 +53,7 @@ struct PredictionOptions {
 
 /// Whole procedures with drawn errors, each calibrated.
 struct MonteCarloResult {
-  std::vector<CoefficientIndex> coefficients;
+  std::vector<CoefficientIndex> coefficients = {};
   std::uint64_t runs = 0;
   Eigen::VectorXd mean;            ///< of the errors
   Eigen::VectorXd sigma;           ///< root mean square error
@@ -62,7 +62,7 @@ struct MonteCarloResult {
 
 /// A term that the IMU may have, as a source of error: the part of it that the readings do not show.
 struct TermSource {
-  std::string name;        ///< among the sources: "accel.quadratic"
+  std::string name = {};   ///< among the sources: "accel.quadratic"
   CoefficientIndex first;  ///< its coefficient of the x axis
   double prior = 0;        ///< one sigma of each of its coefficients [SI]
 };
@@ -82,10 +82,10 @@ struct ErrorSizes {
 
 /// The coarsest that meets the requirements.
 struct Tolerance {
-  std::optional<double> factor;       ///< times the declared size (1 arcsec, 1 ms where nothing is); absent: not even a perfect one meets them
-  bool unlimited = false;             ///< the factor is the largest that was tried
-  ErrorSizes sizes;                   ///< at this factor
-  std::vector<Shortfall> shortfalls;  ///< where none meets them: with a perfect one
+  std::optional<double> factor = {};       ///< times the declared size (1 arcsec, 1 ms where nothing is); absent: not even a perfect one meets them
+  bool unlimited = false;                  ///< the factor is the largest that was tried
+  ErrorSizes sizes;                        ///< at this factor
+  std::vector<Shortfall> shortfalls = {};  ///< where none meets them: with a perfect one
 };
 
 /// The errors of table, timing and IMU that would meet the requirements.
@@ -94,19 +94,19 @@ struct Tolerances {
   bool has_turns = true;  ///< without turns their timing does not matter
   struct Answer {
     Knob knob;
-    Tolerance declared;              ///< with the other groups as declared
-    std::optional<Tolerance> alone;  ///< with all else perfect
+    Tolerance declared;                   ///< with the other groups as declared
+    std::optional<Tolerance> alone = {};  ///< with all else perfect
   };
-  std::vector<Answer> answers;  ///< the last is of all groups together
+  std::vector<Answer> answers = {};  ///< the last is of all groups together
 };
 
 /// The worst-determined direction: a combination of coefficients, each in units of its requirement (or of half its prior), and the further turns, one
 /// or two of 90 or 180 deg about the table's axes at the end of the procedure, that help most.
 struct Advice {
-  std::vector<CoefficientIndex> coefficients;  ///< with a large part in it, the largest first
-  double ratio = 0;                            ///< sigma along it, in those units
-  std::vector<std::string> turns;              ///< "turn by 180 deg about the IMU's z axis while it is horizontal"; each with a rest after it
-  double ratio_after = 0;                      ///< the largest ratio with them
+  std::vector<CoefficientIndex> coefficients = {};  ///< with a large part in it, the largest first
+  double ratio = 0;                                 ///< sigma along it, in those units
+  std::vector<std::string> turns = {};              ///< "turn by 180 deg about the IMU's z axis while it is horizontal"; each with a rest after it
+  double ratio_after = 0;                           ///< the largest ratio with them
 };
 
 /// Predicted standard uncertainties. SI.

@@ -27,13 +27,13 @@ struct RestOptions {
 
 /// The rests, and the thresholds used (in the recording's units, per axis).
 struct RestDetection {
-  std::vector<Range> rests;
+  std::vector<Range> rests = {};
   std::array<double, 3> gyro_noise{}, accel_noise{};  ///< standard deviation of a sample at rest
   double gyro_factor = 0, accel_factor = 0;           ///< a window is quiet below noise x factor
   std::size_t turning = 0;                            ///< quiet runs rejected because the IMU was turning steadily
   std::size_t moving = 0;                             ///< quiet runs rejected because no sensor at rest changes as much
-  std::string motion;                                 ///< how much the longest of them does
-  std::vector<std::string> notes;                     ///< the same in words
+  std::string motion = {};                            ///< how much the longest of them does
+  std::vector<std::string> notes = {};                ///< the same in words
 };
 
 /// Quiet stretches, compared with the quietest of the recording, in which means over a second and more change no more than a sensor's noise can. A
@@ -41,9 +41,9 @@ struct RestDetection {
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
 
 struct Rests {
-  std::vector<Range> ranges;
-  std::vector<std::string> notes;  ///< their source, and the thresholds used
-  std::string motion;              ///< as RestDetection has it
+  std::vector<Range> ranges = {};
+  std::vector<std::string> notes = {};  ///< their source, and the thresholds used
+  std::string motion = {};              ///< as RestDetection has it
 };
 
 /// The holds of the steps that belong to the recording, less a tenth of a second at both ends (a twentieth of short ones, nothing

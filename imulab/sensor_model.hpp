@@ -32,13 +32,13 @@ struct ThermalReading {
 
 /// Polynomial part of one triad. Units: out = m/s^2 (accelerometers) or rad/s (gyros), raw = the recording's unit.
 struct TriadModel {
-  Vector3d offset = Vector3d::Zero();         ///< A0, W0: out
-  Matrix3d matrix = Matrix3d::Identity();     ///< A1, W1: out/raw
-  Vector3d quadratic = Vector3d::Zero();      ///< diagonal of A2, W2: out/raw^2
-  Vector3d cubic = Vector3d::Zero();          ///< diagonal of A3, W3: out/raw^3
-  Matrix3d thermal = Matrix3d::Zero();        ///< row i: c0 = 0, c1 [raw/K], c2 [raw/K^2] of axis i
-  std::string raw_unit;                       ///< unit of the model's input: "count", "rad/s", "m/s^2"; empty: not stated
-  std::optional<ThermalReading> temperature;  ///< absent: the session had no thermal reading
+  Vector3d offset = Vector3d::Zero();              ///< A0, W0: out
+  Matrix3d matrix = Matrix3d::Identity();          ///< A1, W1: out/raw
+  Vector3d quadratic = Vector3d::Zero();           ///< diagonal of A2, W2: out/raw^2
+  Vector3d cubic = Vector3d::Zero();               ///< diagonal of A3, W3: out/raw^3
+  Matrix3d thermal = Matrix3d::Zero();             ///< row i: c0 = 0, c1 [raw/K], c2 [raw/K^2] of axis i
+  std::string raw_unit = {};                       ///< unit of the model's input: "count", "rad/s", "m/s^2"; empty: not stated
+  std::optional<ThermalReading> temperature = {};  ///< absent: the session had no thermal reading
 };
 
 struct SensorModel {

@@ -38,37 +38,37 @@ std::string_view to_string(NoiseTerms terms);
 struct TermSigmas {
   std::optional<double> accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
   std::optional<double> gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2
-  std::optional<double> g_sensitivity;                 ///< (rad/s)/(m/s^2)
-  std::optional<double> lever_arm;                     ///< m
-  std::optional<double> delay;                         ///< s: of the accelerometers behind the gyros
+  std::optional<double> g_sensitivity = {};            ///< (rad/s)/(m/s^2)
+  std::optional<double> lever_arm = {};                ///< m
+  std::optional<double> delay = {};                    ///< s: of the accelerometers behind the gyros
   bool operator==(const TermSigmas&) const = default;
 };
 
 struct ImuDeclaration {
-  std::string name;
-  std::optional<std::string> serial;          ///< number of this one
-  std::optional<std::string> firmware;        ///< its version
-  std::optional<std::string> filter;          ///< how the IMU filters the readings before their output, in words: "low-pass, 42 Hz"
-  std::optional<std::string> grade;           ///< sizes for priors, and for the draws of simulate
-  std::string clock = "own";                  ///< the seconds in which the gyros' scales are to be stated: the recording's own, or "true"
-  std::optional<std::string> truth;           ///< file of the exact IMU to simulate
-  std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
-  std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
+  std::string name = {};
+  std::optional<std::string> serial = {};          ///< number of this one
+  std::optional<std::string> firmware = {};        ///< its version
+  std::optional<std::string> filter = {};          ///< how the IMU filters the readings before their output, in words: "low-pass, 42 Hz"
+  std::optional<std::string> grade = {};           ///< sizes for priors, and for the draws of simulate
+  std::string clock = "own";                       ///< the seconds in which the gyros' scales are to be stated: the recording's own, or "true"
+  std::optional<std::string> truth = {};           ///< file of the exact IMU to simulate
+  std::optional<double> accel_noise_density = {};  ///< m/s^2/sqrt(Hz)
+  std::optional<double> gyro_noise_density = {};   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
-  std::optional<std::string> noise_file;  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
+  std::optional<std::string> noise_file = {};  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
   TermSigmas term_sigmas;
-  std::map<std::string, double, std::less<>> effect_sigmas;                     ///< one sigma by the name of the effect (docs/theory/effects.md), SI
-  std::optional<std::map<std::string, double, std::less<>>> simulated_effects;  ///< likewise, of those that a simulation draws
-  std::optional<NoiseModel> accel_noise, gyro_noise;                            ///< in place of the grade's, except N, which the densities above give
+  std::map<std::string, double, std::less<>> effect_sigmas = {};  ///< one sigma by the name of the effect (docs/theory/effects.md), SI
+  std::optional<std::map<std::string, double, std::less<>>> simulated_effects = {};  ///< likewise, of those that a simulation draws
+  std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's; their N, unless it is 0, is the density
   bool operator==(const ImuDeclaration&) const = default;
 };
 
 struct Site {
-  std::optional<double> latitude, longitude;  ///< rad
-  std::optional<double> latitude_sigma;       ///< rad; absent: known exactly
-  std::optional<double> height;               ///< m
-  std::optional<double> given_gravity;        ///< m/s^2
-  std::optional<double> given_gravity_sigma;  ///< m/s^2
+  std::optional<double> latitude, longitude;       ///< rad
+  std::optional<double> latitude_sigma = {};       ///< rad; absent: known exactly
+  std::optional<double> height = {};               ///< m
+  std::optional<double> given_gravity = {};        ///< m/s^2
+  std::optional<double> given_gravity_sigma = {};  ///< m/s^2
 
   /// Given, or WGS-84 normal gravity. Throws Error where there is neither a latitude nor a given value.
   double gravity() const;
@@ -86,7 +86,7 @@ std::string_view to_string(RigAxis axis);
 
 /// Declared accuracy of a rig, SI.
 struct RigDeclaration {
-  std::string name;  ///< recordings refer to it where there are several
+  std::string name = {};  ///< recordings refer to it where there are several
   RigKind kind = RigKind::none;
   Spread angle, orthogonality, zero;  ///< rad
   Spread timing;                      ///< s
@@ -143,7 +143,7 @@ struct TriadSource {
 struct ThermalSource {
   std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
   std::optional<TimeSource> time{};
-  std::vector<Column> columns;  ///< one or three
+  std::vector<Column> columns = {};  ///< one or three
   std::string unit = "degC";
   // In a simulation a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
   double noise = 0;                         ///< one sigma of a reading, in its unit
@@ -156,11 +156,11 @@ enum class Extent { all, steps };
 std::string_view to_string(Extent extent);
 
 struct RecordingSource {
-  std::string file;
-  std::string topic;   ///< the table of a file that has several: a bag's topic, a log's message; empty: the only one
-  std::string layout;  ///< of rows of binary numbers: "f8 f4x6"; empty: the file describes itself
-  std::string rig;     ///< empty with one rig
-  std::optional<double> rate_hz;
+  std::string file = {};
+  std::string topic = {};   ///< the table of a file that has several: a bag's topic, a log's message; empty: the only one
+  std::string layout = {};  ///< of rows of binary numbers: "f8 f4x6"; empty: the file describes itself
+  std::string rig = {};     ///< empty with one rig
+  std::optional<double> rate_hz = {};
   Extent extent = Extent::all;
   TimeSource time;
   TriadSource gyro, accel;
@@ -182,16 +182,16 @@ std::string_view to_string(StepKind kind);
 /// One action of the rig, in time order. Omitted angles have been filled in from the previous step (first 0, anew in each recording).
 struct Step {
   StepKind kind = StepKind::hold;
-  std::string recording;                  ///< file of the recording it belongs to
-  double start = 0, end = 0;              ///< s of the recording's clock; also for a procedure
-  std::array<double, 3> angles{0, 0, 0};  ///< rad, by RigAxis: of a hold; where a rotate or spin begins
-  RigAxis axis = RigAxis::outer;          ///< rotate
-  double angle = 0;                       ///< rotate: rad, signed
-  double rate = 0;                        ///< rotate (> 0) and spin (signed): rad/s
-  std::optional<double> acceleration;     ///< rad/s^2
-  std::optional<Mount> mount;
-  std::array<double, 3> radius{0, 0, 0};  ///< spin: m, by sensor axis
-  std::optional<double> temperature;      ///< set point, degC
+  std::string recording = {};               ///< file of the recording it belongs to
+  double start = 0, end = 0;                ///< s of the recording's clock; also for a procedure
+  std::array<double, 3> angles{0, 0, 0};    ///< rad, by RigAxis: of a hold; where a rotate or spin begins
+  RigAxis axis = RigAxis::outer;            ///< rotate
+  double angle = 0;                         ///< rotate: rad, signed
+  double rate = 0;                          ///< rotate (> 0) and spin (signed): rad/s
+  std::optional<double> acceleration = {};  ///< rad/s^2
+  std::optional<Mount> mount = {};
+  std::array<double, 3> radius{0, 0, 0};   ///< spin: m, by sensor axis
+  std::optional<double> temperature = {};  ///< set point, degC
   bool operator==(const Step&) const = default;
 };
 
@@ -206,25 +206,25 @@ struct InitialState {
 };
 
 struct Session {
-  std::string file;                        ///< the TOML file
-  std::string sha256;                      ///< of its text
-  std::optional<std::string> noise_taken;  ///< the file of an analysis that the IMU's noise is from
-  std::optional<std::string> operated_by;  ///< who took the data
-  std::optional<std::string> station;      ///< where
-  std::optional<std::string> measured;     ///< when: UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
-  std::optional<std::string> valid_until;  ///< the day until which the owner uses the calibration
-  std::optional<std::string> warm_up;      ///< before the recording, in words
-  std::optional<std::string> power_cycles;
-  std::vector<Reference> references;  ///< at most one of each quantity
+  std::string file = {};                        ///< the TOML file
+  std::string sha256;                           ///< of its text
+  std::optional<std::string> noise_taken = {};  ///< the file of an analysis that the IMU's noise is from
+  std::optional<std::string> operated_by = {};  ///< who took the data
+  std::optional<std::string> station = {};      ///< where
+  std::optional<std::string> measured = {};     ///< when: UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
+  std::optional<std::string> valid_until = {};  ///< the day until which the owner uses the calibration
+  std::optional<std::string> warm_up = {};      ///< before the recording, in words
+  std::optional<std::string> power_cycles = {};
+  std::vector<Reference> references = {};  ///< at most one of each quantity
   ImuDeclaration imu;
   Site site;
-  std::vector<RigDeclaration> rigs;
-  std::vector<RecordingSource> recordings;
-  std::vector<Step> steps;
-  std::optional<InitialState> initial;
-  std::optional<std::string> truth_file;  ///< reference solution for navigation
-  std::optional<std::string> vertical;    ///< channel of a navigation: "free", "fixed", "aided" or "held"
-  std::optional<std::string> barometer_file;
+  std::vector<RigDeclaration> rigs = {};
+  std::vector<RecordingSource> recordings = {};
+  std::vector<Step> steps = {};
+  std::optional<InitialState> initial = {};
+  std::optional<std::string> truth_file = {};  ///< reference solution for navigation
+  std::optional<std::string> vertical = {};    ///< channel of a navigation: "free", "fixed", "aided" or "held"
+  std::optional<std::string> barometer_file = {};
 
   /// The declaration of the recording with this file name; if the session has none, one with the name alone.
   RecordingSource source_of(std::string_view name) const;
@@ -244,7 +244,8 @@ NoiseModels declared_terms(const ImuDeclaration& imu);
 NoiseModels declared_noise(const ImuDeclaration& imu);
 
 /// Throws Error that lists every number of a session outside the range that a session file allows (latitude in -90 to 90 deg, a gravity in m/s^2,
-/// noise of at least 0, ...), and every step that ends before it begins, begins before the end of the one before it, or turns nowhere.
+/// noise of at least 0, ...), every text that such a file refuses (dates, units, names of effects, rigs and recordings), and every step that ends
+/// before it begins, begins before the end of the one before it, or turns nowhere.
 void validate(const Session& session);
 
 }  // namespace imulab

@@ -57,8 +57,8 @@ std::vector<RigErrorSource> rig_error_sources(const Session& session, const Reco
 
 /// Error sources and their values. Empty: a rig without errors.
 struct RigErrors {
-  std::vector<RigErrorSource> sources;
-  std::vector<double> values;  ///< rad, s, m or relative
+  std::vector<RigErrorSource> sources = {};
+  std::vector<double> values = {};  ///< rad, s, m or relative
 };
 
 /// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.
@@ -66,9 +66,9 @@ RigErrors draw_rig_errors(const Session& session, const RecordingSource& source,
 
 /// What a unit does beside the sensor model, exactly (docs/theory/effects.md).
 struct EffectValue {
-  std::string name;  ///< "accel.asymmetry"
-  int column = 0;    ///< of an effect that has several
-  double value = 0;  ///< SI
+  std::string name = {};  ///< "accel.asymmetry"
+  int column = 0;         ///< of an effect that has several
+  double value = 0;       ///< SI
 };
 
 /// The exact values of a simulation, which a calibration should find.

@@ -1,6 +1,11 @@
 #include "imulab/earth.hpp"
 
+#include "imulab/error.hpp"
+
+#include <fmt/core.h>
+
 #include <cmath>
+#include <numbers>
 
 namespace imulab {
 namespace {
@@ -24,7 +29,10 @@ constexpr double harmonic = omega2 * a * a / q0_over_e3;  // omega^2 a^2 E^3 / q
 
 }  // namespace
 
-double normal_gravity(double latitude, double height) { return local_earth(latitude, height).gravity.norm(); }
+double normal_gravity(double latitude, double height) {
+  if (!(std::abs(latitude) <= 0.5 * std::numbers::pi)) throw Error(fmt::format("a latitude of {:g} rad; expected -pi/2 to pi/2", latitude));
+  return local_earth(latitude, height).gravity.norm();
+}
 
 Eigen::Vector3d earth_rate_enu(double latitude) { return {0, earth_rate * std::cos(latitude), earth_rate * std::sin(latitude)}; }
 

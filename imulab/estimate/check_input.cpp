@@ -17,6 +17,8 @@
 namespace imulab {
 namespace {
 
+constexpr std::size_t most_advised_turns = 100;  // a longer procedure is planned (plan.hpp), in less time than a second a turn
+
 void append(std::vector<std::string>& problems, const std::vector<std::string>& more, std::string_view place) {
   for (const std::string& problem : more) problems.push_back(fmt::format("{}: {}", place, problem));
 }
@@ -33,6 +35,8 @@ std::vector<std::string> problems_of(const CalibrationOptions& options) {
   check_requirements(options.handheld.requirements, problems);
   if (!(options.handheld.rest_s > 0 && std::isfinite(options.handheld.rest_s)))
     problems.push_back(fmt::format("handheld.rest_s: {} is no time; expected more than 0", options.handheld.rest_s));
+  if (options.handheld.advised_turns > most_advised_turns)
+    problems.push_back(fmt::format("handheld.advised_turns: {}; expected at most {}", options.handheld.advised_turns, most_advised_turns));
   if (!(options.hybrid.curve_interval >= 0 && std::isfinite(options.hybrid.curve_interval)))
     problems.push_back(fmt::format("hybrid.curve_interval: {} is no time; expected 0 or more", options.hybrid.curve_interval));
   return problems;
@@ -48,7 +52,9 @@ void check_rests(const CalibrationInput& input, std::vector<std::string>& proble
   std::size_t begin = 0, end = 0;  // of the one before
   for (const Range& rest : *input.rests) {
     const std::size_t least = std::max(begin, end - std::min(end, shared));
-    if (rest.begin < least || rest.end <= rest.begin || rest.end <= end || rest.end > recording.size())
+    if (rest.end <= rest.begin)
+      problems.push_back(fmt::format("rests: samples {} to {}: ends before it has begun; expected [begin, end)", rest.begin, rest.end));
+    else if (rest.begin < least || rest.end <= end || rest.end > recording.size())
       problems.push_back(fmt::format("rests: samples {} to {} are no rest; expected ranges in ascending order from {} to {}", rest.begin, rest.end,
                                      least, recording.size()));
     begin = rest.begin + 1, end = std::max(end, rest.end);

@@ -2,7 +2,6 @@
 
 #include "imulab/calibrate.hpp"
 #include "imulab/core/nearest_name.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/check_input.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
@@ -24,6 +23,7 @@
 #include "imulab/recording/origin.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -275,6 +275,10 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
   for (std::size_t k = 0; k < recordings.size(); ++k) kernel::judge_interval(recordings[k], input.session.recordings[k].rate_hz.has_value(), quality);
+  for (const Recording& recording : recordings)
+    if (const std::size_t n = recording.saturated.size(); n > 0)
+      quality.warnings.push_back(fmt::format("{}: {} of {} samples have a reading at a limit: rests and turns with {} are not used", recording.name,
+                                             n, recording.size(), n == 1 ? "it" : "them"));
   add_declared_origin(result.calibration, input.session, input.recordings);
   if (options.progress) options.progress(1);
   return result;

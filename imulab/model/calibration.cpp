@@ -75,6 +75,8 @@ void validate(const Calibration& c) {
     problems.push_back(std::move(size));
   else if (std::string wrong = known ? covariance_problem(c) : ""; !wrong.empty())
     problems.push_back(std::move(wrong));
+  if (c.frame != "accelerometers" && c.frame != "rig")
+    problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", c.frame));
   const std::vector<std::string> of_model = problems_of(c.model);
   problems.insert(problems.end(), of_model.begin(), of_model.end());
   throw_problems("the calibration", problems);
@@ -82,6 +84,7 @@ void validate(const Calibration& c) {
 
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   if (const std::string problem = size_problem(calibration); !problem.empty()) throw Error("the calibration: " + problem);
+  coefficient(index);  // throws where there is none
   const auto& estimated = calibration.estimated;
   const auto found = std::find(estimated.begin(), estimated.end(), index);
   if (found == estimated.end()) return std::nullopt;

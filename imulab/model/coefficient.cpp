@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -184,9 +185,22 @@ std::vector<std::string> problems_of(const SensorModel& model) {
   for (const CoefficientIndex index : coefficient_indices())
     if (!std::isfinite(coefficient_value(model, index)))
       problems.push_back(std::string(coefficient(index).name) + " is not finite; expected a finite number");
-  for (const auto& [triad, m] : {std::pair{"accel", &model.accel}, std::pair{"gyro", &model.gyro}})
-    if (m->temperature && !std::isfinite(m->temperature->reference))
-      problems.push_back(std::string(triad) + ": the reference temperature is not finite; expected a finite number");
+  for (const auto& [triad, m, unit] : {std::tuple{"accel", &model.accel, "m/s^2"}, std::tuple{"gyro", &model.gyro, "rad/s"}}) {
+    const auto expect = [&, name = triad](bool good, const std::string& problem) {
+      if (!good) problems.push_back(std::string(name) + ": " + problem);
+    };
+    expect(m->raw_unit.empty() || m->raw_unit == "count" || m->raw_unit == unit,
+           "the raw readings are in \"" + m->raw_unit + "\"; expected count or " + unit);
+    expect(m->thermal.col(0).isZero(0), "the constant of a thermal polynomial is not 0; expected it in the offset");
+    if (!m->temperature) {
+      expect(m->thermal.isZero(0), "the model has thermal terms, but no reference temperature; expected one");
+      continue;
+    }
+    const ThermalReading& t = *m->temperature;
+    expect(std::isfinite(t.reference), "the reference temperature is not finite; expected a finite number");
+    expect(t.unit == "degC" || t.unit == "K" || t.unit == "raw", "the temperatures are in \"" + t.unit + "\"; expected degC, K or raw");
+    expect(t.range[0] <= t.range[1], "the range of the temperatures is not in order; expected [lowest, highest]");
+  }
   return problems;
 }
 

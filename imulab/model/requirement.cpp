@@ -74,6 +74,7 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
   throw_problems("", problems_of(requirement));
+  validate(calibration);
   RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, false};
   for (const CoefficientIndex index : requirement.coefficients) {
     if (calibration.frame == "accelerometers" && zero_by_frame(index)) continue;  // nothing to be determined
@@ -85,7 +86,9 @@ RequirementResult assess(const Calibration& calibration, const Requirement& requ
   if (std::all_of(requirement.coefficients.begin(), requirement.coefficients.end(),
                   [&](CoefficientIndex i) { return calibration.frame == "accelerometers" && zero_by_frame(i); }))
     out.note = "zero by the definition of the axes";
-  out.met = out.reached <= out.limit && calibration.quality.verdict != "doubtful";
+  const bool doubtful = calibration.quality.verdict == "doubtful";
+  if (doubtful && out.note.empty()) out.note = "the calibration is doubtful";
+  out.met = out.reached <= out.limit && !doubtful;
   return out;
 }
 

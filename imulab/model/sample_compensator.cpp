@@ -14,12 +14,14 @@ bool has_thermal_terms(const TriadModel& m) { return !m.thermal.rightCols<2>().i
 
 void check_form(const TriadModel& m, const char* triad, std::string_view unit, std::string_view temperature_unit,
                 std::vector<std::string>& problems) {
-  if (!m.raw_unit.empty() && m.raw_unit != unit)
+  const std::string_view si = std::string_view(triad) == "gyro" ? "rad/s" : "m/s^2";
+  if (unit != "count" && unit != si)
+    problems.push_back(fmt::format("{}: the readings are in \"{}\"; expected count or {}", triad, unit, si));
+  else if (!m.raw_unit.empty() && m.raw_unit != unit)
     problems.push_back(fmt::format("{}: the readings are in {}; expected {}, which the calibration was made from", triad, unit, m.raw_unit));
-  if (!has_thermal_terms(m)) return;
-  if (!m.temperature)
-    problems.push_back(fmt::format("{}: the model has thermal terms, but no reference temperature", triad));
-  else if (m.temperature->unit != temperature_unit)
+  if (temperature_unit != "degC" && temperature_unit != "K" && temperature_unit != "raw")
+    problems.push_back(fmt::format("{}: the temperatures are in \"{}\"; expected degC, K or raw", triad, temperature_unit));
+  else if (has_thermal_terms(m) && m.temperature && m.temperature->unit != temperature_unit)
     problems.push_back(fmt::format("{}: the temperatures are in {}; expected {}, which the calibration was made from", triad, temperature_unit,
                                    m.temperature->unit));
 }

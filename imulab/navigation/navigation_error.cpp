@@ -68,8 +68,14 @@ std::size_t rows_between(const Solution& s, double begin, double end) {
 
 }  // namespace
 
+void validate(const Solution& solution) {
+  if (solution.states.size() != solution.time.size())
+    throw Error(fmt::format("a solution with {} times and {} states; expected as many of each", solution.time.size(), solution.states.size()));
+}
+
 NavigationErrors navigation_errors(const Solution& solution, const Solution& truth) {
   if (solution.size() == 0 || truth.size() == 0) throw Error("comparison with a reference solution: expected at least one row of each");
+  validate(solution), validate(truth);
   const double begin = std::max(solution.time.front(), truth.time.front()), end = std::min(solution.time.back(), truth.time.back());
   const auto range = [](const Solution& s) { return fmt::format("{:.3f} s to {:.3f} s", s.time.front(), s.time.back()); };
   if (end < begin - same_stamp)

@@ -25,6 +25,9 @@ void check_options(ReadingOptions& triad, Quantity quantity, const std::string& 
     throw Error(fmt::format("{}: the unit is \"{}\"; expected one of {}", name, triad.unit, fmt::join(known, ", ")));
   if (!(triad.counts_per_unit > 0 && std::isfinite(triad.counts_per_unit)))
     throw Error(fmt::format("{}: {} counts per unit; expected more than 0", name, triad.counts_per_unit));
+  if (triad.unit == "count" && triad.counts_per_unit != 1)
+    throw Error(
+        fmt::format("{}: {} counts per unit of readings in counts; expected the physical unit that so many counts are", name, triad.counts_per_unit));
   if (triad.axes && !are_body_axes(*triad.axes))
     throw Error(name + ": the axes are no body axes; expected each of the indices 0, 1, 2 once, with the sign 1 or -1");
   if (triad.limits && !((*triad.limits)[0] < (*triad.limits)[1]))

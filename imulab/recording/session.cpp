@@ -109,20 +109,31 @@ std::vector<Step> Session::steps_of(const RecordingSource& source) const {
   return chosen;
 }
 
+namespace {
+
+/// A session file has it beside the other terms; in memory it may be one of them.
+std::optional<double> declared_density(const std::optional<double>& density, const std::optional<NoiseModel>& terms) {
+  return density || !terms || terms->N == 0 ? density : std::optional(terms->N);
+}
+
+}  // namespace
+
 NoiseModels declared_terms(const ImuDeclaration& imu) {
   const Grade none{}, &of = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
   NoiseModels noise{.gyro = imu.gyro_noise.value_or(of.gyro_noise), .accel = imu.accel_noise.value_or(of.accel_noise)};
-  noise.accel.N = imu.accel_noise_density.value_or(of.accel_noise.N);
-  noise.gyro.N = imu.gyro_noise_density.value_or(of.gyro_noise.N);
+  noise.accel.N = declared_density(imu.accel_noise_density, imu.accel_noise).value_or(of.accel_noise.N);
+  noise.gyro.N = declared_density(imu.gyro_noise_density, imu.gyro_noise).value_or(of.gyro_noise.N);
   return noise;
 }
 
 NoiseModels declared_noise(const ImuDeclaration& imu) {
-  if (!imu.grade && !(imu.accel_noise_density && imu.gyro_noise_density))
+  const bool accel = declared_density(imu.accel_noise_density, imu.accel_noise).has_value(),
+             gyro = declared_density(imu.gyro_noise_density, imu.gyro_noise).has_value();
+  if (!imu.grade && !(accel && gyro))
     throw Error("the IMU's noise is not declared; expected the noise densities of accelerometers and gyros, or a grade");
   NoiseModels noise = declared_terms(imu);
-  if (!imu.accel_noise_density) noise.accel.N = grade(*imu.grade).accel_noise.N;
-  if (!imu.gyro_noise_density) noise.gyro.N = grade(*imu.grade).gyro_noise.N;
+  if (!accel) noise.accel.N = grade(*imu.grade).accel_noise.N;
+  if (!gyro) noise.gyro.N = grade(*imu.grade).gyro_noise.N;
   return noise;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/core/fields.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/session.hpp"
@@ -120,11 +121,36 @@ void transfer(Fields& f, ImuDeclaration& imu) {
 
 template <class Fields>
 void transfer(Fields& f, Reference& reference) {
-  f.choice("quantity", reference.quantity, std::vector<std::string_view>{"acceleration", "rotation", "time", "temperature"}, Presence::required);
+  f.choice("quantity", reference.quantity, {"acceleration", "rotation", "time", "temperature"}, Presence::required);
   f.text("instrument", reference.instrument);
   f.text("certificate", reference.certificate);
   transfer_name(f, "date", reference.date);
   transfer_name(f, "statement", reference.statement);
+  f.check(!reference.instrument.empty(), "instrument", "is empty; expected make, type and serial number");
+  f.check(!reference.certificate.empty(), "certificate", "is empty; expected its number");
+  f.check(reference.date.empty() || is_date(reference.date), "date", "is no date; expected one as in \"2026-03-31\"");
+}
+
+/// Who measured, where and when: the keys of a session before its tables.
+template <class Fields>
+void transfer(Fields& f, Session& session) {
+  f.text("operator", session.operated_by);
+  f.text("station", session.station);
+  f.text("measured", session.measured);
+  f.check(!session.measured || time_of(*session.measured), "measured", "is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\"");
+  f.text("valid_until", session.valid_until);
+  f.check(!session.valid_until || is_date(*session.valid_until), "valid_until", "is no date; expected one as in \"2026-03-31\"");
+  f.text("warm_up", session.warm_up);
+  f.text("power_cycles", session.power_cycles);
+}
+
+/// The treatment of the height and its aid.
+template <class Fields>
+void transfer_navigation(Fields& f, Session& session) {
+  std::string vertical = session.vertical.value_or("");
+  f.choice("vertical", vertical, {"free", "fixed", "aided", "held"}, Presence::optional);
+  if (!vertical.empty()) session.vertical = vertical;
+  f.text("barometer", session.barometer_file);
 }
 
 template <class Fields>

@@ -7,7 +7,7 @@
 #include "imulab/recording/session_fields.hpp"
 #include "imulab/session.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +18,8 @@
 #include <utility>
 
 namespace imulab {
+
+using namespace session_fields;
 
 namespace {
 
@@ -76,6 +78,9 @@ void validate(const Recording& r) {
   expect_increasing(r.name, r.time_ns);
   if (!(r.interval_s > 0 && std::isfinite(r.interval_s)))
     throw Error(fmt::format("{}: the interval is {} s; expected a positive number", r.name, r.interval_s));
+  if (const double rate = 1 / r.interval_s; rate > sampling_rate().high * (1 + 1e-9))
+    throw Error(fmt::format("{}: {:g} samples a second; expected at most {:g}: are the stamps in another unit than nanoseconds?", r.name, rate,
+                            sampling_rate().high));
   check_readings(r, "gyro", r.gyro, largest_reading(r.gyro_unit));
   check_readings(r, "accel", r.accel, largest_reading(r.accel_unit));
   for (const auto& [name, columns] : {std::pair{"gyro temperature", &r.gyro_temperature}, std::pair{"accel temperature", &r.accel_temperature}}) {
@@ -87,14 +92,13 @@ void validate(const Recording& r) {
   check_unit(r, "accel", r.accel_unit, "m/s^2");
   check_indices(r, "gaps", r.gaps, 1);
   check_indices(r, "saturated", r.saturated, 0);
+  check_indices(r, "starts", r.starts, 1);
   check_interval(r);
 }
 
 // A session that was made in memory is checked by the tables of a session file, each number by its range.
 
 namespace {
-
-using namespace session_fields;
 
 bool is_body_axis(const BodyAxis& axis) { return axis.index >= 0 && axis.index < 3 && (axis.sign == 1 || axis.sign == -1); }
 
@@ -137,7 +141,7 @@ class RangeCheck {
   void check(bool good, std::string_view key, const std::string& message) {
     if (!good) add(key, message);
   }
-  // Texts and columns have no range; of choices there are no others.
+  // Texts and columns have no range.
   template <class Value>
   void text(std::string_view, const Value&) {}
   template <class Value>
@@ -147,8 +151,16 @@ class RangeCheck {
     check(!axes || are_body_axes(*axes), key, "are no body axes; expected each of the indices 0, 1, 2 once, with the sign 1 or -1");
   }
   template <class Enum>
-  void choice(std::string_view, Enum, const std::vector<Enum>&, Presence = Presence::required) {}
-  void choice(std::string_view, const std::string&, const std::vector<std::string_view>&, Presence) {}
+  void choice(std::string_view key, Enum value, const std::vector<Enum>& values, Presence = Presence::required) {
+    std::vector<std::string_view> names;
+    for (const Enum each : values) names.push_back(to_string(each));
+    check(std::find(values.begin(), values.end(), value) != values.end(), key,
+          fmt::format("is not allowed; expected one of {}", fmt::join(names, ", ")));
+  }
+  void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>& names, Presence presence) {
+    check((value.empty() && presence == Presence::optional) || std::find(names.begin(), names.end(), value) != names.end(), key,
+          fmt::format("\"{}\" is not allowed; expected one of {}", value, fmt::join(names, ", ")));
+  }
   void clock_zero(std::string_view, std::int64_t, int) {}
 
  private:
@@ -165,10 +177,16 @@ void check(std::string place, Table table, std::vector<std::string>& problems, C
   transfer(fields, table, context...);
 }
 
+/// No step has an enumerator that there is not.
+bool is_known(const Step& step) {
+  return step.kind >= StepKind::hold && step.kind <= StepKind::spin && step.axis >= RigAxis::outer && step.axis <= RigAxis::inner;
+}
+
 /// The fault of a step by itself; empty where it has none.
 std::string problem_of(const Step& step) {
   const auto finite = [](double value) { return std::isfinite(value) && std::abs(value) <= clock_time().high; };
   if (!finite(step.start) || !finite(step.end)) return "it begins or ends at no time that a clock can show; expected seconds";
+  if (!is_known(step)) return "its kind or axis is none; expected those of StepKind and RigAxis";
   if (step.end <= step.start) return fmt::format("it ends at {} s, not after its begin; expected later", stamp_text(step.end));
   if (!std::all_of(step.angles.begin(), step.angles.end(), finite)) return "an angle is not finite; expected radians";
   if (step.kind == StepKind::rotate && !(finite(step.angle) && step.angle != 0))
@@ -188,6 +206,45 @@ std::string problem_of(const Step& step) {
   return "";
 }
 
+/// Sizes of effects, by name.
+void check_effects(std::string_view key, const EffectSigmas& sizes, std::vector<std::string>& problems) {
+  for (const auto& [name, sigma] : sizes)
+    if (find_effect(name) == nullptr) problems.push_back(fmt::format("{}: \"{}\" is no effect; expected one of docs/theory/effects.md", key, name));
+}
+
+/// Densities that are declared in memory among the other terms.
+void check_densities(const ImuDeclaration& imu, std::vector<std::string>& problems) {
+  for (const auto& [key, terms, density] :
+       {std::tuple{"gyro_noise", &imu.gyro_noise, &imu.gyro_noise_density}, std::tuple{"accel_noise", &imu.accel_noise, &imu.accel_noise_density}}) {
+    if (!*terms || (*terms)->N == 0) continue;
+    RangeCheck(fmt::format("imu.{}", key), problems).number("N", (*terms)->N, not_negative());
+    if (*density && **density != (*terms)->N)
+      problems.push_back(fmt::format("imu.{0}: N is {1:g}, and {0}_density {2:g}; expected one of them", key, (*terms)->N, **density));
+  }
+}
+
+/// Recordings name rigs of the session, steps name recordings of it.
+void check_names(const Session& session, std::vector<std::string>& problems) {
+  for (const RecordingSource& r : session.recordings)
+    if (!r.rig.empty() && std::none_of(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& rig) { return rig.name == r.rig; }))
+      problems.push_back(fmt::format("recording {}: \"{}\" is not a rig of this session", r.file, r.rig));
+  if (session.recordings.size() < 2) return;  // of a single one, whatever its name
+  for (std::size_t k = 0; k < session.steps.size(); ++k)
+    if (std::none_of(session.recordings.begin(), session.recordings.end(),
+                     [&](const RecordingSource& r) { return r.file == session.steps[k].recording; }))
+      problems.push_back(fmt::format("{}: \"{}\" is not a recording of this session", step_name(session.steps[k], k), session.steps[k].recording));
+}
+
+/// At most one reference of each quantity.
+void check_references(const std::vector<Reference>& references, std::vector<std::string>& problems) {
+  for (std::size_t k = 0; k < references.size(); ++k) {
+    check(fmt::format("reference {}", k + 1), references[k], problems);
+    if (std::any_of(references.begin(), references.begin() + static_cast<std::ptrdiff_t>(k),
+                    [&](const Reference& r) { return r.quantity == references[k].quantity; }))
+      problems.push_back(fmt::format("reference {}: repeats the quantity of an earlier reference; expected each once", k + 1));
+  }
+}
+
 void check_steps(const Session& session, std::vector<std::string>& problems) {
   std::map<std::string_view, double> ends;  // of the last step, by recording
   for (std::size_t k = 0; k < session.steps.size(); ++k) {
@@ -205,11 +262,20 @@ void check_steps(const Session& session, std::vector<std::string>& problems) {
 
 void validate(const Session& session) {
   std::vector<std::string> problems;
+  check("", session, problems);
   check("imu", session.imu, problems);
+  check_densities(session.imu, problems);
+  check_names(session, problems);
+  check_effects("imu.effect_sigmas", session.imu.effect_sigmas, problems);
+  check_effects("imu.simulated_effects", session.imu.simulated_effects.value_or(EffectSigmas{}), problems);
   check("site", session.site, problems);
   for (const RigDeclaration& rig : session.rigs) check("rig", rig, problems, session.rigs.size() > 1);
   for (const RecordingSource& recording : session.recordings) check("recording", recording, problems);
+  check_references(session.references, problems);
   if (session.initial) check("initial", *session.initial, problems);
+  RangeCheck navigation("navigation", problems);
+  Session copy = session;
+  transfer_navigation(navigation, copy);
   check_steps(session, problems);
   throw_problems(session.file.empty() ? "the session" : session.file, problems);
 }

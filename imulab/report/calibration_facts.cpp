@@ -1,5 +1,6 @@
 #include "imulab/report/calibration_facts.hpp"
 
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/text/decimal.hpp"

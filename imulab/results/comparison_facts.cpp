@@ -1,5 +1,6 @@
 // What a comparison of calibrations concludes: dates, tolerances, the order of its rows.
 #include "imulab/coefficient.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"

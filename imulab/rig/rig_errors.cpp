@@ -138,6 +138,16 @@ std::vector<RigErrorSource> rig_error_sources(const Session& session, const Reco
   return is_machine(rig->kind) ? machine_error_sources(*rig, steps) : table_error_sources(*rig, steps);
 }
 
+std::string problem_of(const RigErrorSource& source, std::size_t steps) {
+  const std::size_t axes = source.kind == RigErrorKind::tilt ? 2 : 3;
+  const bool by_step = source.kind == RigErrorKind::timing || (source.kind == RigErrorKind::angle && source.step != RigErrorSource::at_start);
+  if (source.kind < RigErrorKind::orthogonality || source.kind > RigErrorKind::radius) return "an error of the rig has no kind of RigErrorKind";
+  if (source.axis >= axes) return fmt::format("an error of the rig is of axis {}; expected less than {}", source.axis, axes);
+  if (source.element >= 2) return fmt::format("an error of the rig is of element {}; expected 0 or 1", source.element);
+  if (by_step && source.step >= steps) return fmt::format("an error of the rig is of step {}; expected one of {}, from 0", source.step, steps);
+  return "";
+}
+
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
   RigErrorIndex index;
   index.angle_before.assign(steps, index.zero);  // none

@@ -42,6 +42,9 @@ struct RigErrorIndex {
 };
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps);
 
+/// What is wrong with a source made in memory, for a recording of so many steps; empty: nothing.
+std::string problem_of(const RigErrorSource& source, std::size_t steps);
+
 // An error of a machine as a message names it.
 
 struct ErrorInWords {

@@ -2,11 +2,12 @@
 
 #include "imulab/core/random.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace imulab::simulate {
-
-namespace {
 
 EffectSetting setting_of(const Session& procedure) {
   EffectSetting setting{.accel = true, .gyro = true, .thermometer = true, .recordings = static_cast<int>(procedure.recordings.size())};
@@ -16,6 +17,18 @@ EffectSetting setting_of(const Session& procedure) {
   }
   return setting;
 }
+
+std::string problem_of(const EffectValue& effect, const EffectSetting& setting) {
+  const Effect* const row = find_effect(effect.name);
+  if (row == nullptr) return fmt::format("\"{}\" is no effect; expected one of docs/theory/effects.md", effect.name);
+  const int columns = row->columns(setting);
+  if (effect.column < 0 || effect.column >= columns)
+    return fmt::format("{}: column {}; expected one of the {} that the session has", effect.name, effect.column, columns);
+  if (!std::isfinite(effect.value)) return fmt::format("{}: {} is not finite; expected a finite number", effect.name, effect.value);
+  return "";
+}
+
+namespace {
 
 Vector3d vector_at(const Columns3& columns, std::size_t k) { return {columns[0][k], columns[1][k], columns[2][k]}; }
 

@@ -10,9 +10,16 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace imulab::simulate {
+
+/// What a session has, on which its unit's effects depend.
+EffectSetting setting_of(const Session& procedure);
+
+/// What is wrong with an effect's value; empty: nothing.
+std::string problem_of(const EffectValue& effect, const EffectSetting& setting);
 
 /// One draw a column, of the sizes that [imu.effects] states.
 std::vector<EffectValue> drawn_effects(const Session& procedure, std::uint64_t seed);

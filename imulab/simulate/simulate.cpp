@@ -99,14 +99,22 @@ std::vector<std::size_t> saturated(Recording& recording, const Limits& gyro, con
 }
 
 /// A truth made in memory, and the errors of its rig.
-void check(const Truth& truth, const RigErrors& rig) {
+void check(const Truth& truth, const RigErrors& rig, const EffectSetting& setting, std::size_t steps) {
   std::vector<std::string> problems = problems_of(truth.model);
   if (!(truth.gravity >= 0 && std::isfinite(truth.gravity))) problems.push_back(fmt::format("gravity is {}; expected m/s^2", truth.gravity));
   for (const auto& [triad, noise] : {std::pair{"gyro_noise", &truth.gyro_noise}, std::pair{"accel_noise", &truth.accel_noise}})
     for (const double size : {noise->Q, noise->N, noise->B, noise->K, noise->resolution, noise->range})
       if (!(size >= 0 && std::isfinite(size))) problems.push_back(fmt::format("{}: a term is {}; expected 0 or more", triad, size));
+  if (truth.latitude && !(std::abs(*truth.latitude) <= std::numbers::pi / 2))
+    problems.push_back(fmt::format("latitude is {} rad; expected -pi/2 to pi/2", *truth.latitude));
+  if (truth.frame != "accelerometers" && truth.frame != "rig")
+    problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", truth.frame));
+  for (const EffectValue& e : truth.effects)
+    if (const std::string problem = problem_of(e, setting); !problem.empty()) problems.push_back(problem);
   if (rig.values.size() != rig.sources.size())
     problems.push_back(fmt::format("the rig has {} errors of {} sources; expected one of each", rig.values.size(), rig.sources.size()));
+  for (const RigErrorSource& source : rig.sources)
+    if (const std::string problem = problem_of(source, steps); !problem.empty()) problems.push_back(problem);
   throw_problems("the truth of the simulation", problems);
 }
 
@@ -114,7 +122,7 @@ void check(const Truth& truth, const RigErrors& rig) {
 
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed, const RigErrors& rig) {
   validate(procedure);
-  check(truth, rig);
+  check(truth, rig, setting_of(procedure), procedure.steps_of(source).size());
   if (!procedure.site.latitude) throw Error("the site has no latitude; the Earth's rate depends on it; expected a latitude");
   Recording recording = ideal_recording(
       procedure, source, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity, truth.model.lever_arm}, rig);

@@ -89,7 +89,9 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
 
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
-    throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
+    throw Unsupported(
+        fmt::format("{}: no rests in {:.3g} s at {:.3g} Hz: the IMU was never still for long enough; hold it still in many orientations",
+                    recording.name, static_cast<double>(recording.size()) * recording.interval_s, 1 / recording.interval_s));
   kernel::expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
   RestStart start;
   start.first_s = recording.time_s(0);

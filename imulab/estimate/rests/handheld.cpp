@@ -8,6 +8,7 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
@@ -115,6 +116,7 @@ std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const 
     double best_gain = 0;
     std::optional<HandTurn> best;
     for (const Candidate& candidate : candidates(problem.last_up())) {
+      stop_point();
       HandheldProblem then = problem;
       then.extend(candidate.turn.axis, candidate.turn.angle, goal.rest_s);
       const double gain = candidate.handy * (distance - ratios.distance(then, fit));

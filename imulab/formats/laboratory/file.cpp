@@ -1,5 +1,6 @@
 #include "imulab/formats/laboratory/file.hpp"
 
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
@@ -36,7 +37,7 @@ void read_table(TomlFields& f, std::string_view table, const std::vector<Laborat
   f.table(table, text::Presence::optional, [&](TomlFields& own) { read_texts(own, keys); });
 }
 
-bool is_day(const std::string& text) { return text.empty() || (text.size() == 10 && time_of(text)); }
+bool is_day(const std::string& text) { return text.empty() || is_date(text); }
 
 }  // namespace
 

@@ -98,6 +98,7 @@ void SolutionFile::commit() {
 }
 
 void write_solution(const std::filesystem::path& path, const Solution& solution) {
+  validate(solution);
   SolutionFile file(path);
   for (std::size_t i = 0; i < solution.size(); ++i) file.add(solution.time[i], solution.states[i]);
   file.commit();

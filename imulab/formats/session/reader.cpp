@@ -30,10 +30,6 @@ void read_reference(TomlFields& f, Session& session) {
   transfer(f, reference);
   f.check(std::none_of(session.references.begin(), session.references.end(), [&](const Reference& r) { return r.quantity == reference.quantity; }),
           "quantity", "repeats the quantity of an earlier reference; expected each once");
-  f.check(!reference.instrument.empty(), "instrument", "is empty; expected make, type and serial number");
-  f.check(!reference.certificate.empty(), "certificate", "is empty; expected its number");
-  f.check(reference.date.empty() || (reference.date.size() == 10 && time_of(reference.date)), "date",
-          "is no date; expected one as in \"2026-03-31\"");
   session.references.push_back(reference);
 }
 
@@ -90,15 +86,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   TomlFields f(session.file, text);
   StepLayout layout;
   f.format(session_format);
-  f.text("operator", session.operated_by);
-  f.text("station", session.station);
-  f.text("measured", session.measured);
-  f.text("valid_until", session.valid_until);
-  f.check(!session.valid_until || (session.valid_until->size() == 10 && time_of(*session.valid_until)), "valid_until",
-          "is no date; expected one as in \"2026-03-31\"");
-  f.check(!session.measured || time_of(*session.measured), "measured", "is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\"");
-  f.text("warm_up", session.warm_up);
-  f.text("power_cycles", session.power_cycles);
+  transfer(f, session);
   f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });
   f.table("site", Presence::optional, [&](TomlFields& t) { transfer(t, session.site); });
   f.tables("reference", [&](TomlFields& t) { read_reference(t, session); });
@@ -107,10 +95,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
-  f.table("navigation", Presence::optional, [&](TomlFields& t) {
-    if (t.has("vertical")) t.choice("vertical", session.vertical.emplace(), {"free", "fixed", "aided", "held"}, Presence::optional);
-    t.text("barometer", session.barometer_file);
-  });
+  f.table("navigation", Presence::optional, [&](TomlFields& t) { transfer_navigation(t, session); });
   f.done();
   session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());

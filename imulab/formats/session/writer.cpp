@@ -72,7 +72,9 @@ class TomlText {
   void choice(std::string_view key, Enum value, const std::vector<Enum>& values, Presence presence = Presence::required) {
     if (presence == Presence::required || value != values.front()) add(key, toml_string(to_string(value)));  // the first is the default
   }
-  void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence) { add(key, toml_string(value)); }
+  void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence presence) {
+    if (presence == Presence::required || !value.empty()) add(key, toml_string(value));
+  }
   void column(std::string_view key, const std::optional<Column>& value) {
     if (value) add(key, column_text(*value));
   }
@@ -113,12 +115,13 @@ class TomlText {
   }
   void check(bool, std::string_view, std::string_view) const {}
 
-  /// The items as a section of the file.
-  std::string section(std::string_view title) const {
-    std::string result = fmt::format("\n{}\n", title);
+  std::string lines() const {
+    std::string result;
     for (const std::string& item : items_) result += item + "\n";
     return result;
   }
+  /// The items as a section of the file.
+  std::string section(std::string_view title) const { return fmt::format("\n{}\n{}", title, lines()); }
 
  private:
   std::string inline_table() const {
@@ -181,13 +184,12 @@ std::optional<StepText> in_durations(const StepText& timed, const Step& step, do
 }
 
 std::string text_of(const Session& session, bool durations) {
-  std::string text = fmt::format("format = {}\n", toml_string(session_format));
-  if (session.operated_by) text += fmt::format("operator = {}\n", toml_string(*session.operated_by));
-  if (session.station) text += fmt::format("station = {}\n", toml_string(*session.station));
-  if (session.measured) text += fmt::format("measured = {}\n", toml_string(*session.measured));
-  if (session.valid_until) text += fmt::format("valid_until = {}\n", toml_string(*session.valid_until));
-  if (session.warm_up) text += fmt::format("warm_up = {}\n", toml_string(*session.warm_up));
-  if (session.power_cycles) text += fmt::format("power_cycles = {}\n", toml_string(*session.power_cycles));
+  Session copy = session;  // transfer takes what it can also read
+  TomlText description, navigation;
+  description.text("format", std::string(session_format));
+  transfer(description, copy);
+  transfer_navigation(navigation, copy);
+  std::string text = description.lines();
   if (session.imu != ImuDeclaration{}) text += table_text("[imu]", session.imu);
   if (session.site != Site{}) text += table_text("[site]", session.site);
   for (const Reference& reference : session.references) text += table_text("[[reference]]", reference);
@@ -215,9 +217,7 @@ std::string text_of(const Session& session, bool durations) {
   }
   if (session.initial) text += table_text("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
-  if (session.vertical || session.barometer_file) text += "\n[navigation]\n";
-  if (session.vertical) text += fmt::format("vertical = {}\n", toml_string(*session.vertical));
-  if (session.barometer_file) text += fmt::format("barometer = {}\n", toml_string(*session.barometer_file));
+  if (session.vertical || session.barometer_file) text += navigation.section("[navigation]");
   return text;
 }
 

@@ -1,5 +1,6 @@
 #include "imulab/formats/text/decimal.hpp"
 
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/error.hpp"
 
 #include <fmt/format.h>
@@ -144,17 +145,6 @@ std::string date_text(double stamp) {
   std::string text = time_text(seconds);
   if (fraction > 0) text.insert(text.size() - 1, fmt::format(".{:03.0f}", fraction));
   return text;
-}
-
-std::optional<double> time_of(const std::string& text) {
-  namespace chrono = std::chrono;
-  int y = 0, mo = 0, d = 0, h = 0, mi = 0, s = 0, length = 0;
-  const bool date_only = std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &y, &mo, &d, &length) == 3 && text.size() == static_cast<std::size_t>(length);
-  const bool whole = date_only || (std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &y, &mo, &d, &h, &mi, &s, &length) == 6 &&
-                                   text.size() == static_cast<std::size_t>(length));
-  const chrono::year_month_day date{chrono::year(y), chrono::month(static_cast<unsigned>(mo)), chrono::day(static_cast<unsigned>(d))};
-  if (!whole || !date.ok() || h < 0 || h > 23 || mi < 0 || mi > 59 || s < 0 || s > 60) return std::nullopt;
-  return static_cast<double>(chrono::sys_days(date).time_since_epoch().count()) * 86400.0 + 3600.0 * h + 60.0 * mi + s;
 }
 
 double parse_time(const std::string& text) {

@@ -41,9 +41,7 @@ std::string time_text(double time);
 /// The date of a stamp [s] as seconds since 1970, in UTC to the millisecond ("2023-11-14T22:13:20.010Z"); empty where that is not from 2000 to 2099:
 /// such a clock counts from something else.
 std::string date_text(double stamp);
-/// The time of a text that is a date, or a date and time; none for any other text.
-std::optional<double> time_of(const std::string& text);
-/// The time of such a text; throws Error for any other.
+/// The time of a text that time_of knows; throws Error for any other.
 double parse_time(const std::string& text);
 
 }  // namespace imulab
