@@ -1,6 +1,7 @@
 // Any bytes as a recording of one format.
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/aid/format.hpp"
 #include "imulab/formats/recording/plain_text.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/navigate.hpp"
@@ -8,6 +9,8 @@
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <string>
 
 namespace imulab::fuzz {
@@ -82,6 +85,25 @@ void solution(std::string_view bytes) {
     read_heights(file.path());
   } catch (const Error&) {
   }
+}
+
+/// In every format, recognized or not, as every kind that has a file.
+void aids(std::string_view bytes) {
+  using namespace aid_io;
+  const FuzzedFile file(bytes);
+  for (const AidFormat& format : aid_formats())
+    for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading}) {
+      if (format.has_topics && !format.recognizes(bytes.substr(0, 4096))) continue;
+      try {
+        const AidRecord record = make_record(format.read({file.path(), kind})).record;
+        const auto same = [&](std::size_t rows) { return rows == 0 || rows == record.time.size(); };
+        if (!std::is_sorted(record.time.begin(), record.time.end(), std::less_equal<>()) || record.time.empty()) finding("stamps that do not ascend");
+        if (!same(record.position.size()) || !same(record.velocity.size()) || !same(record.value.size())) finding("columns of different lengths");
+        for (const Eigen::Vector3d& position : record.position)
+          if (std::abs(position.x()) > 1.6) finding("a latitude beyond the poles");
+      } catch (const Error&) {
+      }
+    }
 }
 
 }  // namespace imulab::fuzz

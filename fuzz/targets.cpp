@@ -21,6 +21,7 @@ const std::vector<Target>& targets() {
       {"mcap", mcap, ".mcap"},
       {"ros2", ros2, ".db3"},
       {"solution", solution, "", "text"},
+      {"aids", aids, ".ulg ardupilot.bin none.mcap", "text"},
       {"stream", stream, "", "text"},
       {"inspection", inspection, ".npy .npz .ulg ardupilot.bin zstd.mcap lz4.bag .db3", "text"},
       {"rewritten_bag", rewritten_bag, ".bag .mcap .db3"},

@@ -35,6 +35,7 @@ void ros1(std::string_view bytes);
 void mcap(std::string_view bytes);
 void ros2(std::string_view bytes);
 void solution(std::string_view bytes);
+void aids(std::string_view bytes);
 // recorded.cpp: a recording on its way.
 void stream(std::string_view bytes);
 void inspection(std::string_view bytes);

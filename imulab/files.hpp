@@ -12,6 +12,7 @@
 // threads.
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
 #include "imulab/compensate.hpp"
 #include "imulab/navigate.hpp"
@@ -104,6 +105,16 @@ void write_solution(const std::filesystem::path& path, const Solution& solution)
 
 /// Reads the columns t,height_m (s, m), as a barometer gives them. Throws Error with file, line and column.
 HeightRecord read_heights(const std::filesystem::path& path);
+
+struct AidsReading {
+  std::vector<Aid> aids;              ///< all of the session, their records on the recording's clock
+  std::vector<std::string> warnings;  ///< what was left out; a clock whose offset has to be estimated
+};
+
+/// Reads the files of a session's aids, in any of the formats of docs/reference/recordings.md, "Aids". Their stamps are then those of the recording's clock:
+/// exactly (TimeScale::recording), or but for an offset that remains to be estimated (TimeScale::own). An aid that has a record keeps it. Throws
+/// Error with file and place for what is damaged or out of range, latitude and longitude swapped, stamps that run back, and an aid of another time.
+AidsReading read_aids(const Session& session, const RecordingSource& source, const Recording& recording);
 
 /// Writes `text` to `path`, whole or not at all.
 void write_whole(const std::filesystem::path& path, std::string_view text);

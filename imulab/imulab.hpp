@@ -1,6 +1,7 @@
 // All public headers (docs/reference/headers.md has a table of them).
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/calibrate.hpp"
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"

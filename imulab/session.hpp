@@ -13,6 +13,7 @@
 // value.
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
 #include "imulab/grade.hpp"
 #include "imulab/recording.hpp"
@@ -119,6 +120,7 @@ struct TimeSource {
   std::optional<int> wrap_bits{};  ///< the column's number wraps to 0 after 2^wrap_bits of its unit
   std::int64_t zero = 0;           ///< subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
+  TimeScale scale = TimeScale::own;  ///< gps or utc: seconds since 1970, since 1980 (the epoch of GPS), or of the week
   bool operator==(const TimeSource&) const = default;
 };
 
@@ -225,6 +227,7 @@ struct Session {
   std::optional<std::string> truth_file = {};  ///< reference solution for navigation
   std::optional<std::string> vertical = {};    ///< channel of a navigation: "free", "fixed", "aided" or "held"
   std::optional<std::string> barometer_file = {};
+  std::vector<Aid> aids = {};  ///< of a drive or flight
 
   /// The declaration of the recording with this file name; if the session has none, one with the name alone.
   RecordingSource source_of(std::string_view name) const;

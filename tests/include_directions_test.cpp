@@ -27,7 +27,7 @@ const std::map<std::string, std::set<std::string>> public_headers{
     {"core", {"eigen", "error", "parallel", "stop", "units", "version"}},
     {"model", {"calibration", "coefficient", "compare", "compensate", "frame", "grade", "outlier_filter", "sensor_model"}},
     {"earth", {"earth"}},
-    {"recording", {"recording", "rests", "session"}},
+    {"recording", {"aid", "recording", "rests", "session"}},
     {"navigation", {"navigate"}},
     {"rig", {"procedure", "simulate"}},
     {"estimate", {"calibrate", "plan", "predict"}},

@@ -99,6 +99,9 @@ void will_read_files_of(const Session& session) {
     for (const std::string& file : recording.files()) will_read(session_path(session, file));
   for (const auto& file : {session.truth_file, session.imu.truth, session.noise_taken})
     if (file) will_read(session_path(session, *file));
+  std::error_code none;
+  for (const Aid& aid : session.aids)  // which may name a topic in place of a file
+    if (const fs::path file = session_path(session, aid.file); !aid.file.empty() && fs::exists(file, none)) will_read(file);
 }
 
 Session session_at(const fs::path& path) {

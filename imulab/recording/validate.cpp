@@ -3,6 +3,7 @@
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/recording.hpp"
+#include "imulab/recording/aid_fields.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/session_fields.hpp"
 #include "imulab/session.hpp"
@@ -125,6 +126,12 @@ class RangeCheck {
   }
   void pair(std::string_view key, const std::optional<std::array<double, 2>>& values, const Number& kind) {
     if (values) numbers(key, *values, kind);
+  }
+  void triple(std::string_view key, const std::optional<std::array<double, 3>>& values, const Number& kind) {
+    if (values) numbers(key, *values, kind);
+  }
+  void pairs(std::string_view key, const std::vector<std::array<double, 2>>& values, const Number& kind) {
+    for (const std::array<double, 2>& each : values) numbers(key, each, kind);
   }
   void spread(std::string_view key, const Spread& value, double factor) {
     number(key, value.value, value.fixed ? any_number(factor) : not_negative(factor));
@@ -273,6 +280,7 @@ void validate(const Session& session) {
   for (const RecordingSource& recording : session.recordings) check("recording", recording, problems);
   check_references(session.references, problems);
   if (session.initial) check("initial", *session.initial, problems);
+  for (const Aid& aid : session.aids) check("aid", aid, problems);
   RangeCheck navigation("navigation", problems);
   Session copy = session;
   transfer_navigation(navigation, copy);

@@ -80,6 +80,12 @@ void take_grade(ImuDeclaration& imu, const std::string& name) {
     imu.grade = grade(name).name;
 }
 
+/// An aid is of one recording.
+const RecordingSource& only_of(const std::vector<RecordingSource>& sources) {
+  if (sources.size() != 1) throw Error(fmt::format("{} recordings with [[aid]]; expected one recording", sources.size()));
+  return sources.front();
+}
+
 }  // namespace
 
 Simulation simulate_session(Session procedure, const SimulationTask& task) {
@@ -99,7 +105,11 @@ Simulation simulate_session(Session procedure, const SimulationTask& task) {
     out.recordings.push_back(simulate_recording(procedure, source, truth, task.seed, out.rig.back().errors));
   }
   out.truth = truth_calibration(procedure, truth, task.seed, given ? given->frame : truth.frame);
+  const std::vector<Aid> aids = procedure.aids;
+  std::optional<motion::Trajectory> moved;
+  if (!aids.empty()) moved = trajectory_on_rig(procedure, only_of(procedure.recordings), out.rig.front().errors);
   out.session = given_session(std::move(procedure), truth);
+  if (moved) out.aids = simulate_aids(out.session, aids, *moved, task.seed);
   out.truth.session_sha256 = sha256(session_text(out.session));
   return out;
 }
@@ -108,6 +118,7 @@ void write_simulated(const fs::path& path, const Simulation& simulated) {
   NewFolder folder(path);
   for (std::size_t k = 0; k < simulated.recordings.size(); ++k)
     write_recording(folder.path() / simulated.session.recordings[k].file, simulated.recordings[k]);
+  write_aids(folder.path(), simulated.aids);
   write_whole(folder.path() / "session.toml", session_text(simulated.session));
   write_whole(folder.path() / "truth.json", truth_text(simulated.truth, simulated.rig));
   folder.commit();
@@ -136,15 +147,19 @@ AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& 
                  std::vector<JsonFields> files;
                  for (const Recording& r : simulated->recordings)
                    files.push_back({{{"file", r.name}, {"samples", std::uint64_t{r.size()}}, {"duration_s", duration(r)}}});
-                 return fields_json({{{"folder", folder}, {"seed", task.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}});
+                 return fields_json({{{"folder", folder},
+                                      {"seed", task.seed},
+                                      {"recordings", files},
+                                      {"truth", std::string("truth.json")},
+                                      {"aids", aids_json(simulated->aids)}}});
                },
            .table =
                [=](bool) {
                  std::string files;
                  for (const Recording& r : simulated->recordings)
                    files += fmt::format("  {:<14} {} samples, {:g} s\n", one_line(r.name), r.size(), duration(r));
-                 return fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session should find\n  session.toml\n", one_line(folder),
-                                    task.seed, files, "truth.json");
+                 return fmt::format("{} (seed {})\n{}{}  {:<14} what a calibration of this session should find\n  session.toml\n", one_line(folder),
+                                    task.seed, files, aids_table(simulated->aids), "truth.json");
                }},
           simulated};
 }

@@ -5,6 +5,7 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
+#include "imulab/tasks/aid_files.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdint>
@@ -34,13 +35,14 @@ struct Simulation {
   std::vector<Recording> recordings;  ///< one for each of the session's
   Calibration truth;
   std::vector<RecordedRigErrors> rig;
+  std::vector<SimulatedAid> aids;
 };
 
 /// In memory. The procedure without a recording gets one at 100 Hz. Throws Error as draw_truth and simulate_recording do, and for a recording that is
 /// not named like a file of the session's own folder.
 Simulation simulate_session(Session procedure, const SimulationTask& task = {});
 
-/// recordings, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
+/// recordings, files of aids, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
 void write_simulated(const std::filesystem::path& folder, const Simulation& simulated);
 
 /// Simulates, and writes the folder where one is named.

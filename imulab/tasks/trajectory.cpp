@@ -148,6 +148,7 @@ FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
   out.truth = truth(motion, 1 / file.mission.rate, file.mission.truth_every);
   out.session = session_of(file.mission, out.recording, out.truth.states.front());
   add_vertical_channel(file, task, motion, out);
+  out.aids = simulate_aids(out.session, file.mission.aids, motion, task.seed);
   return out;
 }
 
@@ -156,6 +157,7 @@ void write_flown(const std::filesystem::path& path, const FlownMission& flown) {
   write_recording(folder.path() / "recording.csv", flown.recording);
   write_solution(folder.path() / "truth.csv", flown.truth);
   if (flown.heights) write_whole(folder.path() / "barometer.csv", heights_csv(*flown.heights));
+  write_aids(folder.path(), flown.aids);
   write_session(folder.path() / "session.toml", flown.session);
   folder.commit();
 }
@@ -185,13 +187,14 @@ AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTa
                                       {"duration_s", end},
                                       {"rate_hz", rate},
                                       {"truth_rows", std::uint64_t{flown->truth.size()}},
-                                      {"vertical", flown->session.vertical}}});
+                                      {"vertical", flown->session.vertical},
+                                      {"aids", aids_json(flown->aids)}}});
                },
            .table =
                [=](bool) {
                  const std::string heights = flown->heights ? fmt::format("  barometer.csv  {} heights\n", flown->heights->time.size()) : "";
-                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n{}  session.toml\n{}",
-                                    one_line(folder), flown->recording.size(), end, rate, flown->truth.size(), heights,
+                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n{}{}  session.toml\n{}",
+                                    one_line(folder), flown->recording.size(), end, rate, flown->truth.size(), heights, aids_table(flown->aids),
                                     motion_table(flown->recording, flown->truth));
                },
            .warnings = flown->warnings},

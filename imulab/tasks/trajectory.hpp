@@ -6,6 +6,7 @@
 #include "imulab/navigate.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
+#include "imulab/tasks/aid_files.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <cstdint>
@@ -38,14 +39,15 @@ struct FlownMission {
   Recording recording;                       ///< recording.csv
   Solution truth;                            ///< truth.csv
   std::optional<HeightRecord> heights = {};  ///< barometer.csv, where the mission's vertical channel uses one
+  std::vector<SimulatedAid> aids = {};       ///< gnss_1.csv and the like
   std::vector<std::string> warnings;
 };
 
 /// Throws Error as trajectory_of does, where [errors] are asked for that the mission lacks, and as simulate_motion.
 FlownMission fly(const MissionFile& file, const TrajectoryTask& task);
 
-/// recording.csv, truth.csv, session.toml, and barometer.csv where there is one, in a new folder, whole or not at all. Throws Error where it exists
-/// or cannot be written.
+/// recording.csv, truth.csv, session.toml, barometer.csv where there is one, and the files of aids, in a new folder, whole or not at all. Throws
+/// Error where it exists or cannot be written.
 void write_flown(const std::filesystem::path& folder, const FlownMission& flown);
 
 /// Flies the mission, and writes the folder where one is named.

@@ -46,6 +46,7 @@ class Session:
         initial: Table | None = None,
         truth: Table | None = None,
         reference: Sequence[Table] | None = None,
+        aid: Sequence[Table] | None = None,
         file: PathLike = "session.toml",
     ) -> None:
         def several(tables: Table | Sequence[Table] | None) -> Sequence[Table] | None:
@@ -61,11 +62,12 @@ class Session:
             "initial": initial,
             "truth": truth,
             "reference": reference,
+            "aid": aid,
         }
         for key in ("imu", "site", "initial", "truth"):
             if tables[key] is not None and not isinstance(tables[key], Mapping):
                 raise TypeError(f"{key}: expected a dict, got {type(tables[key]).__name__}")
-        for key in ("rig", "recording", "step", "reference"):
+        for key in ("rig", "recording", "step", "reference", "aid"):
             value = tables[key]
             if value is not None and (isinstance(value, str) or not isinstance(value, Sequence) or not all(isinstance(v, Mapping) for v in value)):
                 raise TypeError(f"{key}: expected dicts, got {type(value).__name__}")

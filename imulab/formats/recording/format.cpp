@@ -56,8 +56,10 @@ void expect_no_aid(const std::filesystem::path& path, std::string_view head) {
   for (std::size_t at = head.find('\n'); nmea && at != std::string_view::npos; at = head.find('\n', at + 1))
     nmea = at + 2 >= head.size() || head.substr(at + 1, 2) == "$G" || head[at + 1] == '\r';
   if (!rtklib && !nmea) return;
-  throw Error(fmt::format("{}: is a GNSS solution ({}), an aid of a navigation and no recording; expected the readings of an IMU", input_name(path),
-                          rtklib ? "RTKLIB's .pos" : "NMEA 0183"));
+  throw Error(fmt::format(
+      "{}: is a GNSS solution ({}), an aid of a navigation and no recording; expected the readings of an IMU, and this file as [[aid]] of "
+      "their session",
+      input_name(path), rtklib ? "RTKLIB's .pos" : "NMEA 0183"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/formats/text/toml_fields.hpp"
+#include "imulab/recording/aid_fields.hpp"
 #include "imulab/recording/session_fields.hpp"
 
 #include <array>

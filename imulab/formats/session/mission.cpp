@@ -5,6 +5,7 @@
 #include "imulab/formats/session/mission_tables.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
+#include "imulab/recording/aid_fields.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/units.hpp"
 
@@ -94,6 +95,7 @@ void read_motion(TomlFields& f, const std::filesystem::path& path, MissionFile& 
   f.check(track || !mission.segments.empty(), "segment", "is empty; expected [[segment]] tables");
   f.table("track", Presence::optional, [&](TomlFields& t) { read_track(t, path, mission, file.files); });
   read_temperature(f, mission.temperature);
+  f.tables("aid", [&](TomlFields& t) { session_fields::transfer(t, mission.aids.emplace_back()); });
 }
 
 }  // namespace

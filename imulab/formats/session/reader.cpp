@@ -96,6 +96,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.table("navigation", Presence::optional, [&](TomlFields& t) { transfer_navigation(t, session); });
+  f.tables("aid", [&](TomlFields& t) { transfer(t, session.aids.emplace_back()); });
   f.done();
   session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());

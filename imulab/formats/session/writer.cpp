@@ -60,6 +60,14 @@ class TomlText {
   void pair(std::string_view key, const std::optional<std::array<double, 2>>& values, const Number& kind) {
     if (values) numbers(key, *values, kind);
   }
+  void triple(std::string_view key, const std::optional<std::array<double, 3>>& values, const Number& kind) {
+    if (values) numbers(key, *values, kind);
+  }
+  void pairs(std::string_view key, const std::vector<std::array<double, 2>>& values, const Number& kind) {
+    std::string list;
+    for (const auto& [a, b] : values) list += fmt::format("{}[{}, {}]", list.empty() ? "" : ", ", in_unit(a, kind.factor), in_unit(b, kind.factor));
+    if (!values.empty()) add(key, "[" + list + "]");
+  }
   void number_or_numbers(std::string_view key, const std::array<double, 3>& values, const Number& kind) {
     if (values[0] != values[1] || values[0] != values[2]) return numbers(key, values, kind);
     if (values[0] != 0) number(key, values[0], kind);
@@ -218,6 +226,7 @@ std::string text_of(const Session& session, bool durations) {
   if (session.initial) text += table_text("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
   if (session.vertical || session.barometer_file) text += navigation.section("[navigation]");
+  for (const Aid& aid : session.aids) text += table_text("[[aid]]", aid);
   return text;
 }
 

@@ -172,8 +172,16 @@ void TomlFields::numbers(std::string_view key, std::span<double> values, const N
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = node_->number(*list->get(i), key, kind);
 }
 
-void TomlFields::pair(std::string_view key, std::optional<std::array<double, 2>>& value, const Number& kind) {
-  if (node_->find(key, Presence::optional) != nullptr) numbers(key, value.emplace(), kind);
+void TomlFields::pairs(std::string_view key, std::vector<std::array<double, 2>>& values, const Number& kind) {
+  const toml::node* node = node_->find(key, Presence::optional);
+  if (node == nullptr) return;
+  const toml::array* list = node->as_array();
+  for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+    const toml::array* pair = list->get(i)->as_array();
+    if (pair == nullptr || pair->size() != 2) list = nullptr;
+    if (list != nullptr) values.push_back({node_->number(*pair->get(0), key, kind), node_->number(*pair->get(1), key, kind)});
+  }
+  if (list == nullptr) node_->fail(*node, key, "is no list of pairs of numbers; expected one, as in [[300, 360], [600, 660]]");
 }
 
 void TomlFields::number_or_numbers(std::string_view key, std::span<double> values, const Number& kind) {

@@ -42,9 +42,18 @@ class TomlFields {
   void number(std::string_view key, std::optional<double>& value, const Number& kind);
   double number_or(std::string_view key, double otherwise, const Number& kind);  ///< `otherwise` in SI
   void numbers(std::string_view key, std::span<double> values, const Number& kind);
-  void pair(std::string_view key, std::optional<std::array<double, 2>>& value, const Number& kind);
-  void number_or_numbers(std::string_view key, std::span<double> values, const Number& kind);  ///< one number counts for all
-  void spread(std::string_view key, Spread& value, double factor);                             ///< a number, or { fixed = a number }
+  template <std::size_t N>
+  void array(std::string_view key, std::optional<std::array<double, N>>& value, const Number& kind) {
+    std::array<double, N> given{};
+    const bool there = has(key);
+    numbers(key, given, or_default(kind));
+    if (there) value = given;
+  }
+  void pair(std::string_view key, std::optional<std::array<double, 2>>& value, const Number& kind) { array(key, value, kind); }
+  void triple(std::string_view key, std::optional<std::array<double, 3>>& value, const Number& kind) { array(key, value, kind); }
+  void pairs(std::string_view key, std::vector<std::array<double, 2>>& values, const Number& kind);  ///< a list of pairs; absent: none
+  void number_or_numbers(std::string_view key, std::span<double> values, const Number& kind);        ///< one number counts for all
+  void spread(std::string_view key, Spread& value, double factor);                                   ///< a number, or { fixed = a number }
   /// One of `values`, by to_string.
   template <class Enum>
   void choice(std::string_view key, Enum& value, const std::vector<Enum>& values, Presence presence = Presence::required) {

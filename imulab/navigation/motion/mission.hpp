@@ -1,6 +1,7 @@
 // A mission: the motion of a vehicle or a table, and how often an IMU samples it.
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/navigate.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 #include "imulab/session.hpp"
@@ -32,6 +33,7 @@ struct Mission {
   std::optional<Solution> track;  // in their place
   TrackSmoothing smoothing;       // of the track
   std::optional<UnitTemperature> temperature;
+  std::vector<Aid> aids;  // without records
 };
 
 /// The motion. Throws Error for what `flight` and `track` refuse, and for a motion of no sample, of more than ten million, or longer than 1e6 s.

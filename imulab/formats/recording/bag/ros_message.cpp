@@ -43,10 +43,12 @@ MessagePlaces places_after(std::size_t origin, std::size_t at, bool aligned, boo
   const auto nanoseconds = load<std::uint32_t>(message.data() + at + 4, big), name = load<std::uint32_t>(message.data() + at + 8, big);
   const std::int64_t seconds = aligned ? std::int64_t{load<std::int32_t>(message.data() + at, big)}  // of ROS 2; ROS 1 has no sign
                                        : std::int64_t{load<std::uint32_t>(message.data() + at, big)};
-  std::size_t numbers = after(at + 12, name);
+  const std::size_t status = after(at + 12, name);
+  std::size_t numbers = status;
+  if (type.after_fix_status) numbers += aligned ? 3 + (numbers - origin + 1) % 2 : 3;  // int8, then uint16 on an even place
   if (aligned) numbers = origin + (numbers - origin + 7) / 8 * 8;
   after(numbers, sizeof(double) * type.numbers);
-  return {seconds * 1'000'000'000 + nanoseconds, numbers, big};
+  return {seconds * 1'000'000'000 + nanoseconds, numbers, status, big};
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ struct MessageType {
     std::size_t index;  ///< of the number
   };
   std::vector<Field> fields;
+  bool after_fix_status = false;  ///< sensor_msgs/NavSatStatus is between header and numbers
 
   std::vector<recording_io::ColumnDescription> columns() const;
 };
@@ -37,6 +38,7 @@ bool is_imu(std::string_view name);
 struct MessagePlaces {
   std::int64_t stamp_ns = 0;  ///< of the header
   std::size_t numbers = 0;    ///< the first one's byte
+  std::size_t status = 0;     ///< the byte behind the header
   bool big = false;           ///< numbers begin with the most significant byte
 
   std::size_t of(std::size_t index) const { return numbers + sizeof(double) * index; }

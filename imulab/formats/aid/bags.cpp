@@ -1,0 +1,119 @@
+// Aids in ROS bags: sensor_msgs/NavSatFix (height above the ellipsoid), geometry_msgs/TwistStamped and TwistWithCovarianceStamped. A receiver's twist
+// is in east-north-up axes (REP 103); that of wheels has the forward speed in x.
+#include "imulab/error.hpp"
+#include "imulab/formats/aid/format.hpp"
+#include "imulab/formats/recording/bag/bytes.hpp"
+#include "imulab/formats/recording/bag/topics.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/units.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::aid_io {
+namespace {
+
+using bag::MessageType;
+
+/// The numbers of a message of an aid, and what they are of it.
+struct AidMessage {
+  MessageType type;
+  void (*put)(AidKind kind, const std::vector<double>& v, AidRow& row);
+};
+
+void put_fix(AidKind, const std::vector<double>& v, AidRow& row) {
+  row.position = {v[0] * unit::deg, v[1] * unit::deg, v[2]};
+  row.position_sigma = {std::sqrt(v[3]), std::sqrt(v[7]), std::sqrt(v[11])};
+}
+
+void put_twist(AidKind kind, const std::vector<double>& v, AidRow& row) {
+  if (kind == AidKind::wheels)
+    row.value = v[0];
+  else
+    row.velocity = {v[0], v[1], v[2]};
+}
+
+void put_twist_with_covariance(AidKind kind, const std::vector<double>& v, AidRow& row) {
+  put_twist(kind, v, row);
+  constexpr std::size_t covariance = 6, size = 6;
+  const auto sigma = [&](std::size_t i) { return std::sqrt(v[covariance + i * (size + 1)]); };
+  if (kind == AidKind::wheels)
+    row.value_sigma = sigma(0);
+  else
+    row.velocity_sigma = {sigma(0), sigma(1), sigma(2)};
+}
+
+const std::vector<AidMessage>& aid_messages() {
+  static const std::vector<AidMessage> messages{
+      {{"sensor_msgs/NavSatFix", 12, {}, true}, put_fix},
+      {{"geometry_msgs/TwistStamped", 6, {}}, put_twist},
+      {{"geometry_msgs/TwistWithCovarianceStamped", 42, {}}, put_twist_with_covariance},
+  };
+  return messages;
+}
+
+const AidMessage* aid_message_of(const bag::Topic& topic, AidKind kind) {
+  std::string name = topic.type;
+  if (const auto msg = name.find("/msg/"); msg != std::string::npos) name.erase(msg, 4);
+  if (topic.encoding != "ros1" && topic.encoding != "cdr") return nullptr;
+  for (const AidMessage& message : aid_messages())
+    if (message.type.name == name && (kind == AidKind::gnss || (kind == AidKind::wheels && !message.type.after_fix_status))) return &message;
+  return nullptr;
+}
+
+const bag::Topic& choose_aid_topic(const std::vector<bag::Topic>& topics, const AidRequest& request) {
+  std::vector<const bag::Topic*> found;
+  std::string names;
+  for (const bag::Topic& topic : topics) {
+    if (aid_message_of(topic, request.kind) == nullptr) continue;
+    names += (names.empty() ? "" : ", ") + topic.name;
+    if (request.topic.empty() || topic.name == request.topic) found.push_back(&topic);
+  }
+  if (found.size() == 1) return *found.front();
+  if (!found.empty())
+    throw Error(fmt::format("{}: has several topics of an aid; expected file = \"{}:TOPIC\" with one of {}", input_name(request.file),
+                            request.file.filename().string(), names));
+  throw Error(fmt::format("{}: has no {} of kind {}; expected sensor_msgs/NavSatFix, or geometry_msgs/TwistStamped{}", input_name(request.file),
+                          request.topic.empty() ? "topic" : "topic " + request.topic, to_string(request.kind), names.empty() ? "" : ": " + names));
+}
+
+AidRows read_bag_aid(const AidRequest& request) {
+  AidRows out{.file = input_name(request.file), .row = "message", .scale = TimeScale::utc};
+  const std::unique_ptr<bag::Bag> opened = bag::open_bag(request.file);
+  const bag::Topic& topic = choose_aid_topic(opened->topics(), request);
+  const AidMessage& message = *aid_message_of(topic, request.kind);
+  std::size_t without_fix = 0, number = 0;
+  std::vector<double> values(message.type.numbers);
+  opened->each_message(topic, [&](std::int64_t, std::string_view bytes) {
+    AidRow row;
+    row.line = ++number;
+    try {
+      const bag::MessagePlaces places = bag::message_places(topic.message_encoding(), message.type, bytes);
+      row.time = places.stamp_ns;
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = bag::load<double>(bytes.data() + places.of(i), places.big);
+      if (message.type.after_fix_status && static_cast<signed char>(bytes[places.status]) < 0) return void(++without_fix);
+    } catch (const bag::Damaged& e) {
+      throw Error(fmt::format("{}: {}: message {}: {}", out.file, topic.name, number, e.what()));
+    }
+    message.put(request.kind, values, row);
+    out.rows.push_back(row);
+  });
+  out.warnings = opened->warnings();
+  if (without_fix > 0) out.warnings.push_back(fmt::format("{}: {}: {} messages without a fix are left out", out.file, topic.name, without_fix));
+  return out;
+}
+
+}  // namespace
+
+AidFormat bag_aid_format() {
+  return {"a ROS bag",
+          [](std::string_view head) {
+            const std::vector<RecordingFormat>& all = recording_formats();
+            return std::any_of(all.begin(), all.end(), [&](const RecordingFormat& f) { return f.bag != nullptr && f.recognizes(head); });
+          },
+          read_bag_aid, true, [](const std::filesystem::path& path) { return bag::bag_format(path) != nullptr; }};
+}
+
+}  // namespace imulab::aid_io
