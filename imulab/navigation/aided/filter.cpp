@@ -1,0 +1,162 @@
+#include "imulab/navigation/aided/filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+
+namespace imulab::aided {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The observations at each epoch, by the number of samples before it.
+std::map<std::size_t, std::vector<std::size_t>> schedule(const Problem& p, const FilterStart& start, const VectorXd& x, std::size_t end) {
+  std::map<std::size_t, std::vector<std::size_t>> out;
+  const auto first = p.time.begin() + static_cast<std::ptrdiff_t>(start.sample), last = p.time.begin() + static_cast<std::ptrdiff_t>(end);
+  const double begin = start.sample > 0 ? p.time[start.sample - 1] : p.begin, half = p.interval / 2;
+  for (std::size_t k = 0; k < p.observations.size(); ++k) {
+    const Channel& c = p.channels[p.observations[k].channel];
+    const double t = p.observations[k].stamp - delay_at(p, c, x, p.observations[k].stamp);
+    if (t < begin - half || t > p.time[end - 1] + half) continue;
+    auto after = std::lower_bound(first, last, t);
+    if (after == last || (after != first && t - *(after - 1) < *after - t)) --after;
+    out[static_cast<std::size_t>(after - p.time.begin()) + 1].push_back(k);
+  }
+  out[start.sample], out[end];
+  for (auto here = out.begin(), next = std::next(here); next != out.end(); here = next++) {  // no step longer than the longest
+    double from = here->first > 0 ? p.time[here->first - 1] : p.begin;
+    for (std::size_t i = here->first + 1; i < next->first; ++i)
+      if (p.time[i] - from > p.longest_step) {
+        out[i];
+        from = p.time[i - 1];
+      }
+  }
+  return out;
+}
+
+struct Filter {
+  const Problem& p;
+  const FilterStart& start;
+  const FilterOptions& options;
+  FilterPass out{};
+
+  double weight_of(const Instant&, std::size_t observation, Eigen::Index row, double innovation, double variance) const {
+    if (options.about && !options.about->weights.empty()) {
+      const VectorXd& known = options.about->weights[observation];
+      if (row < known.size()) return known[row];
+    }
+    return std::min(1., (student_freedom + 1) / (student_freedom + innovation * innovation / variance));
+  }
+
+  /// Rows one after the other, in the form that keeps the covariance positive.
+  void update(Node& node, EpochRows& e, const Instant& at) {
+    for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
+      const VectorXd h = e.rows.derivative.row(k);
+      VectorXd Ph = node.covariance * h;
+      const double spread = h.dot(Ph), noise = p.sources[e.rows.source[static_cast<std::size_t>(k)]].factor * e.rows.variance[k];
+      const double innovation = e.rows.residual[k] - h.dot(node.error);
+      e.innovation[k] = innovation, e.innovation_variance[k] = spread + noise;
+      e.weight[k] = weight_of(at, e.observation, k, innovation, spread + noise);
+      const double variance = spread + noise / e.weight[k];
+      out.log_likelihood -= (std::log(variance) + innovation * innovation / variance) / 2;
+      const VectorXd gain = Ph / variance;
+      node.error += gain * innovation;
+      // Joseph: (I - K h) P (I - K h)^T + K r K^T
+      node.covariance.noalias() -= gain * Ph.transpose();
+      Ph.noalias() = node.covariance * h;
+      node.covariance.noalias() += ((noise / e.weight[k]) * gain - Ph) * gain.transpose();
+      node.covariance = (node.covariance + node.covariance.transpose()).eval() / 2;
+    }
+  }
+
+  EpochRows linearized(const Node& node, std::size_t k, const Instant& at) const {
+    EpochRows e{.observation = k, .rows = observe(p, p.observations[k], at), .weight = {}, .innovation = {}, .innovation_variance = {}};
+    const Eigen::Index n = e.rows.residual.size();
+    e.weight = VectorXd::Ones(n), e.innovation = e.rows.residual - e.rows.derivative * node.error;
+    e.innovation_variance = (e.rows.derivative * node.covariance * e.rows.derivative.transpose()).diagonal();
+    for (Eigen::Index i = 0; i < n; ++i) e.innovation_variance[i] += p.sources[e.rows.source[static_cast<std::size_t>(i)]].factor * e.rows.variance[i];
+    return e;
+  }
+
+  void observe_all(Node& node, const std::vector<std::size_t>& observations) {
+    if (observations.empty()) return;
+    const Instant at = instant_at(p, node.samples, node.reference);
+    for (const std::size_t k : observations) {
+      EpochRows e = linearized(node, k, at);
+      if (!p.observations[k].withheld) update(node, e, at);
+      (p.observations[k].withheld ? node.withheld : node.rows).push_back(std::move(e));
+    }
+    if (options.about) return;
+    node.reference = plus(node.reference, node.error);
+    node.correction = std::exchange(node.error, VectorXd::Zero(p.size));
+  }
+
+  Node first() const {
+    Node node{.samples = start.sample, .reference = start.mean, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
+    node.covariance = start.sigma.cwiseAbs2().asDiagonal();
+    if (!options.about) return node;
+    node.reference = {options.about->states.front(), options.about->x};
+    node.error = start.mean.x - options.about->x;
+    node.error.head<9>() = minus(start.mean.motion, node.reference.motion);
+    return node;
+  }
+
+  Node next(Node& node, std::size_t samples) const {
+    Integrated step = integrate(p, node.samples, samples, node.reference, true);
+    Node out{.samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
+    node.defect = VectorXd::Zero(p.size);
+    if (options.about) {
+      out.reference.motion = options.about->states[samples - start.sample];
+      node.defect.head<9>() = minus(step.end, out.reference.motion);
+    }
+    // A slow state of the reference decays as well.
+    node.defect.tail(p.size - 9) = (step.transition.decay.tail(p.size - 9).array() - 1) * node.reference.x.tail(p.size - 9).array();
+    out.error = propagated_mean(step.transition, node.error) + node.defect;
+    out.covariance = propagated(p, step.transition, node.covariance);
+    node.next = std::move(step.transition);
+    if (!options.about) {
+      out.reference = plus(out.reference, out.error);
+      node.defect.setZero();
+      out.error.setZero();
+    }
+    return out;
+  }
+
+  void run() {
+    const std::size_t end = std::min(options.end, p.samples.size());
+    const auto epochs = schedule(p, start, options.about ? options.about->x : start.mean.x, end);
+    for (const auto& [samples, observations] : epochs) {
+      Node node = out.nodes.empty() ? first() : next(out.nodes.back(), samples);
+      observe_all(node, observations);
+      if (!options.keep) out.nodes.clear();
+      out.nodes.push_back(std::move(node));
+    }
+  }
+};
+
+}  // namespace
+
+FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options) {
+  Filter f{problem, start, options};
+  f.run();
+  return std::move(f.out);
+}
+
+AboutTrajectory trajectory_of(const Problem& p, const std::vector<std::size_t>& samples, const std::vector<FullState>& states) {
+  AboutTrajectory out;
+  out.states.push_back(states.front().motion);
+  for (std::size_t k = 0; k + 1 < states.size(); ++k) {
+    const std::size_t from = out.states.size();
+    const Integrated step = integrate(p, samples[k], samples[k + 1], states[k], false, &out.states);
+    const Eigen::Matrix<double, 9, 1> misfit = minus(states[k + 1].motion, step.end);
+    const double begin = samples[k] > 0 ? p.time[samples[k] - 1] : p.begin, length = p.time[samples[k + 1] - 1] - begin;
+    for (std::size_t i = from; i < out.states.size(); ++i)
+      out.states[i] = plus(out.states[i], Eigen::Matrix<double, 9, 1>((p.time[samples[k] + i - from] - begin) / length * misfit));
+  }
+  return out;
+}
+
+}  // namespace imulab::aided

@@ -1,0 +1,229 @@
+#include "imulab/navigation/aided/observation.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
+#include "imulab/units.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace imulab::aided {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+bool stated(const Vector3d& sigma) { return sigma.allFinite() && (sigma.array() > 0).all(); }
+
+ObservedRows rows_of(Eigen::Index count, Eigen::Index size) {
+  return {VectorXd::Zero(count), MatrixXd::Zero(count, size), VectorXd::Zero(count), std::vector<std::size_t>(static_cast<std::size_t>(count))};
+}
+
+/// The time from the epoch to the moment that the aid measured.
+double offset_in_time(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  return o.stamp - delay_at(p, c, at.state.x, o.stamp) - at.time;
+}
+
+/// What was measured changes at `rate`.
+void set_delay(const Problem& p, const Channel& c, const Observation& o, const VectorXd& rate, MatrixXd& derivative) {
+  if (c.delay < 0) return;
+  derivative.col(c.delay) = -rate;
+  derivative.col(c.delay + 1) = -(o.stamp - p.middle()) * rate;
+}
+
+Vector3d lever_of(const Channel& c, const Instant& at) { return c.lever >= 0 ? Vector3d(at.state.x.segment<3>(c.lever)) : Vector3d::Zero(); }
+
+ObservedRows joined_rows(ObservedRows a, const ObservedRows& b) {
+  ObservedRows out = rows_of(a.residual.size() + b.residual.size(), a.derivative.cols());
+  out.residual << a.residual, b.residual;
+  out.derivative << a.derivative, b.derivative;
+  out.variance << a.variance, b.variance;
+  out.source = std::move(a.source);
+  out.source.insert(out.source.end(), b.source.begin(), b.source.end());
+  return out;
+}
+
+ObservedRows observe_position(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& place) {
+  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
+  const Vector3d lever = lever_of(c, at), moved = C * lever, velocity = at.state.motion.velocity + C * at.rate_eb.cross(lever);
+  const double offset = offset_in_time(p, c, o, at);
+  NavigationState antenna = at.state.motion;
+  antenna.latitude = place.x(), antenna.longitude = place.y(), antenna.height = place.z();
+  ObservedRows out = rows_of(3, p.size);
+  out.residual = minus(antenna, at.state.motion).segment<3>(At::position) - moved - offset * velocity - offset * offset / 2 * at.acceleration;
+  if (c.slow >= 0) out.residual -= at.state.x.segment<3>(c.slow);
+  out.derivative.middleCols<3>(At::attitude) = -skew<double>(moved);
+  out.derivative.middleCols<3>(At::velocity) = offset * Matrix3d::Identity();
+  out.derivative.middleCols<3>(At::position).setIdentity();
+  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C;
+  set_delay(p, c, o, velocity, out.derivative);
+  if (c.slow >= 0) out.derivative.middleCols<3>(c.slow).setIdentity();
+  out.variance = position_sigma(c.aid, o.row).cwiseAbs2();
+  std::ranges::fill(out.source, c.first_noise);
+  return out;
+}
+
+ObservedRows observe_velocity(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& measured) {
+  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
+  const Vector3d lever = lever_of(c, at), swung = C * at.rate_eb.cross(lever);
+  ObservedRows out = rows_of(3, p.size);
+  out.residual = measured - at.state.motion.velocity - swung - offset_in_time(p, c, o, at) * at.acceleration;
+  out.derivative.middleCols<3>(At::attitude) = -skew<double>(swung);
+  out.derivative.middleCols<3>(At::velocity).setIdentity();
+  out.derivative.middleCols<3>(p.gyro_offset) = -C * skew<double>(lever);
+  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C * skew<double>(at.rate_eb);
+  set_delay(p, c, o, at.acceleration, out.derivative);
+  out.variance = velocity_sigma(c.aid, o.row).cwiseAbs2();
+  std::ranges::fill(out.source, c.second_noise);
+  return out;
+}
+
+ObservedRows observe_gnss(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const AidRecord& r = c.aid.record;
+  ObservedRows out = rows_of(0, p.size);
+  if (!r.position.empty() && r.position[o.row].allFinite()) out = joined_rows(out, observe_position(p, c, o, at, r.position[o.row]));
+  if (!r.velocity.empty() && r.velocity[o.row].allFinite()) out = joined_rows(out, observe_velocity(p, c, o, at, r.velocity[o.row]));
+  return out;
+}
+
+/// The velocity of the vehicle's point in its own axes, with its derivatives.
+struct VehicleVelocity {
+  Vector3d value;
+  MatrixXd derivative;
+};
+VehicleVelocity vehicle_velocity(const Problem& p, const Channel& c, const Instant& at) {
+  const Matrix3d C_bn = at.state.motion.q_nb.toRotationMatrix().transpose(), R = mounting(p, c, at.state.x);
+  const Vector3d lever = lever_of(c, at), body = C_bn * at.state.motion.velocity + at.rate_eb.cross(lever);
+  VehicleVelocity out{R * body, MatrixXd::Zero(3, p.size)};
+  out.derivative.middleCols<3>(At::attitude) = R * C_bn * skew<double>(at.state.motion.velocity);
+  out.derivative.middleCols<3>(At::velocity) = R * C_bn;
+  out.derivative.middleCols<3>(p.gyro_offset) = -R * skew<double>(lever);
+  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = R * skew<double>(at.rate_eb);
+  if (c.mount >= 0) {
+    const double yaw = at.state.x[c.mount + 1];
+    out.derivative.col(c.mount) = rotation_about(Vector3d::UnitZ(), yaw) * Vector3d::UnitX().cross(rotation_about(Vector3d::UnitZ(), -yaw) * out.value);
+    out.derivative.col(c.mount + 1) = Vector3d::UnitZ().cross(out.value);
+  }
+  return out;
+}
+
+ObservedRows observe_vehicle(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const VehicleVelocity v = vehicle_velocity(p, c, at);
+  ObservedRows out = rows_of(2, p.size);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    out.residual[k] = -v.value[2 * k] - (c.slow >= 0 ? at.state.x[c.slow + k] : 0);
+    out.derivative.row(k) = v.derivative.row(2 * k);
+    if (c.slow >= 0) out.derivative(k, c.slow + k) = 1;
+  }
+  out.variance.setConstant(std::pow(value_sigma(c.aid, o.row), 2));
+  out.source = {c.first_noise, c.second_noise};
+  return out;
+}
+
+ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const VehicleVelocity v = vehicle_velocity(p, c, at);
+  const double scale = 1 + (c.scale >= 0 ? at.state.x[c.scale] : 0);
+  ObservedRows out = rows_of(1, p.size);
+  out.residual[0] = c.aid.record.value[o.row] - scale * v.value.y();
+  out.derivative.row(0) = scale * v.derivative.row(1);
+  if (c.scale >= 0) out.derivative(0, c.scale) = v.value.y();
+  out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
+  out.source[0] = c.first_noise;
+  return out;
+}
+
+ObservedRows observe_barometer(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const double offset = offset_in_time(p, c, o, at);
+  ObservedRows out = rows_of(1, p.size);
+  out.residual[0] = c.aid.record.value[o.row] - at.state.motion.height - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
+  out.derivative(0, At::position + 2) = 1;
+  if (c.slow >= 0) out.derivative(0, c.slow) = 1;
+  set_delay(p, c, o, at.state.motion.velocity.tail<1>(), out.derivative);
+  out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
+  out.source[0] = c.first_noise;
+  return out;
+}
+
+ObservedRows observe_heading(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
+  const double east = C(0, 1), north = C(1, 1), up = C(2, 1), level = east * east + north * north;
+  ObservedRows out = rows_of(1, p.size);
+  out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north), 2 * std::numbers::pi);
+  out.derivative.block<1, 3>(0, At::attitude) << east * up / level, north * up / level, -1;
+  if (c.slow >= 0) out.residual[0] -= at.state.x[c.slow], out.derivative(0, c.slow) = 1;
+  out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
+  out.source[0] = c.first_noise;
+  return out;
+}
+
+/// The rate at rest is a mean of a tenth of a second: with the noise of the gyros besides that of a base which is not quite still.
+ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const Matrix3d C_bn = at.state.motion.q_nb.toRotationMatrix().transpose();
+  const Vector3d earth = local_earth(at.state.motion.latitude, at.state.motion.height).rate;
+  ObservedRows out = rows_of(6, p.size);
+  out.residual << -at.state.motion.velocity, C_bn * earth - at.rate_ib;
+  out.derivative.block<3, 3>(0, At::velocity).setIdentity();
+  out.derivative.block<3, 3>(3, At::attitude) = -C_bn * skew<double>(earth);
+  out.derivative.block<3, 3>(3, p.gyro_offset).setIdentity();
+  out.variance.head<3>().setConstant(std::pow(value_sigma(c.aid, o.row), 2));
+  out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
+  for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
+  return out;
+}
+
+constexpr std::array laws{
+    AidLaw{AidKind::gnss, "gnss", 2.5, 0.2, 0, observe_gnss},
+    AidLaw{AidKind::vehicle, "vehicle", 0, 0, 0.05, observe_vehicle},
+    AidLaw{AidKind::wheels, "wheels", 0, 0, 0.1, observe_wheels},
+    AidLaw{AidKind::barometer, "barometer", 0, 0, 1, observe_barometer},
+    AidLaw{AidKind::heading, "heading", 0, 0, 2 * unit::deg, observe_heading},
+    AidLaw{AidKind::zero_velocity, "zero_velocity", 0, 0, 0.02, observe_rest},
+};
+
+}  // namespace
+
+const AidLaw& aid_law(AidKind kind) { return *std::ranges::find(laws, kind, &AidLaw::kind); }
+
+Vector3d position_sigma(const Aid& aid, std::size_t row) {
+  if (row < aid.record.position_sigma.size() && stated(aid.record.position_sigma[row])) return aid.record.position_sigma[row];
+  return Vector3d::Constant(aid.position_sigma.value_or(aid_law(aid.kind).position_sigma));
+}
+
+Vector3d velocity_sigma(const Aid& aid, std::size_t row) {
+  if (row < aid.record.velocity_sigma.size() && stated(aid.record.velocity_sigma[row])) return aid.record.velocity_sigma[row];
+  return Vector3d::Constant(aid.velocity_sigma.value_or(aid_law(aid.kind).velocity_sigma));
+}
+
+double value_sigma(const Aid& aid, std::size_t row) {
+  if (row < aid.record.value_sigma.size() && aid.record.value_sigma[row] > 0) return aid.record.value_sigma[row];
+  return aid.value_sigma.value_or(aid_law(aid.kind).value_sigma);
+}
+
+Matrix3d mounting(const Problem&, const Channel& c, const Eigen::VectorXd& x) {
+  if (c.mount < 0) return Matrix3d::Identity();
+  return rotation_about(Vector3d::UnitZ(), x[c.mount + 1]) * rotation_about(Vector3d::UnitX(), x[c.mount]);
+}
+
+Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
+  constexpr double half = 0.05;  // s: shorter means are noise of the sensors
+  const auto margin = static_cast<std::size_t>(std::max(1., std::round(half / p.interval)));
+  Increment sum;
+  double length = 0;
+  for (std::size_t i = end > margin ? end - margin : 0; i < std::min(end + margin, p.samples.size()); ++i) {
+    const Increment sample = corrected(p, p.samples[i], state.x);
+    sum.angle += sample.angle, sum.velocity += sample.velocity, length += p.samples[i].interval;
+  }
+  const LocalEarth earth = local_earth(state.motion.latitude, state.motion.height);
+  const Matrix3d C = state.motion.q_nb.toRotationMatrix();
+  const Vector3d rate = sum.angle / length, &v = state.motion.velocity;
+  const Vector3d gravity = p.gravity ? Vector3d(0, 0, -*p.gravity) : earth.gravity;
+  return {.state = state,
+          .time = end > 0 ? p.time[end - 1] : p.begin,
+          .rate_ib = rate,
+          .rate_eb = rate - C.transpose() * earth.rate,
+          .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v)};
+}
+
+}  // namespace imulab::aided

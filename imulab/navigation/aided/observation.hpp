@@ -1,0 +1,65 @@
+// The table of aids: what each kind of aid would read in a given state, its derivatives by all states, and its noise. The filter knows no kind.
+//
+//   GNSS position   z = p + C l - dt (v + C (w_eb x l))
+//   GNSS velocity   z = v + C (w_eb x l) - dt a
+//   vehicle         (C_vb (C_bn v + w_eb x l))_right,up + slip = 0
+//   wheels          z = (1 + s) (C_vb (C_bn v + w_eb x l))_forward
+//   barometer       z = h + b
+//   heading         z = heading of the forward axis
+//   zero velocity   0 = v,  0 = w_ib - C_bn w_ie
+#pragma once
+
+#include "imulab/navigation/aided/problem.hpp"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::aided {
+
+/// The computed motion at an epoch, as the aids need it.
+struct Instant {
+  FullState state;
+  double time = 0;        // s
+  Vector3d rate_ib;       // corrected, body axes [rad/s], a mean over a tenth of a second
+  Vector3d rate_eb;       // against the Earth
+  Vector3d acceleration;  // east-north-up [m/s^2]
+};
+
+/// Rows of one observation: measured less computed, derivatives of the computed by the error state, variances with a factor of 1.
+struct ObservedRows {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd derivative;
+  Eigen::VectorXd variance;
+  std::vector<std::size_t> source;  // of the noise
+};
+
+/// A row of the table.
+struct AidLaw {
+  AidKind kind;
+  std::string_view name;
+  double position_sigma, velocity_sigma, value_sigma;  // where neither the aid nor its record states one: m, m/s, or the kind's own unit
+  ObservedRows (*observe)(const Problem& problem, const Channel& channel, const Observation& observation, const Instant& instant);
+};
+const AidLaw& aid_law(AidKind kind);
+
+/// A sigma that a record states, or else the aid, or else the kind.
+Vector3d position_sigma(const Aid& aid, std::size_t row);
+Vector3d velocity_sigma(const Aid& aid, std::size_t row);
+double value_sigma(const Aid& aid, std::size_t row);
+
+/// Body axes to the vehicle's: mounting angles about right and up [rad].
+Matrix3d mounting(const Problem& problem, const Channel& channel, const Eigen::VectorXd& x);
+
+/// The instant after sample `end - 1`, at the state there.
+Instant instant_at(const Problem& problem, std::size_t end, const FullState& state);
+
+inline ObservedRows observe(const Problem& problem, const Observation& observation, const Instant& instant) {
+  const Channel& channel = problem.channels[observation.channel];
+  return aid_law(channel.aid.kind).observe(problem, channel, observation, instant);
+}
+
+}  // namespace imulab::aided

@@ -1,0 +1,60 @@
+#include "imulab/navigation/aided/problem.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/earth.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace imulab::aided {
+
+NavigationState plus(const NavigationState& state, const Eigen::Matrix<double, 9, 1>& error) {
+  NavigationState out = state;
+  const LocalEarth earth = local_earth(state.latitude, state.height);
+  out.q_nb = Eigen::Quaterniond(rotation_exp(error.segment<3>(At::attitude))) * state.q_nb;
+  out.q_nb.normalize();
+  out.velocity += error.segment<3>(At::velocity);
+  out.longitude += error[At::position] / (earth.transverse_radius * earth.cos_latitude);
+  out.latitude += error[At::position + 1] / earth.meridian_radius;
+  out.height += error[At::position + 2];
+  return out;
+}
+
+FullState plus(const FullState& state, const Eigen::VectorXd& error) {
+  FullState out{plus(state.motion, error.head<9>()), state.x + error};
+  out.x.head<9>().setZero();
+  return out;
+}
+
+Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from) {
+  const LocalEarth earth = local_earth(from.latitude, from.height);
+  Eigen::Matrix<double, 9, 1> error;
+  error.segment<3>(At::attitude) = rotation_log((to.q_nb * from.q_nb.conjugate()).toRotationMatrix());
+  error.segment<3>(At::velocity) = to.velocity - from.velocity;
+  error.segment<3>(At::position) << std::remainder(to.longitude - from.longitude, 2 * std::numbers::pi) * earth.transverse_radius * earth.cos_latitude,
+      (to.latitude - from.latitude) * earth.meridian_radius, to.height - from.height;
+  return error;
+}
+
+Increment corrected(const Problem& p, const TimedIncrement& sample, const Eigen::VectorXd& x) {
+  const Vector3d &angle = sample.increment.angle, &velocity = sample.increment.velocity;
+  Increment out{angle + sample.interval * x.segment<3>(p.gyro_offset), velocity + sample.interval * x.segment<3>(p.accel_offset)};
+  const auto matrix = [&](Eigen::Index first) { return Eigen::Map<const Matrix3d>(x.data() + first); };  // column by column
+  if (p.gyro_matrix >= 0) out.angle += matrix(p.gyro_matrix) * angle;
+  if (p.g_sensitivity >= 0) out.angle += matrix(p.g_sensitivity) * velocity;
+  if (p.accel_matrix >= 0) out.velocity += matrix(p.accel_matrix) * velocity;
+  return out;
+}
+
+double delay_at(const Problem& p, const Channel& c, const Eigen::VectorXd& x, double stamp) {
+  return c.delay >= 0 ? x[c.delay] + x[c.delay + 1] * (stamp - p.middle()) : 0;
+}
+
+Eigen::Index add_block(Problem& problem, StateBlock block) {
+  block.first = problem.size;
+  problem.size += block.size;
+  problem.blocks.push_back(std::move(block));
+  return problem.blocks.back().first;
+}
+
+}  // namespace imulab::aided

@@ -1,0 +1,105 @@
+// The states of an aided navigation, its sources of noise and its observations, in one table each.
+//
+// The error state is what has to be added to the computed state: C_nb = (I + [phi x]) C_hat, v = v_hat + dv, p = p_hat + dp (east-north-up [m]), and
+// every other state x = x_hat + dx. The sensors' constants are errors of the calibrated output,
+//
+//   w = (I + Mg) w_hat + bg + G f_hat,   f = (I + Ma) f_hat + ba
+#pragma once
+
+#include "imulab/eigen.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/recording/aid.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab::aided {
+
+/// The first nine states.
+struct At {
+  static constexpr Eigen::Index attitude = 0, velocity = 3, position = 6, sensors = 9;
+};
+
+/// What one variance factor multiplies: the white noise of a kind's rows, the driving noise of slow states, or the noise of a triad.
+struct NoiseSource {
+  std::string name;
+  double factor = 1;
+  bool estimated = true;
+};
+
+/// A group of states with a common law: x' = -x / time + u, u white. Infinite time and no walk: constants.
+struct StateBlock {
+  std::string name;
+  Eigen::Index first = -1, size = 0;
+  Eigen::VectorXd prior;             // standard deviation at the start
+  double time = INFINITY;            // correlation time [s]
+  double sigma = 0;                  // stationary, where the time is finite
+  Eigen::VectorXd walk;              // growth of the standard deviation [unit/sqrt(s)]; empty: none
+  std::optional<std::size_t> noise;  // the source of u
+};
+
+/// An aid and the places of its states; -1: absent. `delay`: that in the middle of the recording [s], and its drift [s/s], as clocks do.
+struct Channel {
+  Aid aid;
+  Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1;
+  std::size_t first_noise = 0, second_noise = 0;  // of position (or value), of velocity
+  double time_constant = 0;                       // of its slow error [s]
+};
+
+/// A row of an aid's record, or a time at which a constraint holds.
+struct Observation {
+  double stamp = 0;  // s, of the recording's clock, the delay not taken off
+  std::size_t channel = 0, row = 0;
+  bool withheld = false;
+};
+
+struct Problem {
+  std::vector<TimedIncrement> samples;  // of the calibrated recording
+  std::vector<double> time;             // end of each [s]
+  double begin = 0;                     // of the first [s]
+  double interval = 0;                  // nominal [s]
+  std::optional<double> gravity;        // m/s^2
+  Vector3d gyro_noise, accel_noise;     // densities of each axis, SI
+  std::size_t gyro_source = 0, accel_source = 0;
+  std::vector<NoiseSource> sources;
+  std::vector<StateBlock> blocks;  // all but the first nine states
+  Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
+  Eigen::Index sensors_end = 15;  // of the states that the sensors' output depends on
+  Eigen::Index size = 15;
+  std::vector<Channel> channels;
+  std::vector<Observation> observations;  // by stamp
+  double middle() const { return (begin + time.back()) / 2; }
+  double longest_step = 1;                // s: between two epochs
+};
+
+/// A navigation state and all other states (the first nine are zero).
+struct FullState {
+  NavigationState motion;
+  Eigen::VectorXd x;
+};
+
+/// Where the filter starts: the mean before any data, and one standard deviation of all states.
+struct FilterStart {
+  FullState mean;
+  Eigen::VectorXd sigma;
+  std::size_t sample = 0;  // the state is that before it
+};
+
+/// The state with an error state added.
+FullState plus(const FullState& state, const Eigen::VectorXd& error);
+NavigationState plus(const NavigationState& state, const Eigen::Matrix<double, 9, 1>& error);
+/// The first nine of the error state that takes `from` to `to`.
+Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from);
+
+/// The sample with the sensors' errors of `x` taken off.
+Increment corrected(const Problem& problem, const TimedIncrement& sample, const Eigen::VectorXd& x);
+
+/// How late an aid's stamps are there [s].
+double delay_at(const Problem& problem, const Channel& channel, const Eigen::VectorXd& x, double stamp);
+
+/// Adds a block of states at the end.
+Eigen::Index add_block(Problem& problem, StateBlock block);
+
+}  // namespace imulab::aided

@@ -1,0 +1,200 @@
+#include "imulab/navigation/aided/setup.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/inertial_samples.hpp"
+#include "imulab/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab::aided {
+namespace {
+
+using Eigen::VectorXd;
+
+// Where an aid declares nothing: one sigma.
+constexpr double lever_sigma = 1, delay_sigma = 0.2, scale_sigma = 0.02;  // m, s, relative
+constexpr double clock_sigma = 300e-6;  // of a logger's clock against the aid's
+constexpr double mount_sigma = 20 * unit::deg;
+constexpr double flicker_time = 100;  // s: over which the flicker of an offset is as large as its bias instability
+
+double density(const std::optional<double>& declared, const Vector3d* rest, Eigen::Index axis, double of_grade) {
+  if (declared) return *declared;
+  if (rest && (*rest)[axis] > 0) return (*rest)[axis];
+  return of_grade;
+}
+
+double walk_of(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt(flicker_time)); }
+
+double uncertainty(const Calibration& c, Triad triad, Term term, int row, int column, double otherwise) {
+  return standard_uncertainty(c, coefficient_index(triad, term, row, column)).value_or(otherwise);
+}
+
+std::size_t add_source(Problem& p, std::string name) {
+  p.sources.push_back({std::move(name)});
+  return p.sources.size() - 1;
+}
+
+StateBlock constants(std::string name, const VectorXd& prior) { return {.name = std::move(name), .size = prior.size(), .prior = prior, .walk = {}, .noise = {}}; }
+
+/// Column by column.
+VectorXd flat(const Matrix3d& m) { return Eigen::Map<const VectorXd>(m.data(), 9); }
+
+void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
+  p.size = At::sensors;
+  p.gyro_source = add_source(p, "gyro"), p.accel_source = add_source(p, "accel");
+  const auto offset = [&](std::string name, const Vector3d& prior, const Vector3d& walk) {
+    StateBlock block = constants(name + ".offset", prior);
+    block.walk = walk, block.noise = add_source(p, name + ".drift");
+    return add_block(p, std::move(block));
+  };
+  p.gyro_offset = offset("gyro", priors.gyro_offset, priors.gyro_walk);
+  p.accel_offset = offset("accel", priors.accel_offset, priors.accel_walk);
+  if (matrices) {
+    p.gyro_matrix = add_block(p, constants("gyro.matrix", flat(priors.gyro_matrix)));
+    p.accel_matrix = add_block(p, constants("accel.matrix", flat(priors.accel_matrix)));
+    p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", flat(priors.g_sensitivity)));
+  }
+  p.sensors_end = p.size;
+}
+
+/// The typical sigma of one axis of a receiver's positions.
+double typical_position_sigma(const Aid& aid) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < aid.record.time.size(); i += 1 + aid.record.time.size() / 1000) all.push_back(position_sigma(aid, i).mean());
+  return median(all);
+}
+
+Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::Index size, double sigma, double time) {
+  c.time_constant = c.aid.correlation.value_or(time);
+  return add_block(p, {.name = name,
+                       .size = size,
+                       .prior = VectorXd::Constant(size, sigma),
+                       .time = c.time_constant,
+                       .sigma = sigma,
+                       .walk = {},
+                       .noise = add_source(p, name)});
+}
+
+void add_channel(Problem& p, const Aid& aid, const std::string& name) {
+  Channel c{.aid = aid};
+  const auto lever = [&] { c.lever = add_block(p, constants(name + ".lever_arm", Vector3d::Constant(aid.lever_arm_sigma.value_or(lever_sigma)))); };
+  const auto delay = [&] { c.delay = add_block(p, constants(name + ".delay", Eigen::Vector2d(aid.delay_sigma.value_or(delay_sigma), clock_sigma))); };
+  const auto mount = [&] { c.mount = add_block(p, constants(name + ".mounting", VectorXd::Constant(2, mount_sigma))); };
+  switch (aid.kind) {
+    case AidKind::gnss: {
+      c.first_noise = add_source(p, name + ".position"), c.second_noise = add_source(p, name + ".velocity");
+      lever(), delay();
+      if (aid.record.position.empty()) break;
+      const double sigma = typical_position_sigma(aid);
+      c.slow = add_slow(p, c, name + ".slow_error", 3, sigma, sigma < 0.1 ? 20 : 60);
+      break;
+    }
+    case AidKind::vehicle:
+      c.first_noise = add_source(p, name + ".side"), c.second_noise = add_source(p, name + ".up");
+      lever(), mount();
+      c.slow = add_slow(p, c, name + ".side_slip", 2, 2 * value_sigma(aid, 0), 2);
+      break;
+    case AidKind::wheels:
+      c.first_noise = add_source(p, name);
+      lever(), mount();
+      c.scale = add_block(p, constants(name + ".scale", VectorXd::Constant(1, scale_sigma)));
+      break;
+    case AidKind::barometer:
+      c.first_noise = add_source(p, name);
+      delay();
+      c.slow = add_slow(p, c, name + ".slow_error", 1, 20, 3600);
+      break;
+    case AidKind::heading:
+      c.first_noise = add_source(p, name);
+      c.slow = add_slow(p, c, name + ".slow_error", 1, value_sigma(aid, 0), 60);
+      break;
+    case AidKind::zero_velocity:
+      c.first_noise = add_source(p, name + ".velocity"), c.second_noise = add_source(p, name + ".rate");
+      break;
+  }
+  p.channels.push_back(std::move(c));
+}
+
+bool inside(const std::vector<Outage>& outages, double t) {
+  return std::ranges::any_of(outages, [&](const Outage& o) { return t >= o.begin && t < o.end; });
+}
+
+void add_observations(Problem& p, std::size_t channel, const Recording& recording, const Session& session, const SetupOptions& options) {
+  const Aid& aid = p.channels[channel].aid;
+  if (aid.kind == AidKind::vehicle) {
+    for (double t = p.begin + options.vehicle_interval; t <= p.time.back(); t += options.vehicle_interval)
+      p.observations.push_back({.stamp = t, .channel = channel});
+  } else if (aid.kind == AidKind::zero_velocity) {
+    constexpr double edge = 0.3;  // s: a rest is found in windows of half a second
+    for (const Range& rest : rests_of(recording, session).ranges)
+      for (double t = recording.time_s(rest.begin) + edge; t <= recording.time_s(rest.end - 1) - edge; t += options.rest_interval)
+        p.observations.push_back({.stamp = t, .channel = channel});
+  } else {
+    for (std::size_t row = 0; row < aid.record.time.size(); ++row) {
+      const double t = 1e-9 * static_cast<double>(aid.record.time[row]);
+      p.observations.push_back({t, channel, row, inside(aid.outages, t) || inside(options.outages, t)});
+    }
+  }
+}
+
+}  // namespace
+
+SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu) {
+  const Grade& g = grade(imu.grade.value_or("mems"));
+  const bool known = !calibration.estimated.empty();
+  SensorPriors out;
+  const NoiseModel gyro = imu.gyro_noise.value_or(g.gyro_noise), accel = imu.accel_noise.value_or(g.accel_noise);
+  for (int i = 0; i < 3; ++i) {
+    const double gyro_turn_on = known ? gyro.turn_on.value : 0, accel_turn_on = known ? accel.turn_on.value : 0;
+    out.gyro_offset[i] = std::hypot(uncertainty(calibration, Triad::gyro, Term::offset, i, i, g.gyro_bias), gyro_turn_on);
+    out.accel_offset[i] = std::hypot(uncertainty(calibration, Triad::accel, Term::offset, i, i, g.accel_bias), accel_turn_on);
+    out.gyro_walk[i] = walk_of(gyro), out.accel_walk[i] = walk_of(accel);
+    const RestNoise* rest = calibration.rest_noise ? &*calibration.rest_noise : nullptr;
+    out.gyro_noise[i] = density(imu.gyro_noise_density, rest ? &rest->gyro : nullptr, i, gyro.N);
+    out.accel_noise[i] = density(imu.accel_noise_density, rest ? &rest->accel : nullptr, i, accel.N);
+    for (int j = 0; j < 3; ++j) {
+      const bool scale = i == j;
+      out.gyro_matrix(i, j) = known ? uncertainty(calibration, Triad::gyro, Term::matrix, i, j, 0) : scale ? g.gyro_scale : g.gyro_misalignment;
+      out.accel_matrix(i, j) = known ? uncertainty(calibration, Triad::accel, Term::matrix, i, j, 0) : scale ? g.accel_scale : g.accel_misalignment;
+      out.g_sensitivity(i, j) = uncertainty(calibration, Triad::gyro, Term::g_sensitivity, i, j, g.g_sensitivity);
+    }
+  }
+  return out;
+}
+
+Problem make_problem(const Recording& recording, const SensorPriors& priors, const std::vector<Aid>& aids, const Session& session,
+                     const SetupOptions& options) {
+  Problem p;
+  InertialSamples samples = inertial_samples(recording, {0, recording.size()});
+  p.samples = std::move(samples.steps), p.time = std::move(samples.time), p.begin = samples.begin, p.interval = recording.interval_s;
+  p.gravity = session.site.given_gravity;
+  p.gyro_noise = priors.gyro_noise, p.accel_noise = priors.accel_noise;
+  add_sensors(p, priors, options.matrices);
+  for (const Aid& aid : aids) {
+    const std::string kind(aid_law(aid.kind).name);
+    const auto same = std::ranges::count(aids.begin(), aids.begin() + (&aid - aids.data()), aid.kind, &Aid::kind);
+    add_channel(p, aid, same > 0 ? fmt::format("{}{}", kind, same + 1) : kind);
+    add_observations(p, p.channels.size() - 1, recording, session, options);
+  }
+  std::ranges::stable_sort(p.observations, {}, &Observation::stamp);
+  std::erase_if(p.observations, [&](const Observation& o) { return o.stamp < p.begin - 1 || o.stamp > p.time.back() + 1; });
+  if (p.observations.empty()) throw Error(recording.name + ": no aid has an observation during the recording; expected times that overlap");
+  return p;
+}
+
+Prior prior_of(const Problem& p) {
+  Prior out{VectorXd::Zero(p.size), VectorXd::Zero(p.size)};
+  for (const StateBlock& b : p.blocks) out.sigma.segment(b.first, b.size) = b.prior.cwiseMax(1e-12);
+  for (const Channel& c : p.channels) {
+    if (c.lever >= 0 && c.aid.lever_arm) out.mean.segment<3>(c.lever) = *c.aid.lever_arm;
+    if (c.delay >= 0) out.mean[c.delay] = c.aid.delay.value_or(0);
+  }
+  return out;
+}
+
+}  // namespace imulab::aided
