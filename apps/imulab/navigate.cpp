@@ -1,10 +1,12 @@
 // imulab navigate CALIBRATION SESSION...
+#include "imulab/tasks/aided.hpp"
 #include "imulab/tasks/navigate.hpp"
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
+#include "imulab/formats/recording/aided_solution.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
@@ -30,7 +32,7 @@ UsableCalibration calibration_of(const std::string& name, bool allow_undetermine
   return usable;
 }
 
-void check(const NavigateVerbOptions& o) {
+void check_inertial(const NavigateVerbOptions& o) {
   if (o.require) errors_of_option("require", [&] { expect_navigation_limits(*o.require); });
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})
@@ -41,6 +43,31 @@ Session session_of_one(const std::string& name, const RecordingWords& words) {
   Session session = open_session(name, words);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
   return session;
+}
+
+/// Options of a pure-inertial solution are refused.
+void check_aided(const NavigateVerbOptions& o) {
+  if (!o.aided) {
+    if (o.filter) throw OptionError("filter", "belongs to --aided; expected both");
+    if (!o.outages.empty()) throw OptionError("outages", "belongs to --aided; expected both");
+    return;
+  }
+  if (o.sessions.size() > 1) throw OptionError("aided", "takes a single SESSION");
+  for (const auto& [name, given] : {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
+                                    std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()),
+                                    std::pair("require", o.require.has_value())})
+    if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
+  if (o.output == "-") throw OptionError("output", "with --aided expected a file");
+}
+
+void run_aided(const NavigateVerbOptions& o, const UsableCalibration& usable) {
+  const Session session = session_of_one(o.sessions.front(), {o.declarations, o.topics});
+  Recording recording = read_for(usable.calibration, session, session.recordings[0]);
+  std::optional<Progress> progress(std::in_place, "navigating");
+  const AnswerOf<AidedNavigation> answer = aided_answer(o.sessions.front(), usable.calibration, session, std::move(recording), o, usable.warnings);
+  if (!o.output.empty()) write_aided_solution(o.output, *answer.data);
+  progress.reset();
+  show(answer, o, o.output.empty() ? "" : fmt::format("{}: {} states\n", o.output, answer.data->solution.size()));
 }
 
 NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& options, const Calibration& calibration, const std::string& name,
@@ -54,9 +81,10 @@ NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& 
 }
 
 void run(const NavigateVerbOptions& o) {
-  check(o);
+  check_aided(o), check_inertial(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
   const auto [calibration, warnings] = calibration_of(o.calibration, o.allow_undetermined);
+  if (o.aided) return run_aided(o, {calibration, warnings});
   std::vector<Session> opened;  // all of them before the first is navigated
   std::vector<NavigateOptions> options;
   for (const std::string& name : o.sessions) {

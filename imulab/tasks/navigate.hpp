@@ -17,6 +17,8 @@ struct NavigateVerbOptions : ShowOptions {
   std::optional<std::string> vertical, require;  ///< absent: the channel that the session declares, else free; limits on errors
   std::vector<std::string> sessions, declarations, topics;
   std::optional<double> heading_deg, heading_sigma_deg;
+  std::string outages;  ///< of an aided navigation: EVERY,LENGTH
+  bool aided = false, filter = false;
   bool align = false, allow_undetermined = false;
 };
 /// The verb `navigate`, which sets these.

@@ -83,8 +83,8 @@ ObservedRows observe_velocity(const Problem& p, const Channel& c, const Observat
 ObservedRows observe_gnss(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   const AidRecord& r = c.aid.record;
   ObservedRows out = rows_of(0, p.size);
-  if (!r.position.empty() && r.position[o.row].allFinite()) out = joined_rows(out, observe_position(p, c, o, at, r.position[o.row]));
-  if (!r.velocity.empty() && r.velocity[o.row].allFinite()) out = joined_rows(out, observe_velocity(p, c, o, at, r.velocity[o.row]));
+  if (!r.position.empty() && !r.position[o.row].hasNaN()) out = joined_rows(out, observe_position(p, c, o, at, r.position[o.row]));
+  if (!r.velocity.empty()) out = joined_rows(out, observe_velocity(p, c, o, at, r.velocity[o.row]));
   return out;
 }
 
@@ -183,6 +183,18 @@ constexpr std::array laws{
 };
 
 }  // namespace
+
+ObservedRows observe(const Problem& p, const Observation& o, const Instant& instant) {
+  const Channel& channel = p.channels[o.channel];
+  ObservedRows all = aid_law(channel.aid.kind).observe(p, channel, o, instant);
+  if (all.residual.allFinite()) return all;
+  std::vector<Eigen::Index> measured;
+  for (Eigen::Index k = 0; k < all.residual.size(); ++k)
+    if (std::isfinite(all.residual[k])) measured.push_back(k);
+  ObservedRows out{all.residual(measured), all.derivative(measured, Eigen::all), all.variance(measured), {}};
+  for (const Eigen::Index k : measured) out.source.push_back(all.source[static_cast<std::size_t>(k)]);
+  return out;
+}
 
 const AidLaw& aid_law(AidKind kind) { return *std::ranges::find(laws, kind, &AidLaw::kind); }
 

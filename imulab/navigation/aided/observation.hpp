@@ -57,9 +57,7 @@ Matrix3d mounting(const Problem& problem, const Channel& channel, const Eigen::V
 /// The instant after sample `end - 1`, at the state there.
 Instant instant_at(const Problem& problem, std::size_t end, const FullState& state);
 
-inline ObservedRows observe(const Problem& problem, const Observation& observation, const Instant& instant) {
-  const Channel& channel = problem.channels[observation.channel];
-  return aid_law(channel.aid.kind).observe(problem, channel, observation, instant);
-}
+/// The rows of an observation by the law of its kind, without those that were not measured.
+ObservedRows observe(const Problem& problem, const Observation& observation, const Instant& instant);
 
 }  // namespace imulab::aided

@@ -8,7 +8,7 @@
 
 #include "imulab/eigen.hpp"
 #include "imulab/navigate.hpp"
-#include "imulab/recording/aid.hpp"
+#include "imulab/aid.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -42,6 +42,7 @@ struct StateBlock {
 
 /// An aid and the places of its states; -1: absent. `delay`: that in the middle of the recording [s], and its drift [s/s], as clocks do.
 struct Channel {
+  std::string name;
   Aid aid;
   Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1;
   std::size_t first_noise = 0, second_noise = 0;  // of position (or value), of velocity

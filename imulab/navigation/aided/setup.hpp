@@ -5,7 +5,7 @@
 #include "imulab/grade.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/recording.hpp"
-#include "imulab/recording/aid.hpp"
+#include "imulab/aid.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
 
@@ -28,7 +28,7 @@ SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration&
 
 struct SetupOptions {
   bool matrices = true;       // scales, misalignments and g-sensitivity as states under their priors
-  double vehicle_interval = 0.25, rest_interval = 0.5;  // s: between two rows of a constraint
+  double vehicle_interval = 1, rest_interval = 0.5;  // s: between two rows of a constraint; a body on springs forgets within one
   std::vector<Outage> outages = {};                     // of all aids with a file, besides the aids' own
 };
 

@@ -1,0 +1,189 @@
+#include "imulab/navigation/aided/aided.hpp"
+
+#include "imulab/compensate.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/coefficient.hpp"
+#include "imulab/navigation/aided/filter.hpp"
+#include "imulab/navigation/aided/outages.hpp"
+#include "imulab/navigation/aided/setup.hpp"
+#include "imulab/navigation/aided/start.hpp"
+#include "imulab/recording/resampling.hpp"
+#include "imulab/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+namespace aided {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double vibration = 100;      // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
+constexpr double believed = 4;         // values that the declared noise counts for
+constexpr double settled = 0.05;       // of a factor: further passes change nothing that matters
+
+/// New factors; the largest relative change of those that the data resolve.
+double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
+  double change = 0;
+  for (std::size_t k = 0; k < p.sources.size(); ++k) {
+    const double before = p.sources[k].factor, resolved = evidence[k].resolved;
+    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed);
+    if (resolved > 50 && !first) change = std::max(change, std::abs(p.sources[k].factor / before - 1));
+  }
+  return change;
+}
+
+/// The smoothed trajectory as the next point of linearization: constants and offsets by their means, slow errors of aids at zero, in which all is
+/// linear.
+AboutTrajectory about(const Problem& p, const FilterPass& pass, SmootherPass& smoothed) {
+  std::vector<std::size_t> samples;
+  std::vector<FullState> states;
+  VectorXd mean = VectorXd::Zero(p.size);
+  for (std::size_t k = 0; k < pass.nodes.size(); ++k) {
+    samples.push_back(pass.nodes[k].samples), states.push_back(smoothed.nodes[k].state);
+    mean += states.back().x / static_cast<double>(pass.nodes.size());
+  }
+  AboutTrajectory out = trajectory_of(p, samples, states);
+  for (const StateBlock& b : p.blocks)
+    if (std::isfinite(b.time)) mean.segment(b.first, b.size).setZero();
+  out.x = mean;
+  out.weights = std::move(smoothed.weights);
+  return out;
+}
+
+/// Names of a block's elements.
+std::vector<std::string> elements_of(const StateBlock& b) {
+  constexpr std::array<const char*, 3> axes{"x", "y", "z"}, body{"right", "forward", "up"};
+  std::vector<std::string> out;
+  for (Index k = 0; k < b.size; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (b.name.ends_with("matrix") || b.name.ends_with("g_sensitivity")) out.push_back(fmt::format("{}.{}{}", b.name, axes[i % 3], axes[i / 3]));
+    else if (b.name.ends_with("offset")) out.push_back(fmt::format("{}.{}", b.name, axes[i]));
+    else if (b.name.ends_with("lever_arm")) out.push_back(fmt::format("{}.{}", b.name, body[i]));
+    else if (b.name.ends_with("mounting")) out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
+    else if (b.name.ends_with("delay")) out.push_back(i == 0 ? b.name : b.name + ".drift");
+    else out.push_back(b.name);
+  }
+  return out;
+}
+
+void add_constants(const Problem& p, const SmoothedNode& at, AidedNavigation& out) {
+  for (const StateBlock& b : p.blocks) {
+    if (std::isfinite(b.time)) continue;
+    const std::vector<std::string> names = elements_of(b);
+    for (Index k = 0; k < b.size; ++k)
+      if (b.prior[k] > 0)
+        out.constants.push_back({names[static_cast<std::size_t>(k)], at.state.x[b.first + k], std::sqrt(at.variance[b.first + k]), b.prior[k]});
+  }
+}
+
+void add_innovations(const Problem& p, const FilterPass& pass, AidedNavigation& out) {
+  double squares = 0, doubted = 0;
+  std::size_t count = 0;
+  for (const Node& node : pass.nodes)
+    for (const EpochRows& e : node.rows)
+      for (Index k = 0; k < e.innovation.size(); ++k) {
+        const double sigmas = e.innovation[k] / std::sqrt(e.innovation_variance[k]);
+        out.innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas});
+        squares += std::min(sigmas * sigmas, 25.), doubted += e.weight[k] < 1. / 3, ++count;
+      }
+  if (count == 0) return;
+  out.innovation_rms = std::sqrt(squares / static_cast<double>(count));
+  out.suspects = doubted / static_cast<double>(count);
+}
+
+double time_of(const Problem& p, std::size_t samples) { return samples > 0 ? p.time[samples - 1] : p.begin; }
+
+/// The filter's states between the epochs are integrated from the last one.
+void add_solution(const Problem& p, const FilterPass& pass, const std::vector<NavigationState>& states, AidedNavigation& out) {
+  const std::size_t first = pass.nodes.front().samples;
+  for (std::size_t i = 0; i < states.size(); ++i) out.solution.time.push_back(time_of(p, first + i));
+  out.solution.states = states;
+}
+
+std::vector<NavigationState> causal_states(const Problem& p, const FilterPass& pass) {
+  std::vector<NavigationState> states{pass.nodes.front().reference.motion};
+  for (std::size_t k = 0; k + 1 < pass.nodes.size(); ++k) {
+    integrate(p, pass.nodes[k].samples, pass.nodes[k + 1].samples, pass.nodes[k].reference, false, &states);
+    states.back() = pass.nodes[k + 1].reference.motion;
+  }
+  return states;
+}
+
+void judge(AidedNavigation& out, const FoundStart& start, const std::string& name) {
+  const auto doubt = [&](std::string text) {
+    out.doubtful = true;
+    out.warnings.push_back(name + ": " + std::move(text));
+  };
+  if (start.ambiguous) doubt("the motion does not show the heading at the start; expected accelerations or turns while the aids measure");
+  if (out.innovation_rms > 1.5)
+    doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
+  if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
+  double squares = 0;
+  for (const OutageResult& o : out.outages) squares += o.smoothed.ratio * o.smoothed.ratio / static_cast<double>(out.outages.size());
+  if (out.outages.size() >= 3 && std::sqrt(squares) > 2)
+    doubt(fmt::format("errors in withheld times are {:.1f} times their stated sigma", std::sqrt(squares)));
+  if (!out.converged) out.warnings.push_back(fmt::format("{}: the estimates of the noise still change after {} passes", name, out.passes));
+}
+
+}  // namespace
+}  // namespace aided
+
+AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
+                               const AidedOptions& options) {
+  using namespace aided;
+  Recording recording = compensate(calibration.model, std::move(raw)).recording;
+  if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
+  Problem p = make_problem(recording, sensor_priors(calibration, session.imu), aids, session, {.outages = options.outages});
+  for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
+  const FoundStart start = find_start(p, session);
+  AidedNavigation out;
+  for (const Channel& c : p.channels) out.aids.push_back(c.name);
+  out.causal = options.causal, out.headings = start.candidates;
+  FilterPass pass;
+  SmootherPass smoothed;
+  AboutTrajectory trajectory;
+  while (out.passes < options.passes && !out.converged) {
+    pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
+    smoothed = smooth(p, pass);
+    out.factors.clear();
+    for (std::size_t k = 0; k < p.sources.size(); ++k)
+      out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
+    ++out.passes;
+    trajectory = about(p, pass, smoothed);
+    if (out.passes == options.passes) break;  // the factors remain those of the states
+    out.converged = update_factors(p, smoothed.evidence, out.passes == 1) < settled && out.passes > 2;
+  }
+  add_outages(p, pass, smoothed, &OutageResult::smoothed, out.outages);
+  add_constants(p, smoothed.nodes.back(), out);
+  std::vector<NavigationState> states = std::move(trajectory.states);
+  for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
+    out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
+  pass = filter(p, start.start);  // what was known at each time, with the noise of the whole
+  add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
+  add_innovations(p, pass, out);
+  if (options.causal) {
+    states = causal_states(p, pass);
+    for (const Node& node : pass.nodes) out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
+  }
+  add_solution(p, pass, states, out);
+  judge(out, start, recording.name);
+  return out;
+}
+
+Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {
+  auto after = std::lower_bound(n.covariance.begin(), n.covariance.end(), time, [](const AidedCovariance& c, double t) { return c.time < t; });
+  if (after == n.covariance.end()) --after;
+  if (after == n.covariance.begin()) return after->value.diagonal().cwiseMax(0).cwiseSqrt();
+  const AidedCovariance& before = *std::prev(after);
+  const double part = std::clamp((time - before.time) / (after->time - before.time), 0., 1.);
+  return ((1 - part) * before.value.diagonal() + part * after->value.diagonal()).cwiseMax(0).cwiseSqrt();
+}
+
+}  // namespace imulab

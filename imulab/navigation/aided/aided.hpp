@@ -1,0 +1,92 @@
+// Aided navigation (docs/aided.md): an inertial solution corrected by receivers, wheels, a barometer and known constraints, with its covariance.
+//
+// An error-state filter forward and a Rauch-Tung-Striebel smoother backward, repeated about the smoothed trajectory; the sensors' errors, lever arms,
+// delays, mounting angles and slow errors of the aids are states under their priors. The size of each source of noise is estimated from the data.
+#pragma once
+
+#include "imulab/aid.hpp"
+#include "imulab/calibration.hpp"
+#include "imulab/navigate.hpp"
+#include "imulab/recording.hpp"
+#include "imulab/session.hpp"
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct AidedOptions {
+  bool causal = false;                 // the solution is that of the filter: from the data before each time alone
+  std::vector<Outage> outages = {};    // withheld from the aids with a file, besides the aids' own
+  int passes = 5;                      // of the smoother, at most
+};
+
+/// An estimated constant [SI] beside its standard deviation before the data.
+struct AidedConstant {
+  std::string name;  // "gnss.lever_arm.right", or a coefficient's "gyro.offset.x": the error of the calibrated output
+  double value = 0, sigma = 0, prior = 0;
+  /// The data say less than half of what the prior leaves open.
+  bool undetermined() const { return sigma > 0.7 * prior; }
+};
+
+/// The size of a source of noise: its variance over the stated or declared one.
+struct AidedFactor {
+  std::string name;     // "gnss.position"
+  double factor = 1;
+  double resolved = 0;  // number of values that the data resolve
+};
+
+/// A withheld time: the largest horizontal error of the prediction, and the errors over their stated sigmas.
+struct OutageErrors {
+  double horizontal = 0, sigma = 0;  // m: the largest error, and the stated sigma then
+  double vertical = 0;               // m
+  double ratio = 0;                  // root mean square of the horizontal errors over their sigmas
+};
+struct OutageResult {
+  double begin = 0, end = 0;  // s
+  std::size_t fixes = 0;
+  OutageErrors predicted, smoothed;  // forward from the data before; with the data on both sides
+};
+
+/// Covariance of phi [rad], velocity [m/s], position [m], east-north-up, at one time [s].
+struct AidedCovariance {
+  double time = 0;
+  Eigen::Matrix<double, 9, 9> value;
+};
+
+/// Measured less predicted before the update, over its sigma.
+struct AidedInnovation {
+  double time = 0;
+  std::size_t source = 0;  // among the factors
+  double sigmas = 0;
+};
+
+struct AidedNavigation {
+  Solution solution;                        // at every sample
+  std::vector<AidedCovariance> covariance;  // at the epochs
+  std::vector<std::string> aids;            // names, with which those of their constants and factors begin: "gnss", "gnss2"
+  std::vector<AidedConstant> constants;
+  std::vector<AidedFactor> factors;
+  std::vector<OutageResult> outages;
+  std::vector<AidedInnovation> innovations;  // of the filter
+  double innovation_rms = 0;                 // of all: 1 where the noise is as stated
+  double suspects = 0;                       // part of the rows that the kernel weighs by less than a third
+  int passes = 0, headings = 1;              // of the smoother; candidates at the start
+  bool converged = false, causal = false;
+  std::vector<std::string> warnings;
+  bool doubtful = false;
+};
+
+/// `recording` is raw, the aids have their records on its clock. Throws Error where no aid has an observation during the recording, or nothing gives
+/// a start; and as `compensate` does.
+AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording recording, const std::vector<Aid>& aids,
+                               const AidedOptions& options = {});
+
+/// Root of the variances between the epochs, linear in time: of phi, velocity, position.
+Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& navigation, double time);
+
+}  // namespace imulab

@@ -1,0 +1,203 @@
+#include "imulab/results/aided.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/formats/text/printable.hpp"
+#include "imulab/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+
+namespace {
+
+const AidedConstant* find_constant(const AidedNavigation& n, const std::string& name) {
+  const auto at = std::ranges::find(n.constants, name, &AidedConstant::name);
+  return at == n.constants.end() ? nullptr : &*at;
+}
+
+}  // namespace
+
+std::vector<AidedAid> aided_aids(const AidedNavigation& n) {
+  std::vector<AidedAid> out;
+  for (const std::string& name : n.aids) {
+    AidedAid aid{.name = name, .kind = name.substr(0, name.find_last_not_of("0123456789") + 1)};
+    const auto take = [&](const std::string& group, std::initializer_list<const char*> elements, std::vector<double>& value, std::vector<double>& sigma) {
+      for (const char* element : elements)
+        if (const AidedConstant* c = find_constant(n, fmt::format("{}.{}.{}", name, group, element))) value.push_back(c->value), sigma.push_back(c->sigma);
+    };
+    take("lever_arm", {"right", "forward", "up"}, aid.lever_arm, aid.lever_arm_sigma);
+    take("mounting", {"pitch", "yaw"}, aid.mounting, aid.mounting_sigma);
+    if (const AidedConstant* c = find_constant(n, name + ".delay")) aid.delay = c->value, aid.delay_sigma = c->sigma;
+    if (const AidedConstant* c = find_constant(n, name + ".delay.drift")) aid.drift = c->value;
+    const auto factor = std::ranges::find_if(n.factors, [&](const AidedFactor& f) { return f.name == name || f.name.starts_with(name + "."); });
+    if (factor != n.factors.end()) aid.sigma_factor = std::sqrt(factor->factor);
+    out.push_back(std::move(aid));
+  }
+  return out;
+}
+
+OutageSummary outage_summary(const std::vector<OutageResult>& outages, OutageErrors OutageResult::*part) {
+  OutageSummary out;
+  std::vector<double> largest;
+  for (const OutageResult& o : outages) {
+    const OutageErrors& e = o.*part;
+    largest.push_back(e.horizontal);
+    out.ratio += e.ratio * e.ratio / static_cast<double>(outages.size());
+    out.worst = std::max(out.worst, e.horizontal);
+  }
+  out.ratio = std::sqrt(out.ratio);
+  out.median = outages.empty() ? 0 : median(std::move(largest));
+  return out;
+}
+
+double largest_sigma(const AidedNavigation& n) {
+  double most = 0;
+  for (const AidedCovariance& c : n.covariance) most = std::max(most, std::sqrt(c.value(6, 6) + c.value(7, 7)));
+  return most;
+}
+
+std::string showing_manoeuvre(const std::string& c) {
+  if (c.ends_with("lever_arm.up")) return "roll or pitch: a slope, a bank, braking";
+  if (c.ends_with("lever_arm.right") || c.ends_with("lever_arm.forward")) return "turns in both directions";
+  if (c.ends_with("delay") || c.ends_with("drift")) return "changes of speed, and turns";
+  if (c.ends_with("mounting.pitch") || c.ends_with("mounting.yaw")) return "a straight drive at speed";
+  if (c == "gyro.matrix.zz") return "turns in both directions, of several full circles";
+  if (c.starts_with("gyro.matrix") && c.ends_with("z")) return "turns in both directions";
+  if (c.starts_with("gyro.matrix")) return "rotations about that axis: rolls and pitches of 30 deg and more, or turns by hand before the drive";
+  if (c.starts_with("gyro.g_sensitivity")) return "figure eights and braking; rests on several faces";
+  if (c == "accel.offset.z" || c == "accel.matrix.zz") return "rests upside down or on a side: level motion does not tell offset and scale apart";
+  if (c.starts_with("accel.offset")) return "the same road in both directions, figure eights";
+  if (c.starts_with("accel.matrix")) return "braking and turns in both directions; rests on several faces";
+  if (c.starts_with("gyro.offset")) return "a minute at rest";
+  if (c.ends_with("scale")) return "a straight drive at speed";
+  return "";
+}
+
+std::string aided_headline(const AidedNavigation& n) {
+  const double distance = [&] {
+    double sum = 0;
+    for (std::size_t i = 1; i < n.solution.size(); ++i) sum += (n.solution.time[i] - n.solution.time[i - 1]) * n.solution.states[i].velocity.norm();
+    return sum;
+  }();
+  std::string text = fmt::format("{:.4g} km in {:.4g} s, {}; position known to {:.2g} m or better (one sigma, horizontal)", distance / 1000,
+                                 n.solution.time.back() - n.solution.time.front(), n.causal ? "filtered" : "smoothed", largest_sigma(n));
+  if (n.outages.empty()) return text;
+  const OutageSummary s = outage_summary(n.outages, n.causal ? &OutageResult::predicted : &OutageResult::smoothed);
+  return text + fmt::format("; in {} withheld times off by {:.2g} m (median of the largest), {:.2g} times sigma", n.outages.size(), s.median, s.ratio);
+}
+
+// ---- fields of --json
+
+template <class Fields>
+void describe(Fields& f, OutageErrors& e) {
+  f("horizontal_error_m", e.horizontal), f("sigma_m", e.sigma), f("vertical_error_m", e.vertical), f("error_over_sigma", e.ratio);
+}
+
+template <class Fields>
+void describe(Fields& f, AidedConstant& c) {
+  f("value", c.value), f("standard_uncertainty", c.sigma), f("prior", c.prior);
+  fields::derived(f, "determined", !c.undetermined());
+}
+
+template <class Fields>
+void describe(Fields& f, AidedAid& a) {
+  f("kind", a.kind);
+  if (!a.lever_arm.empty()) f("lever_arm_m", a.lever_arm), f("lever_arm_sigma_m", a.lever_arm_sigma);
+  if (!a.mounting.empty()) f("mounting_deg", a.mounting, fields::in(unit::deg)), f("mounting_sigma_deg", a.mounting_sigma, fields::in(unit::deg));
+  f("delay_s", a.delay, fields::if_any), f("delay_sigma_s", a.delay_sigma, fields::if_any), f("drift_ppm", a.drift, fields::How{fields::Presence::optional, fields::Null::none, true, 1e-6});
+  f("sigma_factor", a.sigma_factor);
+}
+
+namespace {
+
+JsonValue outage_json(const OutageResult& o, bool causal) {
+  JsonValue shown = written(causal ? o.predicted : o.smoothed);
+  JsonFields out{{{"begin_s", o.begin}, {"end_s", o.end}, {"fixes", o.fixes}}};
+  for (auto& field : std::get<JsonFields>(shown.is).fields) out.fields.push_back(std::move(field));
+  out.fields.emplace_back("predicted", written(o.predicted));
+  return out;
+}
+
+std::string constant_row(const AidedConstant& c) {
+  struct Shown {
+    const char* unit;
+    double size;
+  };
+  const auto shown = [&]() -> Shown {
+    if (c.name.find("lever_arm") != std::string::npos) return {"m", 1};
+    if (c.name.find("mounting") != std::string::npos) return {"deg", unit::deg};
+    if (c.name.ends_with("delay")) return {"s", 1};
+    if (c.name.ends_with("drift") || c.name.ends_with("scale")) return {"ppm", 1e-6};
+    if (c.name.starts_with("gyro.offset")) return {"deg/h", unit::deg_per_h};
+    if (c.name.starts_with("accel.offset")) return {"mg", 1e-3 * unit::g};
+    if (c.name.find("g_sensitivity") != std::string::npos) return {"deg/h/g", unit::deg_per_h / unit::g};
+    return {"ppm", unit::ppm};
+  }();
+  return fmt::format("  {:<26} {:>11.4g} {:>9.2g} {:<8}\n", c.name, c.value / shown.size, c.sigma / shown.size, shown.unit);
+}
+
+std::string not_shown(const AidedNavigation& n) {
+  std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
+  for (const AidedConstant& c : n.constants) {
+    if (!c.undetermined()) continue;
+    const std::string manoeuvre = showing_manoeuvre(c.name);
+    const auto at = std::ranges::find(groups, manoeuvre, &std::pair<std::string, std::string>::first);
+    if (at == groups.end()) groups.emplace_back(manoeuvre, c.name);
+    else at->second += ", " + c.name;
+  }
+  std::string text;
+  for (const auto& [manoeuvre, names] : groups) text += fmt::format("  {}\n    would show: {}\n", names, manoeuvre.empty() ? "no motion" : manoeuvre);
+  return text.empty() ? "" : "\nnot determined by this motion\n" + text;
+}
+
+}  // namespace
+
+std::string aided_json(const std::string& session, const AidedNavigation& n) {
+  std::vector<JsonValue> outages;
+  for (const OutageResult& o : n.outages) outages.push_back(outage_json(o, n.causal));
+  JsonFields constants, factors;
+  for (const AidedConstant& c : n.constants) constants.fields.emplace_back(c.name, written(c));
+  for (const AidedFactor& f : n.factors) factors.fields.emplace_back(f.name, JsonFields{{{"variance_factor", f.factor}, {"resolved", f.resolved}}});
+  return json_text(JsonFields{{{"session", session},
+                               {"kind", n.causal ? "filtered" : "smoothed"},
+                               {"begin_s", n.solution.time.front()},
+                               {"end_s", n.solution.time.back()},
+                               {"largest_sigma_m", largest_sigma(n)},
+                               {"outages", std::move(outages)},
+                               {"aids", written(aided_aids(n))},
+                               {"constants", std::move(constants)},
+                               {"noise", std::move(factors)},
+                               {"innovation_rms", n.innovation_rms},
+                               {"suspects", n.suspects},
+                               {"passes", n.passes},
+                               {"converged", n.converged}}},
+                   JsonLayout::long_lists);
+}
+
+std::string aided_table(const std::string& session, const AidedNavigation& n) {
+  std::string text = fmt::format("{}: {} from {:.3f} s to {:.3f} s, {} passes, {} headings tried at the start\n", one_line(session),
+                                 n.causal ? "filtered" : "smoothed", n.solution.time.front(), n.solution.time.back(), n.passes, n.headings);
+  text += fmt::format("innovations {:.2f} times their stated size; {:.1f} % of the rows are suspects\n", n.innovation_rms, 100 * n.suspects);
+  if (!n.outages.empty()) {
+    text += fmt::format("\n{:>22} {:>12} {:>8} {:>8} {:>12} {:>8} {:>8}\n", "withheld, s", "predicted, m", "sigma", "/sigma", "smoothed, m", "sigma", "/sigma");
+    for (const OutageResult& o : n.outages)
+      text += fmt::format("  {:>9.2f} to {:>7.2f} {:>12.3g} {:>8.2g} {:>8.2f} {:>12.3g} {:>8.2g} {:>8.2f}\n", o.begin, o.end, o.predicted.horizontal,
+                          o.predicted.sigma, o.predicted.ratio, o.smoothed.horizontal, o.smoothed.sigma, o.smoothed.ratio);
+    const OutageSummary p = outage_summary(n.outages, &OutageResult::predicted), s = outage_summary(n.outages, &OutageResult::smoothed);
+    text += fmt::format("  {:>20} {:>12.3g} {:>8} {:>8.2f} {:>12.3g} {:>8} {:>8.2f}\n", "median, RMS /sigma", p.median, "", p.ratio, s.median, "", s.ratio);
+  }
+  text += fmt::format("\n  {:<26} {:>11} {:>9}\n", "determined", "value", "u");
+  for (const AidedConstant& c : n.constants)
+    if (!c.undetermined()) text += constant_row(c);
+  text += fmt::format("\n  {:<26} {:>11}\n", "noise", "sigma / stated");
+  for (const AidedFactor& f : n.factors) text += fmt::format("  {:<26} {:>11.3g}\n", f.name, std::sqrt(f.factor));
+  return text + not_shown(n);
+}
+
+}  // namespace imulab

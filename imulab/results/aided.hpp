@@ -1,0 +1,38 @@
+// An aided navigation as JSON and as a table for a terminal (docs/aided.md).
+#pragma once
+
+#include "imulab/navigation/aided/aided.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// What an aid turned out to be: absent values are not states of its kind.
+struct AidedAid {
+  std::string name, kind;
+  std::vector<double> lever_arm, lever_arm_sigma;  // right, forward, up [m]; empty: none
+  std::vector<double> mounting, mounting_sigma;    // pitch, yaw [rad]; empty: none
+  std::optional<double> delay, delay_sigma, drift;  // s, s, s/s
+  double sigma_factor = 1;                          // of its first kind of value: the sigma found over the stated one
+};
+std::vector<AidedAid> aided_aids(const AidedNavigation& navigation);
+
+/// Root mean square over the outages of the errors over their sigmas, and the median of the largest horizontal errors [m].
+struct OutageSummary {
+  double ratio = 0, median = 0, worst = 0;
+};
+OutageSummary outage_summary(const std::vector<OutageResult>& outages, OutageErrors OutageResult::*part);
+
+/// One sigma of the position at its largest [m], horizontal, outside withheld times and in them.
+double largest_sigma(const AidedNavigation& navigation);
+
+std::string aided_headline(const AidedNavigation& navigation);
+std::string aided_json(const std::string& session, const AidedNavigation& navigation);
+std::string aided_table(const std::string& session, const AidedNavigation& navigation);
+
+/// The manoeuvre that would show a constant which the motion did not; empty where no motion does.
+std::string showing_manoeuvre(const std::string& constant);
+
+}  // namespace imulab

@@ -1,0 +1,51 @@
+#include "imulab/tasks/aided.hpp"
+
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
+#include "imulab/report/aided_page.hpp"
+#include "imulab/results/aided.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+#include <utility>
+
+namespace imulab {
+
+std::vector<Outage> regular_outages(const std::string& text, double begin, double end) {
+  std::istringstream in(text);
+  double every = 0, length = 0, first = 0;
+  char comma = 0, second = ',';
+  const bool two = in >> every >> comma >> length && comma == ',';
+  const bool three = two && !in.eof() && in >> second >> first && second == ',';
+  std::string rest;
+  if (!two || (!in.eof() && in >> rest) || !(every > length && length > 0) || (three && !(first >= 0)))
+    throw OptionError("outages", fmt::format("{} is no EVERY,LENGTH or EVERY,LENGTH,FIRST; expected seconds with EVERY above LENGTH, as in 60,10", text));
+  std::vector<Outage> out;
+  for (double t = begin + (three ? first : every); t + length < end; t += every) out.push_back({t, t + length});
+  if (out.empty()) throw OptionError("outages", fmt::format("{}: the recording of {:.1f} s is too short for one", text, end - begin));
+  return out;
+}
+
+AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
+                                       const NavigateVerbOptions& o, const std::vector<std::string>& told) {
+  if (session.aids.empty())
+    throw Error(fmt::format("{}: has no aids; expected [[aid]], as kind = \"gnss\" with a file (docs/aided.md)", session.file));
+  AidsReading reading = read_aids(session, session.recordings.front(), recording);
+  AidedOptions options{.causal = o.filter};
+  if (!o.outages.empty()) options.outages = regular_outages(o.outages, recording.time_s(0), recording.time_s(recording.size() - 1));
+  const auto all = std::make_shared<const AidedNavigation>(navigate_aided(calibration, session, std::move(recording), reading.aids, options));
+  std::vector<std::string> warnings = std::move(reading.warnings);
+  warnings.insert(warnings.end(), all->warnings.begin(), all->warnings.end());
+  const Conclusion conclusion = conclude(all->doubtful ? "doubtful" : "good", aided_headline(*all), {});
+  return {{.json = [all, name] { return aided_json(name, *all); },
+           .table = [all, name](bool) { return aided_table(name, *all); },
+           .page = [all, name, conclusion, told, warnings] { return aided_page(name, *all, conclusion, warnings); },
+           .warnings = warnings,
+           .told = told,
+           .shortcomings = {},
+           .conclusion = conclusion},
+          all};
+}
+
+}  // namespace imulab
