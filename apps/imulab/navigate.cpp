@@ -1,5 +1,4 @@
 // imulab navigate CALIBRATION SESSION...
-#include "imulab/tasks/aided.hpp"
 #include "imulab/tasks/navigate.hpp"
 
 #include "apps/imulab/command.hpp"
@@ -10,6 +9,7 @@
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/tasks/aided.hpp"
 #include "imulab/tasks/navigation_figures.hpp"
 
 #include <fmt/core.h>
@@ -53,9 +53,9 @@ void check_aided(const NavigateVerbOptions& o) {
     return;
   }
   if (o.sessions.size() > 1) throw OptionError("aided", "takes a single SESSION");
-  for (const auto& [name, given] : {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
-                                    std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()),
-                                    std::pair("require", o.require.has_value())})
+  for (const auto& [name, given] :
+       {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
+        std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()), std::pair("require", o.require.has_value())})
     if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
   if (o.output == "-") throw OptionError("output", "with --aided expected a file");
 }

@@ -21,7 +21,8 @@ namespace {
 /// Sigmas at about a thousand epochs.
 std::string sigma_charts(const AidedNavigation& n) {
   const std::size_t step = std::max<std::size_t>(1, n.covariance.size() / 1000);
-  TimeChart place{.title = "Position, one sigma", .y_label = "m", .start = n.solution.time.front(), .x = {}, .names = {"east", "north", "up"}, .y = {}};
+  TimeChart place{
+      .title = "Position, one sigma", .y_label = "m", .start = n.solution.time.front(), .x = {}, .names = {"east", "north", "up"}, .y = {}};
   place.y.resize(3), place.logarithmic = true, place.group = "aided";
   for (const OutageResult& o : n.outages) place.marks.push_back({o.begin, o.end, Mark::gap});
   TimeChart attitude = place;
@@ -39,7 +40,8 @@ std::string sigma_charts(const AidedNavigation& n) {
 
 /// East, north of the start over one grid, the withheld parts apart.
 std::string track_section(const AidedNavigation& n) {
-  return section("track", "Track", "", beside({track_figure(thinned_track(n.solution.states, 3000), "The solution on a plain grid, east and north of the start.")}));
+  return section("track", "Track", "",
+                 beside({track_figure(thinned_track(n.solution.states, 3000), "The solution on a plain grid, east and north of the start.")}));
 }
 
 std::string innovations_section(const AidedNavigation& n) {
@@ -54,15 +56,17 @@ std::string innovations_section(const AidedNavigation& n) {
   plot.dots(time, size, color::blue);
   for (const double sigma : {-2., 2.}) plot.rule(sigma, color::gray);
   return section("innovations", "Innovations", "",
-                 figure(plot.svg(), fmt::format("Measured less predicted, over the stated sigma: {:.2f} in the root mean square; {:.1f} % are suspects, which "
-                                                "the estimate weighs less.",
-                                                n.innovation_rms, 100 * n.suspects),
+                 figure(plot.svg(),
+                        fmt::format("Measured less predicted, over the stated sigma: {:.2f} in the root mean square; {:.1f} % are suspects, which "
+                                    "the estimate weighs less.",
+                                    n.innovation_rms, 100 * n.suspects),
                         true));
 }
 
 std::string outages_section(const AidedNavigation& n) {
   if (n.outages.empty()) return "";
-  Table t{.head = {"withheld, s", "predicted: largest error [m]", "sigma", "error / sigma", "smoothed: largest error [m]", "sigma", "error / sigma"}, .rows = {}};
+  Table t{.head = {"withheld, s", "predicted: largest error [m]", "sigma", "error / sigma", "smoothed: largest error [m]", "sigma", "error / sigma"},
+          .rows = {}};
   const double zero = n.solution.time.front();
   const auto cells = [](const OutageErrors& e) { return std::vector{number_text(e.horizontal), number_text(e.sigma, 2), number_text(e.ratio, 2)}; };
   for (const OutageResult& o : n.outages) {
@@ -74,13 +78,16 @@ std::string outages_section(const AidedNavigation& n) {
   const OutageSummary p = outage_summary(n.outages, &OutageResult::predicted), s = outage_summary(n.outages, &OutageResult::smoothed);
   t.rows.push_back({"median; RMS", number_text(p.median), "", number_text(p.ratio, 2), number_text(s.median), "", number_text(s.ratio, 2)});
   return section("outages", "Withheld times",
-                 "The aids were withheld there. The prediction uses the data before each time alone, the smoothed track also those after it.", table(t));
+                 "The aids were withheld there. The prediction uses the data before each time alone, the smoothed track also those after it.",
+                 table(t));
 }
 
 std::string with_sigma(double value, double sigma) { return fmt::format("{} (u = {})", rounded_to(value, sigma), uncertainty_text(sigma)); }
 
 std::string aids_section(const AidedNavigation& n) {
-  Table t{.head = {"aid", "lever arm right, forward, up [m]", "delay [s]", "drift [ppm]", "mounting pitch, yaw [deg]", "sigma / stated"}, .rows = {}, .text_columns = true};
+  Table t{.head = {"aid", "lever arm right, forward, up [m]", "delay [s]", "drift [ppm]", "mounting pitch, yaw [deg]", "sigma / stated"},
+          .rows = {},
+          .text_columns = true};
   const auto joined = [](const std::vector<double>& value, const std::vector<double>& sigma, double size) {
     std::string text;
     for (std::size_t k = 0; k < value.size(); ++k) text += (k > 0 ? ", " : "") + with_sigma(value[k] / size, sigma[k] / size);
@@ -97,9 +104,11 @@ std::string aids_section(const AidedNavigation& n) {
 std::string constants_section(const AidedNavigation& n) {
   Table t{.head = {"constant (SI)", "value", "u", "u before the data", "would show it"}, .rows = {}, .text_columns = true};
   for (const AidedConstant& c : n.constants)
-    t.rows.push_back({escaped(c.name), number_text(c.value), uncertainty_text(c.sigma), uncertainty_text(c.prior), c.undetermined() ? showing_manoeuvre(c.name) : ""});
+    t.rows.push_back({escaped(c.name), number_text(c.value), uncertainty_text(c.sigma), uncertainty_text(c.prior),
+                      c.undetermined() ? showing_manoeuvre(c.name) : ""});
   return section("constants", "Sensors and aids",
-                 "Errors of the calibrated output, lever arms, delays and mounting. The last column is of constants that this motion did not show.", table(t));
+                 "Errors of the calibrated output, lever arms, delays and mounting. The last column is of constants that this motion did not show.",
+                 table(t));
 }
 
 }  // namespace

@@ -27,9 +27,11 @@ std::vector<AidedAid> aided_aids(const AidedNavigation& n) {
   std::vector<AidedAid> out;
   for (const std::string& name : n.aids) {
     AidedAid aid{.name = name, .kind = name.substr(0, name.find_last_not_of("0123456789") + 1)};
-    const auto take = [&](const std::string& group, std::initializer_list<const char*> elements, std::vector<double>& value, std::vector<double>& sigma) {
+    const auto take = [&](const std::string& group, std::initializer_list<const char*> elements, std::vector<double>& value,
+                          std::vector<double>& sigma) {
       for (const char* element : elements)
-        if (const AidedConstant* c = find_constant(n, fmt::format("{}.{}.{}", name, group, element))) value.push_back(c->value), sigma.push_back(c->sigma);
+        if (const AidedConstant* c = find_constant(n, fmt::format("{}.{}.{}", name, group, element)))
+          value.push_back(c->value), sigma.push_back(c->sigma);
     };
     take("lever_arm", {"right", "forward", "up"}, aid.lever_arm, aid.lever_arm_sigma);
     take("mounting", {"pitch", "yaw"}, aid.mounting, aid.mounting_sigma);
@@ -89,7 +91,8 @@ std::string aided_headline(const AidedNavigation& n) {
                                  n.solution.time.back() - n.solution.time.front(), n.causal ? "filtered" : "smoothed", largest_sigma(n));
   if (n.outages.empty()) return text;
   const OutageSummary s = outage_summary(n.outages, n.causal ? &OutageResult::predicted : &OutageResult::smoothed);
-  return text + fmt::format("; in {} withheld times off by {:.2g} m (median of the largest), {:.2g} times sigma", n.outages.size(), s.median, s.ratio);
+  return text +
+         fmt::format("; in {} withheld times off by {:.2g} m (median of the largest), {:.2g} times sigma", n.outages.size(), s.median, s.ratio);
 }
 
 // ---- fields of --json
@@ -110,7 +113,8 @@ void describe(Fields& f, AidedAid& a) {
   f("kind", a.kind);
   if (!a.lever_arm.empty()) f("lever_arm_m", a.lever_arm), f("lever_arm_sigma_m", a.lever_arm_sigma);
   if (!a.mounting.empty()) f("mounting_deg", a.mounting, fields::in(unit::deg)), f("mounting_sigma_deg", a.mounting_sigma, fields::in(unit::deg));
-  f("delay_s", a.delay, fields::if_any), f("delay_sigma_s", a.delay_sigma, fields::if_any), f("drift_ppm", a.drift, fields::How{fields::Presence::optional, fields::Null::none, true, 1e-6});
+  f("delay_s", a.delay, fields::if_any), f("delay_sigma_s", a.delay_sigma, fields::if_any),
+      f("drift_ppm", a.drift, fields::How{fields::Presence::optional, fields::Null::none, true, 1e-6});
   f("sigma_factor", a.sigma_factor);
 }
 
@@ -148,8 +152,10 @@ std::string not_shown(const AidedNavigation& n) {
     if (!c.undetermined()) continue;
     const std::string manoeuvre = showing_manoeuvre(c.name);
     const auto at = std::ranges::find(groups, manoeuvre, &std::pair<std::string, std::string>::first);
-    if (at == groups.end()) groups.emplace_back(manoeuvre, c.name);
-    else at->second += ", " + c.name;
+    if (at == groups.end())
+      groups.emplace_back(manoeuvre, c.name);
+    else
+      at->second += ", " + c.name;
   }
   std::string text;
   for (const auto& [manoeuvre, names] : groups) text += fmt::format("  {}\n    would show: {}\n", names, manoeuvre.empty() ? "no motion" : manoeuvre);
@@ -185,12 +191,14 @@ std::string aided_table(const std::string& session, const AidedNavigation& n) {
                                  n.causal ? "filtered" : "smoothed", n.solution.time.front(), n.solution.time.back(), n.passes, n.headings);
   text += fmt::format("innovations {:.2f} times their stated size; {:.1f} % of the rows are suspects\n", n.innovation_rms, 100 * n.suspects);
   if (!n.outages.empty()) {
-    text += fmt::format("\n{:>22} {:>12} {:>8} {:>8} {:>12} {:>8} {:>8}\n", "withheld, s", "predicted, m", "sigma", "/sigma", "smoothed, m", "sigma", "/sigma");
+    text += fmt::format("\n{:>22} {:>12} {:>8} {:>8} {:>12} {:>8} {:>8}\n", "withheld, s", "predicted, m", "sigma", "/sigma", "smoothed, m", "sigma",
+                        "/sigma");
     for (const OutageResult& o : n.outages)
       text += fmt::format("  {:>9.2f} to {:>7.2f} {:>12.3g} {:>8.2g} {:>8.2f} {:>12.3g} {:>8.2g} {:>8.2f}\n", o.begin, o.end, o.predicted.horizontal,
                           o.predicted.sigma, o.predicted.ratio, o.smoothed.horizontal, o.smoothed.sigma, o.smoothed.ratio);
     const OutageSummary p = outage_summary(n.outages, &OutageResult::predicted), s = outage_summary(n.outages, &OutageResult::smoothed);
-    text += fmt::format("  {:>20} {:>12.3g} {:>8} {:>8.2f} {:>12.3g} {:>8} {:>8.2f}\n", "median, RMS /sigma", p.median, "", p.ratio, s.median, "", s.ratio);
+    text += fmt::format("  {:>20} {:>12.3g} {:>8} {:>8.2f} {:>12.3g} {:>8} {:>8.2f}\n", "median, RMS /sigma", p.median, "", p.ratio, s.median, "",
+                        s.ratio);
   }
   text += fmt::format("\n  {:<26} {:>11} {:>9}\n", "determined", "value", "u");
   for (const AidedConstant& c : n.constants)

@@ -1,4 +1,4 @@
-// An aided navigation as JSON and as a table for a terminal (docs/aided.md).
+// An aided navigation as JSON and as a table for a terminal (docs/theory/aided.md).
 #pragma once
 
 #include "imulab/navigation/aided/aided.hpp"
@@ -12,8 +12,8 @@ namespace imulab {
 /// What an aid turned out to be: absent values are not states of its kind.
 struct AidedAid {
   std::string name, kind;
-  std::vector<double> lever_arm, lever_arm_sigma;  // right, forward, up [m]; empty: none
-  std::vector<double> mounting, mounting_sigma;    // pitch, yaw [rad]; empty: none
+  std::vector<double> lever_arm, lever_arm_sigma;   // right, forward, up [m]; empty: none
+  std::vector<double> mounting, mounting_sigma;     // pitch, yaw [rad]; empty: none
   std::optional<double> delay, delay_sigma, drift;  // s, s, s/s
   double sigma_factor = 1;                          // of its first kind of value: the sigma found over the stated one
 };

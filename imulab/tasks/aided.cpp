@@ -20,7 +20,8 @@ std::vector<Outage> regular_outages(const std::string& text, double begin, doubl
   const bool three = two && !in.eof() && in >> second >> first && second == ',';
   std::string rest;
   if (!two || (!in.eof() && in >> rest) || !(every > length && length > 0) || (three && !(first >= 0)))
-    throw OptionError("outages", fmt::format("{} is no EVERY,LENGTH or EVERY,LENGTH,FIRST; expected seconds with EVERY above LENGTH, as in 60,10", text));
+    throw OptionError("outages",
+                      fmt::format("{} is no EVERY,LENGTH or EVERY,LENGTH,FIRST; expected seconds with EVERY above LENGTH, as in 60,10", text));
   std::vector<Outage> out;
   for (double t = begin + (three ? first : every); t + length < end; t += every) out.push_back({t, t + length});
   if (out.empty()) throw OptionError("outages", fmt::format("{}: the recording of {:.1f} s is too short for one", text, end - begin));
@@ -30,7 +31,7 @@ std::vector<Outage> regular_outages(const std::string& text, double begin, doubl
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                        const NavigateVerbOptions& o, const std::vector<std::string>& told) {
   if (session.aids.empty())
-    throw Error(fmt::format("{}: has no aids; expected [[aid]], as kind = \"gnss\" with a file (docs/aided.md)", session.file));
+    throw Error(fmt::format("{}: has no aids; expected [[aid]], as kind = \"gnss\" with a file (docs/theory/aided.md)", session.file));
   AidsReading reading = read_aids(session, session.recordings.front(), recording);
   AidedOptions options{.causal = o.filter};
   if (!o.outages.empty()) options.outages = regular_outages(o.outages, recording.time_s(0), recording.time_s(recording.size() - 1));

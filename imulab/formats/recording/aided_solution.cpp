@@ -57,11 +57,12 @@ void add_pos(std::string& text, double time, const NavigationState& s, const Sig
   const double day = std::floor(time / 86400), rest = time - 86400 * day;
   const year_month_day date{sys_days{days{static_cast<int>(day)}}};
   const int hour = static_cast<int>(rest / 3600), minute = static_cast<int>(rest / 60) % 60;
-  fmt::format_to(std::back_inserter(text), "{:04}/{:02}/{:02} {:02}:{:02}:{:06.3f} {:14.9f} {:14.9f} {:10.4f}   1   0 {:8.4f} {:8.4f} {:8.4f}", int(date.year()),
-                 unsigned(date.month()), unsigned(date.day()), hour, minute, rest - 3600. * hour - 60. * minute, s.latitude / unit::deg,
-                 s.longitude / unit::deg, s.height, sigma[7], sigma[6], sigma[8]);
-  fmt::format_to(std::back_inserter(text), "   0.0000   0.0000   0.0000   0.00    0.0 {:10.5f} {:10.5f} {:10.5f} {:9.5f} {:8.5f} {:8.5f}   0.0   0.0   0.0\n",
-                 s.velocity.y(), s.velocity.x(), s.velocity.z(), sigma[4], sigma[3], sigma[5]);
+  fmt::format_to(std::back_inserter(text), "{:04}/{:02}/{:02} {:02}:{:02}:{:06.3f} {:14.9f} {:14.9f} {:10.4f}   1   0 {:8.4f} {:8.4f} {:8.4f}",
+                 int(date.year()), unsigned(date.month()), unsigned(date.day()), hour, minute, rest - 3600. * hour - 60. * minute,
+                 s.latitude / unit::deg, s.longitude / unit::deg, s.height, sigma[7], sigma[6], sigma[8]);
+  fmt::format_to(std::back_inserter(text),
+                 "   0.0000   0.0000   0.0000   0.00    0.0 {:10.5f} {:10.5f} {:10.5f} {:9.5f} {:8.5f} {:8.5f}   0.0   0.0   0.0\n", s.velocity.y(),
+                 s.velocity.x(), s.velocity.z(), sigma[4], sigma[3], sigma[5]);
 }
 
 constexpr std::array texts{
@@ -69,16 +70,18 @@ constexpr std::array texts{
                  "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg,"
                  "sigma_e_m,sigma_n_m,sigma_u_m,sigma_ve,sigma_vn,sigma_vu,sigma_roll_deg,sigma_pitch_deg,sigma_heading_deg\n",
                  "", add_csv},
-    SolutionText{".geojson", "{\"type\":\"Feature\",\"properties\":{\"software\":\"imulab\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[\n",
-                 "]}}\n", add_geojson, 10'000},
+    SolutionText{".geojson",
+                 "{\"type\":\"Feature\",\"properties\":{\"software\":\"imulab\"},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[\n", "]}}\n",
+                 add_geojson, 10'000},
     SolutionText{".kml",
                  "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document><Placemark><name>imulab</name>"
                  "<LineString><altitudeMode>absolute</altitudeMode><coordinates>\n",
                  "</coordinates></LineString></Placemark></Document></kml>\n", add_kml, 10'000},
-    SolutionText{".pos",
-                 "% program   : imulab\n%  GPST                   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  "
-                 "sdeu(m)  sdun(m) age(s)  ratio    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun\n",
-                 "", add_pos},
+    SolutionText{
+        ".pos",
+        "% program   : imulab\n%  GPST                   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  "
+        "sdeu(m)  sdun(m) age(s)  ratio    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun\n",
+        "", add_pos},
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Files of aided solutions: CSV with sigmas, GeoJSON and KML tracks, RTKLIB positions (docs/aided.md).
+// Files of aided solutions: CSV with sigmas, GeoJSON and KML tracks, RTKLIB positions (docs/theory/aided.md).
 #pragma once
 
 #include "imulab/navigation/aided/aided.hpp"

@@ -1,8 +1,8 @@
 #include "imulab/navigation/aided/aided.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/coefficient.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/outages.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -24,9 +24,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double vibration = 100;      // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
-constexpr double believed = 4;         // values that the declared noise counts for
-constexpr double settled = 0.05;       // of a factor: further passes change nothing that matters
+constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
+constexpr double believed = 4;     // values that the declared noise counts for
+constexpr double settled = 0.05;   // of a factor: further passes change nothing that matters
 
 /// New factors; the largest relative change of those that the data resolve.
 double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
@@ -63,12 +63,18 @@ std::vector<std::string> elements_of(const StateBlock& b) {
   std::vector<std::string> out;
   for (Index k = 0; k < b.size; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    if (b.name.ends_with("matrix") || b.name.ends_with("g_sensitivity")) out.push_back(fmt::format("{}.{}{}", b.name, axes[i % 3], axes[i / 3]));
-    else if (b.name.ends_with("offset")) out.push_back(fmt::format("{}.{}", b.name, axes[i]));
-    else if (b.name.ends_with("lever_arm")) out.push_back(fmt::format("{}.{}", b.name, body[i]));
-    else if (b.name.ends_with("mounting")) out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
-    else if (b.name.ends_with("delay")) out.push_back(i == 0 ? b.name : b.name + ".drift");
-    else out.push_back(b.name);
+    if (b.name.ends_with("matrix") || b.name.ends_with("g_sensitivity"))
+      out.push_back(fmt::format("{}.{}{}", b.name, axes[i % 3], axes[i / 3]));
+    else if (b.name.ends_with("offset"))
+      out.push_back(fmt::format("{}.{}", b.name, axes[i]));
+    else if (b.name.ends_with("lever_arm"))
+      out.push_back(fmt::format("{}.{}", b.name, body[i]));
+    else if (b.name.ends_with("mounting"))
+      out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
+    else if (b.name.ends_with("delay"))
+      out.push_back(i == 0 ? b.name : b.name + ".drift");
+    else
+      out.push_back(b.name);
   }
   return out;
 }
@@ -153,8 +159,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
     pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
     smoothed = smooth(p, pass);
     out.factors.clear();
-    for (std::size_t k = 0; k < p.sources.size(); ++k)
-      out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
+    for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
     ++out.passes;
     trajectory = about(p, pass, smoothed);
     if (out.passes == options.passes) break;  // the factors remain those of the states

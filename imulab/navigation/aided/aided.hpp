@@ -1,4 +1,4 @@
-// Aided navigation (docs/aided.md): an inertial solution corrected by receivers, wheels, a barometer and known constraints, with its covariance.
+// Aided navigation (docs/theory/aided.md): an inertial solution corrected by receivers, wheels, a barometer and known constraints, with its covariance.
 //
 // An error-state filter forward and a Rauch-Tung-Striebel smoother backward, repeated about the smoothed trajectory; the sensors' errors, lever arms,
 // delays, mounting angles and slow errors of the aids are states under their priors. The size of each source of noise is estimated from the data.
@@ -20,22 +20,22 @@
 namespace imulab {
 
 struct AidedOptions {
-  bool causal = false;                 // the solution is that of the filter: from the data before each time alone
-  std::vector<Outage> outages = {};    // withheld from the aids with a file, besides the aids' own
-  int passes = 5;                      // of the smoother, at most
+  bool causal = false;               // the solution is that of the filter: from the data before each time alone
+  std::vector<Outage> outages = {};  // withheld from the aids with a file, besides the aids' own
+  int passes = 5;                    // of the smoother, at most
 };
 
 /// An estimated constant [SI] beside its standard deviation before the data.
 struct AidedConstant {
   std::string name;  // "gnss.lever_arm.right", or a coefficient's "gyro.offset.x": the error of the calibrated output
   double value = 0, sigma = 0, prior = 0;
-  /// The data say less than half of what the prior leaves open.
+  /// The data say less than the prior.
   bool undetermined() const { return sigma > 0.7 * prior; }
 };
 
 /// The size of a source of noise: its variance over the stated or declared one.
 struct AidedFactor {
-  std::string name;     // "gnss.position"
+  std::string name;  // "gnss.position"
   double factor = 1;
   double resolved = 0;  // number of values that the data resolve
 };

@@ -68,8 +68,8 @@ struct Filter {
       node.covariance.noalias() -= gain * Ph.transpose();
       Ph.noalias() = node.covariance * h;
       node.covariance.noalias() += ((noise / e.weight[k]) * gain - Ph) * gain.transpose();
-      node.covariance = (node.covariance + node.covariance.transpose()).eval() / 2;
     }
+    node.covariance = (node.covariance + node.covariance.transpose()).eval() / 2;
   }
 
   EpochRows linearized(const Node& node, std::size_t k, const Instant& at) const {
@@ -77,7 +77,8 @@ struct Filter {
     const Eigen::Index n = e.rows.residual.size();
     e.weight = VectorXd::Ones(n), e.innovation = e.rows.residual - e.rows.derivative * node.error;
     e.innovation_variance = (e.rows.derivative * node.covariance * e.rows.derivative.transpose()).diagonal();
-    for (Eigen::Index i = 0; i < n; ++i) e.innovation_variance[i] += p.sources[e.rows.source[static_cast<std::size_t>(i)]].factor * e.rows.variance[i];
+    for (Eigen::Index i = 0; i < n; ++i)
+      e.innovation_variance[i] += p.sources[e.rows.source[static_cast<std::size_t>(i)]].factor * e.rows.variance[i];
     return e;
   }
 

@@ -26,14 +26,14 @@ struct EpochRows {
 /// An epoch of the filter: the state after `samples` samples of the recording.
 struct Node {
   std::size_t samples = 0;
-  FullState reference;                  // the point of linearization after the update
-  Eigen::VectorXd correction;           // that was added to it by the update; zero where the references are given
-  Eigen::VectorXd error;                // filtered error state about `reference`
-  Eigen::MatrixXd covariance;           // filtered
-  Transition next;                      // to the next node
-  Eigen::VectorXd defect;               // what the integration from `reference` gives, less the reference there
-  std::vector<EpochRows> rows;          // used
-  std::vector<EpochRows> withheld;      // predicted
+  FullState reference;              // the point of linearization after the update
+  Eigen::VectorXd correction;       // that was added to it by the update; zero where the references are given
+  Eigen::VectorXd error;            // filtered error state about `reference`
+  Eigen::MatrixXd covariance;       // filtered
+  Transition next;                  // to the next node
+  Eigen::VectorXd defect;           // what the integration from `reference` gives, less the reference there
+  std::vector<EpochRows> rows;      // used
+  std::vector<EpochRows> withheld;  // predicted
 };
 
 /// A trajectory about which a pass is linearized: a state before each sample and after the last, from the start's sample on; one x for all.
@@ -44,9 +44,9 @@ struct AboutTrajectory {
 };
 
 struct FilterOptions {
-  const AboutTrajectory* about = nullptr;              // null: the filter's own, corrected at each epoch
+  const AboutTrajectory* about = nullptr;                     // null: the filter's own, corrected at each epoch
   std::size_t end = std::numeric_limits<std::size_t>::max();  // samples
-  bool keep = true;                                    // all nodes; otherwise the last
+  bool keep = true;                                           // all nodes; otherwise the last
 };
 
 struct FilterPass {
@@ -73,10 +73,10 @@ struct SmoothedWithheld {
 };
 struct SmootherPass {
   std::vector<SmoothedNode> nodes;
-  std::vector<NoiseEvidence> evidence;     // by source
-  std::vector<Eigen::VectorXd> weights;    // by observation
+  std::vector<NoiseEvidence> evidence;   // by source
+  std::vector<Eigen::VectorXd> weights;  // by observation
   std::vector<SmoothedWithheld> withheld;
-  Eigen::MatrixXd first_covariance;        // of all states at the first node
+  Eigen::MatrixXd first_covariance;  // of all states at the first node
 };
 SmootherPass smooth(const Problem& problem, const FilterPass& pass);
 

@@ -103,7 +103,8 @@ VehicleVelocity vehicle_velocity(const Problem& p, const Channel& c, const Insta
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = R * skew<double>(at.rate_eb);
   if (c.mount >= 0) {
     const double yaw = at.state.x[c.mount + 1];
-    out.derivative.col(c.mount) = rotation_about(Vector3d::UnitZ(), yaw) * Vector3d::UnitX().cross(rotation_about(Vector3d::UnitZ(), -yaw) * out.value);
+    out.derivative.col(c.mount) =
+        rotation_about(Vector3d::UnitZ(), yaw) * Vector3d::UnitX().cross(rotation_about(Vector3d::UnitZ(), -yaw) * out.value);
     out.derivative.col(c.mount + 1) = Vector3d::UnitZ().cross(out.value);
   }
   return out;
@@ -137,7 +138,8 @@ ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observatio
 ObservedRows observe_barometer(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   const double offset = offset_in_time(p, c, o, at);
   ObservedRows out = rows_of(1, p.size);
-  out.residual[0] = c.aid.record.value[o.row] - at.state.motion.height - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
+  out.residual[0] =
+      c.aid.record.value[o.row] - at.state.motion.height - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
   out.derivative(0, At::position + 2) = 1;
   if (c.slow >= 0) out.derivative(0, c.slow) = 1;
   set_delay(p, c, o, at.state.motion.velocity.tail<1>(), out.derivative);

@@ -31,7 +31,8 @@ Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationSta
   Eigen::Matrix<double, 9, 1> error;
   error.segment<3>(At::attitude) = rotation_log((to.q_nb * from.q_nb.conjugate()).toRotationMatrix());
   error.segment<3>(At::velocity) = to.velocity - from.velocity;
-  error.segment<3>(At::position) << std::remainder(to.longitude - from.longitude, 2 * std::numbers::pi) * earth.transverse_radius * earth.cos_latitude,
+  error.segment<3>(At::position) << std::remainder(to.longitude - from.longitude, 2 * std::numbers::pi) * earth.transverse_radius *
+                                        earth.cos_latitude,
       (to.latitude - from.latitude) * earth.meridian_radius, to.height - from.height;
   return error;
 }

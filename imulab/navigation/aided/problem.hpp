@@ -6,9 +6,9 @@
 //   w = (I + Mg) w_hat + bg + G f_hat,   f = (I + Ma) f_hat + ba
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/navigate.hpp"
-#include "imulab/aid.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -72,7 +72,7 @@ struct Problem {
   std::vector<Channel> channels;
   std::vector<Observation> observations;  // by stamp
   double middle() const { return (begin + time.back()) / 2; }
-  double longest_step = 1;                // s: between two epochs
+  double longest_step = 1;  // s: between two epochs
 };
 
 /// A navigation state and all other states (the first nine are zero).

@@ -17,9 +17,9 @@ namespace {
 using Eigen::VectorXd;
 
 // Where an aid declares nothing: one sigma.
-constexpr double lever_sigma = 1, scale_sigma = 0.02;       // m, relative
-constexpr double delay_sigma = 0.2, offset_sigma = 1;       // s: of an aid on the recording's clock, on another one
-constexpr double clock_sigma = 300e-6;  // of a logger's clock against the aid's
+constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
+constexpr double delay_sigma = 0.2, offset_sigma = 1;  // s: of an aid on the recording's clock, on another one
+constexpr double clock_sigma = 300e-6;                 // of a logger's clock against the aid's
 constexpr double mount_sigma = 20 * unit::deg;
 constexpr double flicker_time = 100;  // s: over which the flicker of an offset is as large as its bias instability
 
@@ -40,7 +40,9 @@ std::size_t add_source(Problem& p, std::string name) {
   return p.sources.size() - 1;
 }
 
-StateBlock constants(std::string name, const VectorXd& prior) { return {.name = std::move(name), .size = prior.size(), .prior = prior, .walk = {}, .noise = {}}; }
+StateBlock constants(std::string name, const VectorXd& prior) {
+  return {.name = std::move(name), .size = prior.size(), .prior = prior, .walk = {}, .noise = {}};
+}
 
 /// Column by column.
 VectorXd flat(const Matrix3d& m) { return Eigen::Map<const VectorXd>(m.data(), 9); }
@@ -84,7 +86,11 @@ Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::In
 void add_channel(Problem& p, const Aid& aid, const std::string& name) {
   Channel c{.name = name, .aid = aid};
   const auto lever = [&] { c.lever = add_block(p, constants(name + ".lever_arm", Vector3d::Constant(aid.lever_arm_sigma.value_or(lever_sigma)))); };
-  const auto delay = [&] { c.delay = add_block(p, constants(name + ".delay", Eigen::Vector2d(aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : offset_sigma), clock_sigma))); };
+  const auto delay = [&] {
+    c.delay = add_block(
+        p, constants(name + ".delay",
+                     Eigen::Vector2d(aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : offset_sigma), clock_sigma)));
+  };
   const auto mount = [&] { c.mount = add_block(p, constants(name + ".mounting", VectorXd::Constant(2, mount_sigma))); };
   switch (aid.kind) {
     case AidKind::gnss: {

@@ -1,11 +1,11 @@
 // The problem of an aided navigation: priors, noise and nuisances of an IMU and its aids.
 #pragma once
 
+#include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
 #include "imulab/grade.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/recording.hpp"
-#include "imulab/aid.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
 
@@ -16,20 +16,20 @@ namespace imulab::aided {
 
 /// Standard deviations of the sensors' errors after calibration, before any aid.
 struct SensorPriors {
-  Vector3d gyro_offset, accel_offset;              // rad/s, m/s^2
-  Matrix3d gyro_matrix, accel_matrix;              // (row, column): of the calibrated output
-  Matrix3d g_sensitivity;                          // (rad/s)/(m/s^2)
-  Vector3d gyro_walk, accel_walk;                  // of the offsets [unit/sqrt(s)]
-  Vector3d gyro_noise, accel_noise;                // densities
+  Vector3d gyro_offset, accel_offset;  // rad/s, m/s^2
+  Matrix3d gyro_matrix, accel_matrix;  // (row, column): of the calibrated output
+  Matrix3d g_sensitivity;              // (rad/s)/(m/s^2)
+  Vector3d gyro_walk, accel_walk;      // of the offsets [unit/sqrt(s)]
+  Vector3d gyro_noise, accel_noise;    // densities
 };
 /// From the calibration's uncertainties, where it has some, and the grade's turn-on; else from the grade, mems where none is declared. The noise is
 /// declared, or that of the rests, or the grade's.
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu);
 
 struct SetupOptions {
-  bool matrices = true;       // scales, misalignments and g-sensitivity as states under their priors
+  bool matrices = true;                              // scales, misalignments and g-sensitivity as states under their priors
   double vehicle_interval = 1, rest_interval = 0.5;  // s: between two rows of a constraint; a body on springs forgets within one
-  std::vector<Outage> outages = {};                     // of all aids with a file, besides the aids' own
+  std::vector<Outage> outages = {};                  // of all aids with a file, besides the aids' own
 };
 
 /// `recording`: compensated, in SI. Observations outside its time are left out. Throws Error where no aid has any.

@@ -30,6 +30,7 @@ MatrixXd with_next(const Transition& t, const MatrixXd& P) {
 
 struct Smoother {
   const Problem& p;
+  std::vector<Index> changing{};  // states that are no constants
   SmootherPass out{};
 
   void add(std::size_t source, double square_over_variance, double explained) {
@@ -71,7 +72,8 @@ struct Smoother {
     const VectorXd noise = next.error - propagated_mean(t, here.error) - node.defect;
     const MatrixXd common = gain.topRows(m) * next.covariance.leftCols<9>();  // of this epoch's sensors and motion with the next motion
     const NineRows F = t.motion;
-    const Matrix9 spread = next.covariance.topLeftCorner<9, 9>() - F * common - (F * common).transpose() + F * here.covariance.topLeftCorner(m, m) * F.transpose();
+    const Matrix9 spread =
+        next.covariance.topLeftCorner<9, 9>() - F * common - (F * common).transpose() + F * here.covariance.topLeftCorner(m, m) * F.transpose();
     const Matrix9 Q = motion_noise(p, t);
     for (Index k = 0; k < 6; ++k) add(k < 3 ? p.gyro_source : p.accel_source, noise[k] * noise[k] / Q(k, k), spread(k, k) / Q(k, k));
     const VectorXd q = slow_noise(p, t);
@@ -84,27 +86,33 @@ struct Smoother {
         }
   }
 
-  /// J P J^T + G (Q + P') G^T with J = I - G F: positive by its form.
+  /// J P J^T + G (Q + P') G^T with J = I - G F: positive by its form. Constants are those of the next epoch: their rows of G are those of the
+  /// identity, of J zero.
   Smoothed step(const Node& node, const Node& after, const Smoothed& next) {
     const Transition& t = node.next;
-    const MatrixXd cross = with_next(t, node.covariance), predicted = propagated(p, t, node.covariance);
+    const MatrixXd cross = with_next(t, node.covariance)(changing, Eigen::all), predicted = propagated(p, t, node.covariance);
     const VectorXd scale = predicted.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const MatrixXd scaled = scale.asDiagonal() * predicted * scale.asDiagonal();
-    const MatrixXd gain = scaled.ldlt().solve(scale.asDiagonal() * cross.transpose()).transpose() * scale.asDiagonal();
-    MatrixXd J = -gain.rightCols(p.size - 9) * t.decay.tail(p.size - 9).asDiagonal();
-    MatrixXd whole = MatrixXd::Identity(p.size, p.size);
-    whole.rightCols(p.size - 9) += J;
-    whole.leftCols(t.motion.cols()) -= gain.leftCols<9>() * t.motion;
+    const MatrixXd G = scaled.ldlt().solve(scale.asDiagonal() * cross.transpose()).transpose() * scale.asDiagonal();
+    MatrixXd J = MatrixXd::Zero(G.rows(), p.size);
+    J.rightCols(p.size - 9) = -G.rightCols(p.size - 9) * t.decay.tail(p.size - 9).asDiagonal();
+    J.leftCols(t.motion.cols()) -= G.leftCols<9>() * t.motion;
+    for (Index k = 0; k < J.rows(); ++k) J(k, changing[static_cast<std::size_t>(k)]) += 1;
     MatrixXd inner = next.covariance;
     inner.topLeftCorner<9, 9>() += motion_noise(p, t);
     inner.diagonal() += slow_noise(p, t);
-    Smoothed out;
-    out.covariance = whole * node.covariance * whole.transpose();
-    out.covariance.noalias() += gain * inner * gain.transpose();
-    out.covariance = (out.covariance + out.covariance.transpose()).eval() / 2;
-    out.error = node.error + gain * (next.error + after.correction - propagated_mean(t, node.error) - node.defect);
+    const MatrixXd spread = G * inner;
+    const MatrixXd own = J * node.covariance * J.transpose() + spread * G.transpose();
+    Smoothed out{next.error + after.correction, next.covariance};
+    out.covariance(changing, Eigen::all) = spread;
+    out.covariance(Eigen::all, changing) = spread.transpose();
+    out.covariance(changing, changing) = (own + own.transpose()) / 2;
+    const VectorXd learned = next.error + after.correction - propagated_mean(t, node.error) - node.defect;
+    out.error(changing) = node.error(changing) + G * learned;
     Smoothed relative = next;
     relative.error += after.correction;
+    MatrixXd gain = MatrixXd::Identity(p.size, p.size);
+    gain(changing, Eigen::all) = G;
     judge_driving(node, out, relative, gain);
     return out;
   }
@@ -120,6 +128,10 @@ struct Smoother {
 
 SmootherPass smooth(const Problem& problem, const FilterPass& pass) {
   Smoother s{problem};
+  for (Index k = 0; k < 9; ++k) s.changing.push_back(k);
+  for (const StateBlock& b : problem.blocks)
+    for (Index k = b.first; k < b.first + b.size; ++k)
+      if (std::isfinite(b.time) || b.walk.size() > 0) s.changing.push_back(k);
   s.out.nodes.resize(pass.nodes.size());
   s.out.evidence.resize(problem.sources.size());
   s.out.weights.resize(problem.observations.size());

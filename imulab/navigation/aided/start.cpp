@@ -17,7 +17,7 @@ namespace {
 constexpr int headings = 12;
 constexpr double heading_sigma = 30 * unit::deg, tilt_sigma = 5 * unit::deg;  // of a candidate
 constexpr double velocity_sigma_at_start = 2, position_sigma_at_start = 30;   // m/s, m: besides what is stated
-constexpr double decided = 12;  // of ln likelihood: odds of 1 to 160,000
+constexpr double decided = 12;                                                // of ln likelihood: odds of 1 to 160,000
 
 /// What a receiver says of the first seconds.
 struct Fixes {
@@ -116,7 +116,8 @@ FoundStart find_start(const Problem& p, const Session& session) {
     if (left.size() <= 3 && span >= 80) {
       const double best = euler_angles(left.front().start.mean.motion.q_nb.toRotationMatrix()).heading;
       if (std::ranges::all_of(left, [&](const Candidate& c) {
-            return std::abs(std::remainder(euler_angles(c.start.mean.motion.q_nb.toRotationMatrix()).heading - best, 2 * std::numbers::pi)) < 35 * unit::deg;
+            return std::abs(std::remainder(euler_angles(c.start.mean.motion.q_nb.toRotationMatrix()).heading - best, 2 * std::numbers::pi)) <
+                   35 * unit::deg;
           }))
         break;
     }

@@ -45,7 +45,8 @@ class ErrorGrowth {
     t.motion << phi_, v_, r_;
     t.interval = interval_;
     const Matrix3d C = mean_C_ / interval_, F = skew<double>(pushed_);
-    const Matrix3d gyro = C * p_.gyro_noise.cwiseAbs2().asDiagonal() * C.transpose(), accel = C * p_.accel_noise.cwiseAbs2().asDiagonal() * C.transpose();
+    const Matrix3d gyro = C * p_.gyro_noise.cwiseAbs2().asDiagonal() * C.transpose(),
+                   accel = C * p_.accel_noise.cwiseAbs2().asDiagonal() * C.transpose();
     const double T = interval_;
     // White noise of the rate with the force constant over the interval: phi(t) is a walk, v its integral times -[f x], r that of v.
     const auto block = [](Matrix9& Q, Eigen::Index i, Eigen::Index j, const Matrix3d& value) {

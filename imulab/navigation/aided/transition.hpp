@@ -16,7 +16,7 @@ using NineRows = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 /// The first nine error states at the end are `motion` times those before it and the sensors' errors, and noise of covariance `gyro` + `accel`. The
 /// other states follow their own laws: x <- decay x + noise of variance `driven`.
 struct Transition {
-  NineRows motion;  // as many columns as the sensors' last state
+  NineRows motion;                                          // as many columns as the sensors' last state
   Matrix9 gyro = Matrix9::Zero(), accel = Matrix9::Zero();  // with factors of 1
   Eigen::VectorXd decay, driven;                            // of all states; 1 and 0 for the first nine; with factors of 1
   double interval = 0;                                      // s
