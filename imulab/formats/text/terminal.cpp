@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -35,10 +36,16 @@ bool errors_have_color() { return isatty(STDERR_FILENO) != 0 && colors_wanted();
 std::string in_color(Color color, const std::string& text) { return fmt::format("\033[1;{}m{}\033[0m", static_cast<int>(color), text); }
 
 Progress::Progress(std::string label, double total) : label_(std::move(label)), total_(total) {
-  if (isatty(STDERR_FILENO) != 0) thread_ = std::thread([this] { watch(); });
+  if (isatty(STDERR_FILENO) == 0) return;
+  try {
+    thread_ = std::thread([this] { watch(); });
+  } catch (const std::system_error&) {  // no threads here: each report draws the line
+    begin_s_ = now_s();
+  }
 }
 
 Progress::~Progress() {
+  if (begin_s_) fmt::print(stderr, "\r\033[K");
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
@@ -51,6 +58,14 @@ Progress::~Progress() {
 void Progress::report(double done) {
   const std::lock_guard lock(mutex_);
   done_ = done;
+  if (!begin_s_ || now_s() - drawn_s_ < 0.25) return;
+  drawn_s_ = now_s();
+  draw(drawn_s_ - *begin_s_);
+}
+
+void Progress::draw(double elapsed_s) const {
+  fmt::print(stderr, "\r\033[K{}", line(elapsed_s));
+  std::fflush(stderr);
 }
 
 std::string Progress::line(double elapsed_s) const {
@@ -67,8 +82,7 @@ void Progress::watch() {
   std::unique_lock lock(mutex_);
   for (auto pause = std::chrono::milliseconds(1000); !wake_.wait_for(lock, pause, [this] { return finished_; });
        pause = std::chrono::milliseconds(250)) {
-    fmt::print(stderr, "\r\033[K{}", line(now_s() - begin_s));
-    std::fflush(stderr);
+    draw(now_s() - begin_s);
     shown = true;
   }
   if (shown) fmt::print(stderr, "\r\033[K");

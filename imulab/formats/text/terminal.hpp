@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -32,10 +33,13 @@ class Progress {
  private:
   void watch();
   std::string line(double elapsed_s) const;
+  void draw(double elapsed_s) const;
 
   std::string label_;
   double total_, done_ = 0;
   bool finished_ = false;
+  std::optional<double> begin_s_;  ///< where there are no threads
+  double drawn_s_ = 0;
   ReadingCounts reading_;
   WatchedReading watched_{reading_};
   std::mutex mutex_;

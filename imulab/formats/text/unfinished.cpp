@@ -101,7 +101,11 @@ void remove_unfinished_on_signals() {
   for (int i = 0; i < 2; ++i) signal_pipe[i] = ::fcntl(ends[i], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   for (const int end : ends) ::close(end);
   if (signal_pipe[0] < 0 || signal_pipe[1] < 0) return;
-  std::thread(wait_for_signal).detach();
+  try {
+    std::thread(wait_for_signal).detach();
+  } catch (const std::system_error&) {  // no threads here: a signal ends the program at once
+    return;
+  }
   is_waited_for_signals = true;
   explain_lost_pages(end_for_lost_pages);
   std::signal(SIGXFSZ, SIG_IGN);
