@@ -1,12 +1,12 @@
 # WebAssembly by Debian's emscripten, with the libraries that tests/portable/wasm/libraries made in the folder WASM_LIBRARIES of the environment.
-# include/ completes a standard library that is older than the code (libc++ 13).
+# As for GCC, a 64-bit number in braces for a 32-bit size is no error. include/ completes a standard library that is older than the code (libc++ 13).
 include(/usr/share/emscripten/cmake/Modules/Platform/Emscripten.cmake)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 if(DEFINED ENV{WASM_LIBRARIES}) # a toolchain file is read again for each check of the compiler
   set(WASM_LIBRARIES $ENV{WASM_LIBRARIES} CACHE PATH "folder of libraries")
 endif()
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES WASM_LIBRARIES)
-set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions -msimd128 -isystem ${CMAKE_CURRENT_LIST_DIR}/include -isystem ${WASM_LIBRARIES}/include")
+set(CMAKE_CXX_FLAGS_INIT "-fwasm-exceptions -msimd128 -Wno-c++11-narrowing -isystem ${CMAKE_CURRENT_LIST_DIR}/include -isystem ${WASM_LIBRARIES}/include")
 set(CMAKE_FIND_ROOT_PATH ${WASM_LIBRARIES})
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
@@ -19,7 +19,7 @@ set(ENV{PKG_CONFIG_PATH} "")
 # A program is an ES module that makes an instance when it is called (web/module/run.js): files of node and of browsers, memory up to all of 32 bits.
 set(WASM_WEB ${CMAKE_CURRENT_LIST_DIR}/../../../web)
 string(JOIN " " CMAKE_EXE_LINKER_FLAGS_INIT
-       "-O2 -sMODULARIZE=1 -sEXPORT_ES6=1 -sEXPORT_NAME=createEngine -sENVIRONMENT=web,worker,node -sDYNAMIC_EXECUTION=0 -sWASM_BIGINT=1"
+       "-sMODULARIZE=1 -sEXPORT_ES6=1 -sEXPORT_NAME=createEngine -sENVIRONMENT=web,worker,node -sDYNAMIC_EXECUTION=0 -sWASM_BIGINT=1"
        "-sFORCE_FILESYSTEM=1 -lnodefs.js -lworkerfs.js -sEXPORTED_RUNTIME_METHODS=FS,NODEFS,WORKERFS,ENV,callMain -sINVOKE_RUN=0 -sEXIT_RUNTIME=1"
        "-sALLOW_MEMORY_GROWTH=1 -sINITIAL_MEMORY=64MB -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=8MB"
        "--extern-pre-js ${WASM_WEB}/engine_before.js --pre-js ${WASM_WEB}/engine_inside.js")

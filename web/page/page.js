@@ -1,0 +1,251 @@
+// The page: a log is inspected, its questions are answered, and a verb of the command computes. All text about the data is the command's own.
+import { calibrate, command, compensate, inspect, noise, prepare } from "./module/imulab.js";
+import { questionField } from "./questions.js";
+import { showReport } from "./report.js";
+
+/** @typedef {import("./module/imulab.js").Answer} Answer @typedef {import("./module/imulab.js").Content} Content */
+
+/** @param {string} id @returns {any} */
+const at = (id) => document.getElementById(id);
+
+/** An element with text, never with markup: names in a file are shown as they are. @param {string} tag @param {string} text @param {object} [more] */
+const made = (tag, text, more = {}) => Object.assign(document.createElement(tag), { textContent: text }, more);
+
+const state = {
+  /** @type {Record<string, Content>} */ files: {},
+  /** @type {Record<string, string>} */ declared: {},
+  /** @type {Answer | null} */ inspection: null,
+  /** @type {Content | null} */ calibration: null,
+  /** @type {AbortController | null} */ running: null,
+};
+
+// The work that runs
+
+/** @template T @param {string} label @param {(options: object) => Promise<T>} work @returns {Promise<T | undefined>} */
+async function runs(label, work) {
+  state.running?.abort();
+  const running = (state.running = new AbortController());
+  at("problem").hidden = true;
+  at("cancel").disabled = false;
+  const begin = performance.now();
+  let line = label;
+  const show = () => (at("progress").textContent = `${line} (${Math.round((performance.now() - begin) / 1000)} s)`);
+  at("progress").textContent = label;
+  const clock = setInterval(show, 1000);
+  try {
+    return await work({ signal: running.signal, onProgress: (/** @type {string} */ text) => text && (line = text) });
+  } catch (/** @type {any} */ error) {
+    if (!running.signal.aborted) showProblem(error.message);
+    return undefined;
+  } finally {
+    clearInterval(clock);
+    if (state.running === running) {
+      state.running = null;
+      at("cancel").disabled = true;
+      at("progress").textContent = running.signal.aborted ? "Cancelled." : "";
+    }
+  }
+}
+
+/** @param {string} text */
+function showProblem(text) {
+  at("problem").textContent = text;
+  at("problem").hidden = false;
+}
+
+// 1. A log
+
+/** @param {Record<string, Content>} files @param {Record<string, string>} [declared] */
+async function open(files, declared = {}) {
+  forget();
+  Object.assign(state, { files, declared });
+  await inspectAgain();
+}
+
+function forget() {
+  Object.assign(state, { files: {}, declared: {}, inspection: null });
+  for (const id of ["inspection", "work", "result"]) at(id).hidden = true;
+}
+
+/** @param {Iterable<File>} list */
+const byName = (list) => Object.fromEntries([...list].map((file) => [file.name, file]));
+
+/** @param {string} kind */
+async function openExample(kind) {
+  forget();
+  const text = new TextDecoder();
+  const done = await runs("Simulating the example", async (options) => {
+    const { output } = await command(["procedure", "handheld"], {}, options);
+    const head = text.decode(output);
+    const rest = `${head.slice(0, head.indexOf("[[step]]"))}[[step]]\nkind = "hold"\nduration_s = 1800\n`;
+    return command(["simulate", "example.toml", "-o", "example"], { "example.toml": kind === "rest" ? rest : head }, options);
+  });
+  if (done) await open({ "example.csv": done.files["example/recording.csv"] }, { "gyro.unit": "rad/s", latitude_deg: "48", height_m: "300" });
+}
+
+// 2. What it holds
+
+async function inspectAgain() {
+  const answer = await runs("Inspecting", (options) => inspect(state.files, { ...options, set: state.declared }));
+  if (!answer) return;
+  state.inspection = answer;
+  showInspection(answer);
+}
+
+/** @param {Answer} answer */
+function showInspection(answer) {
+  const { headline, columns, evidence, ambiguous, problems, methods } = answer.data;
+  at("inspection-headline").textContent = headline;
+  const head = made("tr", "");
+  for (const name of ["column", "role", "unit", "evidence"]) head.append(made("th", name, { scope: "col" }));
+  const rows = columns.map((/** @type {any} */ column) => {
+    const row = made("tr", "");
+    for (const key of ["name", "role", "unit", "evidence"]) row.append(made("td", column[key]));
+    return row;
+  });
+  at("columns").replaceChildren(head, ...rows);
+  at("evidence").replaceChildren(...evidence.map((/** @type {string} */ text) => made("li", text)));
+  at("question-fields").replaceChildren(
+    ...ambiguous.map((/** @type {string} */ text) => questionField(text, state.declared[text.slice(0, text.indexOf(":"))] ?? "")));
+  at("questions").hidden = ambiguous.length === 0;
+  showReport(at("recording-page"), answer.page, { lazy: true });
+  at("inspection").hidden = false;
+  if (problems.length > 0) showProblem(problems.join("\n"));
+  offerWork(ambiguous.length + problems.length > 0 ? [] : methods, ambiguous.length + problems.length === 0);
+}
+
+// 3. Work
+
+/** @param {string[]} methods @param {boolean} understood */
+function offerWork(methods, understood) {
+  const works = methods.map((method) => ({ value: `calibrate ${method}`, label: `calibrate (${method})` })).reverse();
+  works.push({ value: "noise", label: "noise of a log at rest" }, { value: "compensate", label: "apply a calibration" });
+  const radios = works.map(({ value, label }, index) => {
+    const outer = made("label", "");
+    outer.append(Object.assign(document.createElement("input"), { type: "radio", name: "work", value, checked: index === 0 }), label);
+    return outer;
+  });
+  at("works").replaceChildren(...radios);
+  for (const key of ["latitude_deg", "height_m", "gravity_mps2"])
+    if (state.declared[key]) at("work-form").elements[key].value = state.declared[key];
+  chooseWork();
+  at("work").hidden = !understood;
+}
+
+function chooseWork() {
+  at("calibration-file").hidden = at("work-form").elements.work.value !== "compensate" || state.calibration !== null;
+}
+
+async function compute() {
+  const form = at("work-form").elements;
+  const set = { ...state.declared };
+  for (const key of ["latitude_deg", "height_m", "gravity_mps2"]) {
+    if (form[key].value !== "") set[key] = form[key].value;
+    else delete set[key];
+  }
+  state.declared = set;
+  const [verb, method] = form.work.value.split(" ");
+  const calibration = form.calibration.files[0] ?? state.calibration;
+  if (verb === "compensate" && !calibration) return showProblem("Choose the calibration to apply.");
+  at("result").hidden = true;
+  const answer = await runs(`Computing`, (options) => {
+    const all = { ...options, set };
+    if (verb === "noise") return noise(state.files, all);
+    if (verb === "compensate") return compensate(calibration, state.files, all);
+    return calibrate(state.files, { ...all, method });
+  });
+  if (answer) showResult(answer);
+}
+
+// 4. The result
+
+/** @param {string} name @param {Content} content */
+function saveButton(name, content) {
+  const save = () => {
+    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([content])), download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  };
+  return made("button", `Save ${name}`, { type: "button", onclick: save });
+}
+
+/** @param {Answer} answer */
+function showResult(answer) {
+  const { data, page, files, messages } = answer;
+  at("result-headline").textContent = [data?.verdict ?? data?.quality?.verdict, data?.headline].filter(Boolean).join(": ");
+  at("result-messages").replaceChildren(...messages.map((text) => made("li", text)));
+  const session = state.inspection?.files["session.toml"];
+  const saved = { ...(page ? { "report.html": page } : {}), ...files, ...(session ? { "session.toml": session } : {}) };
+  at("saves").replaceChildren(...Object.entries(saved).map(([name, content]) => saveButton(name, content)));
+  state.calibration = files["calibration.json"] ?? state.calibration;
+  at("export-form").hidden = !("calibration.json" in files);
+  if ("calibration.json" in files) offerExports();
+  showReport(at("result-page"), page);
+  at("result").hidden = false;
+  at("result-title").scrollIntoView({ behavior: "smooth" });
+}
+
+/** The targets are those that the command's help names. */
+async function offerExports() {
+  if (at("export-target").options.length > 0) return;
+  const help = new TextDecoder().decode((await command(["help", "export"])).output).replace(/\s+/g, " ");
+  const targets = /\[(c-header,[^\]]*)\]/.exec(help)?.[1].split(", ") ?? [];
+  at("export-target").replaceChildren(...targets.filter((name) => name !== "all").map((name) => made("option", name)));
+}
+
+async function saveExport() {
+  const target = at("export-target").value;
+  const words = ["export", "calibration.json", "--to", target];
+  const done = await runs("Exporting", (options) => command(words, { "calibration.json": state.calibration ?? "" }, options));
+  if (!done) return;
+  if (done.code > 1) return showProblem(done.messages);
+  saveButton(`${target}.txt`, done.output).click();
+}
+
+// Events
+
+function listen() {
+  at("files").addEventListener("change", () => at("files").files.length > 0 && open(byName(at("files").files)));
+  for (const kind of ["dragover", "dragleave", "drop"])
+    addEventListener(kind, (/** @type {any} */ event) => {
+      event.preventDefault();
+      at("drop").classList.toggle("over", kind === "dragover");
+      if (kind === "drop" && event.dataTransfer.files.length > 0) open(byName(event.dataTransfer.files));
+    });
+  for (const button of document.querySelectorAll("[data-example]"))
+    button.addEventListener("click", () => openExample(/** @type {HTMLElement} */ (button).dataset.example ?? ""));
+  at("questions").addEventListener("submit", (/** @type {Event} */ event) => {
+    event.preventDefault();
+    for (const field of at("question-fields").querySelectorAll("input")) state.declared[field.name] = field.value;
+    inspectAgain();
+  });
+  at("works").addEventListener("change", chooseWork);
+  at("work-form").addEventListener("submit", (/** @type {Event} */ event) => {
+    event.preventDefault();
+    compute();
+  });
+  at("export-form").addEventListener("submit", (/** @type {Event} */ event) => {
+    event.preventDefault();
+    saveExport();
+  });
+  at("cancel").addEventListener("click", () => state.running?.abort());
+  at("go-live").addEventListener("click", async () => {
+    at("live").hidden = false;
+    (await import("./live.js")).startLive(open);
+  });
+}
+
+/** The module is kept compressed: any server sends it as it is. */
+async function startModule() {
+  const packed = await fetch("module/imulab.wasm.gz");
+  if (!packed.ok || !packed.body) throw new Error(`the module cannot be loaded: ${packed.status}`);
+  const headers = { "Content-Type": "application/wasm" };
+  await prepare(new Response(packed.body.pipeThrough(new DecompressionStream("gzip")), { headers }));
+  const { output } = await command(["--version"]);
+  at("version").textContent = new TextDecoder().decode(output).split("\n")[0];
+  document.documentElement.dataset.ready = "true";
+}
+
+listen();
+startModule().catch((error) => showProblem(error.message));
+navigator.serviceWorker?.register("offline.js").catch(() => {}); // without storage the page works all the same, online
