@@ -30,10 +30,13 @@ struct ClockSpan {
 
 bool overlap(const ClockSpan& a, const ClockSpan& b) { return a.begin <= b.end && b.begin <= a.end; }
 
-/// The origin [ns since 1970] of the recording's clock, by which it overlaps the aid: 1970, the epoch of GPS, or the week that the aid is in.
-std::optional<std::int64_t> origin_of(const ClockSpan& recording, const ClockSpan& aid) {
+/// The origin [ns since 1970] of the recording's clock, by which it overlaps the aid: 1970, the epoch of GPS, or, of a clock of that scale, the week
+/// that the aid is in.
+std::optional<std::int64_t> origin_of(const ClockSpan& recording, const ClockSpan& aid, bool of_week) {
   const std::int64_t week = (aid.begin / second_ns - gps_begin_s) / week_s * week_s + gps_begin_s;
-  for (const std::int64_t origin : {std::int64_t{0}, gps_begin_s, week, week - week_s, week + week_s})
+  std::vector<std::int64_t> origins{0, gps_begin_s};
+  if (of_week) origins.insert(origins.end(), {week, week - week_s, week + week_s});
+  for (const std::int64_t origin : origins)
     if (overlap({recording.begin + origin * second_ns, recording.end + origin * second_ns}, aid)) return origin * second_ns;
   return std::nullopt;
 }
@@ -70,7 +73,7 @@ Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSourc
   const bool to_gps = source.time.scale == TimeScale::gps;
   if (aid.scale == TimeScale::gps && !to_gps) std::transform(stamps.begin(), stamps.end(), stamps.begin(), in_utc);
   if (aid.scale == TimeScale::utc && to_gps) std::transform(stamps.begin(), stamps.end(), stamps.begin(), in_gps);
-  const auto origin = aid.scale == TimeScale::own ? std::nullopt : origin_of(counted, span_of(stamps));
+  const auto origin = aid.scale == TimeScale::own ? std::nullopt : origin_of(counted, span_of(stamps), known);
   if (known && !origin) fail_apart(aid, counted, span_of(stamps));
   shift(stamps, origin ? zero + *origin : stamps.front() - own.begin);
   aid.scale = known ? TimeScale::recording : TimeScale::own;

@@ -17,6 +17,9 @@ namespace {
 bool is_beyond(double value, double low, double high) { return !std::isnan(value) && !(value >= low && value <= high); }
 
 void check_row(const AidRows& rows, const AidRow& row) {
+  constexpr std::int64_t most = 4'600'000'000'000'000'000;  // ns, as of a recording: differences fit
+  if (row.time < -most || row.time > most)
+    throw Error(fmt::format("{}: {} s is no time; expected one within 146 years of 1970", rows.place(row), text::seconds_text(row.time)));
   const double latitude = row.position.x() / unit::deg, longitude = row.position.y() / unit::deg;
   if (is_beyond(latitude, -90, 90))
     throw Error(fmt::format("{}: latitude: {:g} deg is out of range; expected -90 to 90{}", rows.place(row), latitude,
