@@ -129,9 +129,6 @@ struct Solution {
   std::size_t size() const { return time.size(); }
 };
 
-/// Throws Error where it has not a state for each time.
-void validate(const Solution& solution);
-
 struct AlignmentSite {
   double latitude = 0;  // rad, at most 89.9 deg either way
   double gravity = 0;   // m/s^2
@@ -149,6 +146,11 @@ struct AlignmentSensors {
 struct GivenHeading {
   double value = 0, sigma = 0;
 };
+
+// Of values made in memory: throws Error for columns of different lengths, times that do not ascend, what is not finite, and angles in degrees.
+void validate(const Solution& solution);
+void validate(const HeightRecord& record);
+void validate(const GivenHeading& heading);
 
 /// At the END of the rest. The covariance [rad^2] is that of phi, east-north-up, where C_nb = (I - [phi x]) C_nb of the truth.
 struct Alignment {

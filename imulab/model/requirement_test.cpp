@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
 #include <utility>
 
 namespace imulab {
@@ -69,6 +70,9 @@ TEST(Requirement, ADoubtfulResultMeetsNone) {
   c.quality.verdict = "doubtful";
   EXPECT_FALSE(assess(c, r).met);
   EXPECT_LT(assess(c, r).reached, r.limit);
+  EXPECT_EQ(assess(c, r).note, "the calibration is doubtful");
+  c.covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(assess(c, r), Error);
 }
 
 }  // namespace

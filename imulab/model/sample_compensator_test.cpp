@@ -111,6 +111,12 @@ TEST(SampleCompensator, ChecksTheModelOnce) {
   EXPECT_NO_THROW((SampleCompensator{model, left}));
   model.accel.temperature.reset();
   EXPECT_THAT([&] { SampleCompensator(model, left); }, ThrowsMessage<Error>(HasSubstr("accel: the model has thermal terms, but no reference")));
+  model = drawn_unit();
+  model.accel.thermal(0, 0) = 1;
+  EXPECT_THAT([&] { SampleCompensator(model, of_drawn); }, ThrowsMessage<Error>(HasSubstr("the constant of a thermal polynomial is not 0")));
+  EXPECT_THAT([&] { SampleCompensator(SensorModel{}, {.gyro_unit = "dps", .accel_temperature_unit = "celsius"}); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("gyro: the readings are in \"dps\"; expected count or rad/s"),
+                                         HasSubstr("accel: the temperatures are in \"celsius\"; expected degC, K or raw"))));
 }
 
 TEST(SampleCompensator, AsksForTheTemperatureOfThermalTerms) {

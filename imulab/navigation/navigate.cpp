@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -216,11 +215,8 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
   if (!options.barometer)
     throw Error(fmt::format("vertical channel {}: no barometer's heights; expected them, or the vertical channel free or fixed",
                             to_string(options.vertical)));
-  const auto& [time, height] = *options.barometer;
-  const auto finite = [](double value) { return std::isfinite(value); };
-  if (time.size() != height.size() || !std::all_of(time.begin(), time.end(), finite) || !std::all_of(height.begin(), height.end(), finite) ||
-      !std::is_sorted(time.begin(), time.end(), std::less_equal()))
-    throw Error(fmt::format("barometer: {} times and {} heights; expected as many of each, finite, the times ascending", time.size(), height.size()));
+  validate(*options.barometer);
+  const auto& time = options.barometer->time;
   if (time.empty() || time.front() > begin + 1 || time.back() < end - 1)
     throw Error(fmt::format("barometer: runs from {:.3f} s to {:.3f} s, expected all of {:.3f} s to {:.3f} s", time.empty() ? 0 : time.front(),
                             time.empty() ? 0 : time.back(), begin, end));
@@ -321,10 +317,7 @@ void warn_of_height(const std::string& name, double duration, Navigated& out) {
 Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
   standard_uncertainty(calibration, coefficient_indices().front());  // checks the size of the covariance
   validate(session), validate(raw);
-  if (const auto& heading = options.heading)
-    if (!(std::abs(heading->value) <= 2 * std::numbers::pi && heading->sigma >= 0 && std::isfinite(heading->sigma)))
-      throw Error(
-          fmt::format("a given heading of {:g} +- {:g} rad; expected -2 pi to 2 pi, and a sigma of at least 0", heading->value, heading->sigma));
+  if (options.heading) validate(*options.heading);
   Navigated out;
   out.vertical = options.vertical;
   constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes

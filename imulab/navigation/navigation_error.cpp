@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace imulab {
@@ -71,6 +72,20 @@ std::size_t rows_between(const Solution& s, double begin, double end) {
 void validate(const Solution& solution) {
   if (solution.states.size() != solution.time.size())
     throw Error(fmt::format("a solution with {} times and {} states; expected as many of each", solution.time.size(), solution.states.size()));
+}
+
+void validate(const HeightRecord& record) {
+  const auto finite = [](double value) { return std::isfinite(value); };
+  const auto& [time, height] = record;
+  if (time.size() != height.size() || !std::all_of(time.begin(), time.end(), finite) || !std::all_of(height.begin(), height.end(), finite) ||
+      !std::is_sorted(time.begin(), time.end(), std::less_equal()))
+    throw Error(fmt::format("barometer: {} times and {} heights; expected as many of each, finite, the times ascending", time.size(), height.size()));
+}
+
+void validate(const GivenHeading& heading) {
+  if (!(std::abs(heading.value) <= 2 * std::numbers::pi && heading.sigma >= 0 && std::isfinite(heading.sigma)))
+    throw Error(fmt::format("a given heading of {:g} rad with a sigma of {:g} rad; expected -2 pi to 2 pi, and a sigma of at least 0", heading.value,
+                            heading.sigma));
 }
 
 NavigationErrors navigation_errors(const Solution& solution, const Solution& truth) {

@@ -74,6 +74,9 @@ TEST(Validate, NamesColumnSampleAndExpectation) {
          r.saturated = {5, 5};
        },
        "r: saturated: entry 1 is sample 5; expected ascending samples from 0 to 39"},
+      {[](Recording& r) { r.starts = {99}; }, "r: starts: entry 0 is sample 99; expected ascending samples from 1 to 39"},
+      {[](Recording& r) { r.interval_s = 1e-8; },
+       "r: 1e+08 samples a second; expected at most 1e+06: are the stamps in another unit than nanoseconds?"},
   };
   for (const auto& [change, expected] : cases) EXPECT_EQ(refusal(change), expected);
 }
@@ -116,6 +119,23 @@ TEST(Validate, ASessionInMemoryHasTheRangesOfAFile) {
       {[](Session& s) { s.steps[1].start = 59; },
        "the session: step 2 (rotate at 59 s): it begins before the end of the previous step; expected 60 s or later"},
       {[](Session& s) { s.steps[1].angle = 0; }, "the session: step 2 (rotate at 60 s): its angle is 0 rad; expected a turn"},
+      {[](Session& s) { s.steps[1].axis = static_cast<RigAxis>(9); },
+       "the session: step 2 (rotate at 60 s): its kind or axis is none; expected those of StepKind and RigAxis"},
+      {[](Session& s) { s.rigs[0].kind = static_cast<RigKind>(77); },
+       "the session: rig.kind: is not allowed; expected one of turntable, rate_table, centrifuge, chamber, none"},
+      {[](Session& s) { s.measured = "yesterday"; },
+       "the session: measured: is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\""},
+      {[](Session& s) { s.vertical = "sideways"; },
+       "the session: navigation.vertical: \"sideways\" is not allowed; expected one of free, fixed, aided, held"},
+      {[](Session& s) { s.imu.effect_sigmas["accel.bogus"] = 1; },
+       "the session: imu.effect_sigmas: \"accel.bogus\" is no effect; expected one of docs/theory/effects.md"},
+      {[](Session& s) { s.imu.gyro_noise = NoiseModel{.N = -1}; }, "the session: imu.gyro_noise.N: -1 is out of range; expected at least 0"},
+      {[](Session& s) { s.recordings.emplace_back().rig = "oven", s.recordings[0].file = "a.csv"; },
+       "the session: recording a.csv: \"oven\" is not a rig of this session"},
+      {[](Session& s) {
+         s.references.assign(2, {"time", "clock 3", "K-17", "", ""});
+       },
+       "the session: reference 2: repeats the quantity of an earlier reference; expected each once"},
       {[](Session& s) { s.file = "session.toml", s.site.height = 1e9, s.site.given_gravity = 1; },
        "session.toml\n  site.height_m: 1000000000 is out of range; expected -12000 to 100000\n"
        "  site.gravity_mps2: 1 is out of range; expected 9 to 10.5"},

@@ -11,6 +11,7 @@
 #include "imulab/recording.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/session.hpp"
 #include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/temperature.hpp"

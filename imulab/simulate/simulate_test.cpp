@@ -252,6 +252,15 @@ TEST(Simulate, WhatIsMissingIsNamed) {
   EXPECT_THAT(message([&] { draw_truth(s, 1); }), testing::HasSubstr("expected its grade or its model"));
   EXPECT_THAT(message([&] { draw_truth(s, 1, SensorModel{}); }), testing::HasSubstr("expected the noise densities"));
   EXPECT_THAT(message([&] { simulate_recording(resting(1e-3), {}, {}, 1); }), testing::HasSubstr("less than one sample; expected at least one"));
+  Session effects = resting(1);
+  effects.imu.grade = "mems", effects.imu.simulated_effects = EffectSigmas{{"accel.bogus", 1e-3}};
+  EXPECT_THAT(message([&] { draw_truth(effects, 1); }), testing::HasSubstr("\"accel.bogus\" is no effect"));
+  const Truth wrong{.latitude = 45, .effects = {{"accel.bogus", 0, 1e-3}, {"accel.asymmetry", 9, 1e-3}}};
+  EXPECT_THAT(message([&] { simulate_recording(resting(1), {}, wrong, 1); }),
+              testing::AllOf(testing::HasSubstr("latitude is 45 rad"), testing::HasSubstr("is no effect"),
+                             testing::HasSubstr("accel.asymmetry: column 9; expected one of the 3 that the session has")));
+  const RigErrors outside{{{.kind = RigErrorKind::zero, .axis = 9}}, {0}};
+  EXPECT_THAT(message([&] { simulate_recording(resting(1), {}, {}, 1, outside); }), testing::HasSubstr("of axis 9; expected less than 3"));
   s.site.latitude.reset();
   s.site.given_gravity = 9.8;
   EXPECT_THAT(message([&] { simulate_recording(s, {}, {}, 1); }), testing::HasSubstr("the site has no latitude"));
