@@ -124,7 +124,8 @@ async function sessionOf(own) {
 
 /** @param {Stream} own */
 async function advise(own) {
-  if (!own.session) return sessionOf(own);
+  if (!own.session) await sessionOf(own);
+  if (!own.session) return;
   const words = ["live", "live.csv", "--session", "session.toml", "--json"];
   const { code, output, messages } = await command(words, { "live.csv": own.text(), "session.toml": own.session });
   const last = new TextDecoder().decode(output).trim().split("\n").pop();
@@ -135,7 +136,7 @@ async function advise(own) {
 
 /** @param {any} view @param {Stream} own */
 function show(view, own) {
-  const heading = view.done ? "Done: every requirement is met." : [view.problem, view.next].filter(Boolean).join("; ");
+  const heading = view.done ? "Done: every requirement is met." : [view.problem, view.next].filter(Boolean).map((text) => `${text}.`).join(" ");
   say(`${view.rests} rests in ${view.time_s.toFixed(0)} s. ${heading} ${own.note}`);
   at("live-picture").replaceChildren(turnPicture(view.up ?? "", view.next ?? ""));
   at("live-requirements").replaceChildren(

@@ -230,6 +230,7 @@ function listen() {
   });
   at("cancel").addEventListener("click", () => state.running?.abort());
   at("go-live").addEventListener("click", async () => {
+    forget();
     at("live").hidden = false;
     (await import("./live.js")).startLive(open);
   });

@@ -134,7 +134,7 @@ async function speed() {
   figures["10 MB inspected, s"] = await shown("work");
   await set("[name=latitude_deg]", "45");
   await tab.click("#work-form [type=submit]");
-  figures["10 MB calibrated, s"] = await tab.until("!document.getElementById('result').hidden");
+  figures["10 MB calibrated, s"] = await tab.until("!document.getElementById('result').hidden", 300);
 }
 
 /** Samples of a recording as a phone's events, faster than it would give them, with accelerations of the other sign. */
