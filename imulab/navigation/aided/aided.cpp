@@ -1,13 +1,10 @@
 #include "imulab/navigation/aided/aided.hpp"
 
-#include "imulab/coefficient.hpp"
 #include "imulab/compensate.hpp"
-#include "imulab/core/statistics.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/outages.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/start.hpp"
-#include "imulab/recording/resampling.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>

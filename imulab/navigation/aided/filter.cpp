@@ -107,23 +107,23 @@ struct Filter {
 
   Node next(Node& node, std::size_t samples) const {
     Integrated step = integrate(p, node.samples, samples, node.reference, true);
-    Node out{.samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
+    Node reached{.samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
     node.defect = VectorXd::Zero(p.size);
     if (options.about) {
-      out.reference.motion = options.about->states[samples - start.sample];
-      node.defect.head<9>() = minus(step.end, out.reference.motion);
+      reached.reference.motion = options.about->states[samples - start.sample];
+      node.defect.head<9>() = minus(step.end, reached.reference.motion);
     }
     // A slow state of the reference decays as well.
     node.defect.tail(p.size - 9) = (step.transition.decay.tail(p.size - 9).array() - 1) * node.reference.x.tail(p.size - 9).array();
-    out.error = propagated_mean(step.transition, node.error) + node.defect;
-    out.covariance = propagated(p, step.transition, node.covariance);
+    reached.error = propagated_mean(step.transition, node.error) + node.defect;
+    reached.covariance = propagated(p, step.transition, node.covariance);
     node.next = std::move(step.transition);
     if (!options.about) {
-      out.reference = plus(out.reference, out.error);
+      reached.reference = plus(reached.reference, reached.error);
       node.defect.setZero();
-      out.error.setZero();
+      reached.error.setZero();
     }
-    return out;
+    return reached;
   }
 
   void run() {

@@ -169,7 +169,7 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
   out.derivative.block<3, 3>(3, At::attitude) = -C_bn * skew<double>(earth);
   out.derivative.block<3, 3>(3, p.gyro_offset).setIdentity();
-  out.variance.head<3>().setConstant(std::pow(value_sigma(c.aid, o.row), 2));
+  out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
   out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
   return out;
@@ -181,7 +181,7 @@ constexpr std::array laws{
     AidLaw{AidKind::wheels, "wheels", 0, 0, 0.1, observe_wheels},
     AidLaw{AidKind::barometer, "barometer", 0, 0, 1, observe_barometer},
     AidLaw{AidKind::heading, "heading", 0, 0, 2 * unit::deg, observe_heading},
-    AidLaw{AidKind::zero_velocity, "zero_velocity", 0, 0, 0.02, observe_rest},
+    AidLaw{AidKind::zero_velocity, "zero_velocity", 0, 0.02, 0, observe_rest},
 };
 
 }  // namespace

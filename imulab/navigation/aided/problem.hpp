@@ -10,6 +10,7 @@
 #include "imulab/eigen.hpp"
 #include "imulab/navigate.hpp"
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>

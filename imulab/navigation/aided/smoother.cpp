@@ -103,18 +103,18 @@ struct Smoother {
     inner.diagonal() += slow_noise(p, t);
     const MatrixXd spread = G * inner;
     const MatrixXd own = J * node.covariance * J.transpose() + spread * G.transpose();
-    Smoothed out{next.error + after.correction, next.covariance};
-    out.covariance(changing, Eigen::all) = spread;
-    out.covariance(Eigen::all, changing) = spread.transpose();
-    out.covariance(changing, changing) = (own + own.transpose()) / 2;
+    Smoothed here{next.error + after.correction, next.covariance};
+    here.covariance(changing, Eigen::all) = spread;
+    here.covariance(Eigen::all, changing) = spread.transpose();
+    here.covariance(changing, changing) = (own + own.transpose()) / 2;
     const VectorXd learned = next.error + after.correction - propagated_mean(t, node.error) - node.defect;
-    out.error(changing) = node.error(changing) + G * learned;
+    here.error(changing) = node.error(changing) + G * learned;
     Smoothed relative = next;
     relative.error += after.correction;
     MatrixXd gain = MatrixXd::Identity(p.size, p.size);
     gain(changing, Eigen::all) = G;
-    judge_driving(node, out, relative, gain);
-    return out;
+    judge_driving(node, here, relative, gain);
+    return here;
   }
 
   void keep(const Node& node, std::size_t index, const Smoothed& s) {

@@ -1,0 +1,57 @@
+// imulab navigate --aided: a flight whose truth, as a file of positions and velocities, is its own receiver.
+#include "imulab/aid.hpp"
+#include "imulab/files.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/flight_session.hpp"
+#include "tests/run_command.hpp"
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using Json = nlohmann::json;
+
+void write_aided(const TemporaryFolder& folder) {
+  FlightSession f = flight_session(1);
+  Aid receiver{.file = "truth.csv"};
+  receiver.position_sigma = 1, receiver.velocity_sigma = 0.1;
+  f.session.aids.push_back(receiver);
+  write(folder, "session", f);
+}
+
+TEST(NavigateAidedCommand, SmoothsComparesAndWrites) {
+  const TemporaryFolder folder;
+  write_aided(folder);
+  const CommandResult result = run_imulab(folder, "navigate none session --aided --outages 30,8 -o nav.csv --report page.html --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["verdict"], "good") << result.errors;
+  ASSERT_EQ(json["outages"].size(), 3u);
+  for (const Json& outage : json["outages"]) EXPECT_LT(outage["horizontal_error_m"].get<double>(), 0.5);  // 8 s with a receiver of millimeters around
+  EXPECT_EQ(json["aids"][0]["kind"], "gnss");
+  EXPECT_LT(json["aids"][0]["sigma_factor"].get<double>(), 0.2);  // the receiver is exact, and the stated 1 m is not
+  EXPECT_THAT(read_text(folder / "nav.csv"), StartsWith("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg,sigma_e_m,"));
+  EXPECT_EQ(read_solution(folder / "nav.csv").size(), 5001u);  // 100 s at 50 Hz, and the start
+  EXPECT_THAT(read_text(folder / "page.html"), HasSubstr("Withheld times"));
+}
+
+TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {
+  const TemporaryFolder folder;
+  write_aided(folder);
+  const auto refused = [&](const std::string& options, const std::string& why) {
+    const CommandResult result = run_imulab(folder, "navigate none session " + options);
+    EXPECT_EQ(result.exit_code, 2) << options;
+    EXPECT_THAT(result.errors, HasSubstr(why)) << options;
+  };
+  refused("--filter", "belongs to --aided");
+  refused("--aided --vertical fixed", "does not go with --aided");
+  refused("--aided --outages 10", "is no EVERY,LENGTH");
+  refused("--aided --outages 10,20", "is no EVERY,LENGTH");
+}
+
+}  // namespace
+}  // namespace imulab
