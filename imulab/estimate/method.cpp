@@ -193,7 +193,6 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
     if (!(excess_of(quality) + obvious < before)) return result;
     quality.warnings.push_back(fmt::format("at a latitude of {:g} deg in place of {:g} deg chi2 falls by {:.3g}; check its sign",
                                            -*latitude / unit::deg, *latitude / unit::deg, before - excess_of(quality)));
-    quality.cause = "site.latitude";
     kernel::add_doubt(quality, kernel::wrong_latitude);
     return other;
   } catch (const std::runtime_error&) {

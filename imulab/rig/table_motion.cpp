@@ -114,6 +114,13 @@ TableMotion::Surroundings<T> TableMotion::surroundings_of(const std::array<T, lo
 }
 
 template <class T>
+TablePose<T> TableMotion::pose_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
+  std::array<T, 3> angles;
+  for (std::size_t a = 0; a < 3; ++a) angles[a] = steps_[part.step].angles[a] + e[angle_error + a];
+  return table_pose<T>(surroundings.axes, angles);
+}
+
+template <class T>
 struct TableMotion::BodyMotion {
   Eigen::Vector3<T> force, rate_ie;
   TurnInterval<T> turn;
@@ -122,9 +129,7 @@ struct TableMotion::BodyMotion {
 template <class T>
 TableMotion::BodyMotion<T> TableMotion::body_motion(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
   const Step& step = steps_[part.step];
-  std::array<T, 3> angles;
-  for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
-  const TablePose<T> pose = table_pose<T>(surroundings.axes, angles);
+  const TablePose<T> pose = pose_of<T>(part, surroundings, e);
   BodyMotion<T> out{seen_in_body<T>(pose, surroundings.force), seen_in_body<T>(pose, surroundings.rate_ie), {}};
   if (step.kind == StepKind::hold) return out;
   const TurnProfile profile = turn_profile(step);
@@ -176,15 +181,22 @@ void at_nodes(double from, double to, int panels, Sample&& sample) {
 std::vector<TableMotion::Moment> TableMotion::moments(std::size_t number) const {
   const Part& part = parts_[number];
   const auto e = local(part, nominal());
-  const BodyMotion<double> motion = body_motion<double>(part, surroundings_of<double>(e), e);
-  if (is_hold(number)) return {{0.5 * (part.begin + part.end), 1, motion.force, motion.rate_ie}};
+  const Surroundings<double> surroundings = surroundings_of<double>(e);
+  const BodyMotion<double> motion = body_motion<double>(part, surroundings, e);
+  const TablePose<double> pose = pose_of<double>(part, surroundings, e);
+  const TableTilt<double> lean = table_tilt_of<double>(e[tilt], e[tilt + 1]);
+  Matrix3d before;
+  for (Eigen::Index k = 0; k < 3; ++k) before.col(k) = seen_in_body<double>(pose, seen_by_table<double>(lean, Vector3d::Unit(k)));
+  if (is_hold(number)) return {{0.5 * (part.begin + part.end), 1, motion.force, motion.rate_ie, before}};
   const TurnInterval<double>& turn = motion.turn;
   const double start = part.begin + turn.before, stop = start + turn.duration, ramp = turn.ramp * turn.duration;
   const double full = turn.angle / (turn.duration - ramp);  // rate between the ramps
   std::vector<Moment> out;
   const auto moment = [&](double time, double weight, double turned_by, double rate) {
     const auto now = [&](const Vector3d& v) { return turned<double>(turn.axis_b, std::cos(turned_by), -std::sin(turned_by), v); };
-    out.push_back({time, weight, now(motion.force), now(motion.rate_ie) + rate * turn.axis_b});
+    Matrix3d C_bn;
+    for (Eigen::Index k = 0; k < 3; ++k) C_bn.col(k) = now(before.col(k));
+    out.push_back({time, weight, now(motion.force), now(motion.rate_ie) + rate * turn.axis_b, C_bn});
   };
   const auto panels = [&](double angle) { return std::max(1, static_cast<int>(std::ceil(std::abs(angle) / 0.5))); };
   const double by_ramp = 0.5 * full * ramp;

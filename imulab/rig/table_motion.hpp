@@ -10,6 +10,9 @@
 
 namespace imulab {
 
+template <class T>
+struct TablePose;
+
 /// A quantity that the true motion depends on and that is not known exactly.
 struct ErrorSource {
   enum class Kind { orthogonality, zero, angle, timing, gravity, latitude, earth };
@@ -51,6 +54,7 @@ class TableMotion {
   struct Moment {
     double time, weight;
     Vector3d force, rate;
+    Matrix3d C_bn;
   };
   /// The moments of a quadrature over a part, without errors of the table: one of a hold; of a turn so many that its rate, and the directions in the
   /// body, are almost polynomials of low degree between them.
@@ -76,6 +80,9 @@ class TableMotion {
   struct Surroundings;
   template <class T>
   Surroundings<T> surroundings_of(const std::array<T, locals>& e) const;
+  /// The table's pose in a hold, or before a turn.
+  template <class T>
+  TablePose<T> pose_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const;
   /// A part's motion: force and Earth's rate in body axes (before a turn), and the turn.
   template <class T>
   struct BodyMotion;

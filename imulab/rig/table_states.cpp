@@ -58,7 +58,7 @@ std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, 
       state.shaking = part.shaking;
       state.warming = part.warming;
       state.moved = moved_at && motion.step(k) >= *moved_at ? 1 : 0;
-      out[k].push_back({state, m.weight});
+      out[k].push_back({state, m.weight, m.C_bn});
     }
   return out;
 }

@@ -10,10 +10,11 @@
 
 namespace imulab {
 
-/// A state, with its weight in the reading of a part: 1 in all of a hold, the seconds of a turn.
+/// A state, with its weight in the reading of a part: 1 in all of a hold, the seconds of a turn; and its attitude.
 struct WeightedState {
   EffectState state;
   double weight;
+  Matrix3d C_bn;
 };
 
 /// The states of each part, as TableMotion numbers them; the unit moves in its mount before the step `moved_at`, counted from 0; absent: never. The

@@ -58,6 +58,7 @@ SPECIAL = {
     # A hand that wanders is no rest to a good gyro: that log is refused.
     "handheld": (("a tremor of 0.05 deg", {"tremor": 0.05}, None, BOTH), ("a hand that wanders by 0.3 deg", {"wander": 0.3}, None, ("mems",)),
                  ("a clock 1 % off", {"clock": 0.01}, None, BOTH)),
+    "turntable": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude", ("navigation",)),),
     "hybrid": (("a clock 20 ppm off", {"clock": 2e-5}, None, BOTH), ("a gyro that sticks for a second", {"sticks": 1}, None, BOTH)),
     "whole-unit": (("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("tactical", "mems")),),
 }

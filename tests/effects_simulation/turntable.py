@@ -163,7 +163,7 @@ def drawn_unit(rng: np.random.Generator, grade: str, effects: dict[str, float]) 
 
 
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, rest_s: float = 30, turns: int = 2, rate_hz: float = 20,
-                  latitude: float = 48 * DEG, declare_grade: bool = True, all_faces: bool = False) -> Unit:
+                  latitude: float = 48 * DEG, latitude_off: float = 0, declare_grade: bool = True, all_faces: bool = False) -> Unit:
     rng = np.random.default_rng(seed)
     rate, acceleration, gravity = 20.0, 50.0, 9.809
     steps = procedure(rest_s, turns, rate, acceleration, 5, all_faces)
@@ -176,7 +176,7 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
     motion = table_motion(rng, steps, rate_hz, sigma * effects.get("table.worse", 1), rate / acceleration, latitude, true_gravity,
                           unit.effects.get("mount.elastic", np.zeros((3, 3))), change, half)
     accel, gyro = readings(rng, unit, motion, grade, rate_hz, true_gravity, max(rate * DEG, 1))
-    text = simulate.imu_text(grade, declare_grade) + simulate.site_text(latitude / DEG, gravity) + '[rig]\nkind = "turntable"\n'
+    text = simulate.imu_text(grade, declare_grade) + simulate.site_text(latitude / DEG + latitude_off, gravity) + '[rig]\nkind = "turntable"\n'
     text += "".join(f"{error}_sigma_arcsec = {TABLE[grade]}\n" for error in ("angle", "orthogonality", "zero"))
     text += simulate.recording_text("recording.csv", rate_hz)
     for s in steps:

@@ -231,7 +231,7 @@ namespace {
 
 /// Notes the effects that could be ten times as large as expected and neither show nor be covered: along the change of an effect by which a
 /// coefficient follows it most, the data tell less than a tenth of what the prior does, and ten sigmas of the prior shift the coefficient by more
-/// than three of its own.
+/// than three of its own. One that the data show to be larger elsewhere cannot be assumed: that is a doubt.
 void name_assumed(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance,
                   const std::vector<CoefficientIndex>& coefficients) {
   constexpr double told = 0.1, follows = 0.3;
@@ -253,6 +253,10 @@ void name_assumed(Calibration& calibration, Findings& findings, const Effects& e
     findings.note(
         fmt::format("assumed: {} of {:.3g} {} (one sigma); the data hardly show it, and if it is larger, so are the errors of {}; to see it: {}",
                     g.effect->name, g.sigma / g.effect->unit, g.effect->unit_name, fmt::join(following, ", "), g.effect->advice));
+    if (!(g.widened > 1) || !effects.causes().empty() || calibration.quality.cause) continue;
+    calibration.quality.cause = g.effect->name;
+    findings.doubt(std::string(g.effect->words) +
+                   ", by more than is expected of this IMU where the data show it, and they do not show it everywhere");
   }
 }
 

@@ -106,11 +106,13 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
 
 namespace {
 
-/// The latitude that a g-sensitivity equal on all axes corresponds to: up is along the force at every rest, so the two cannot be told apart.
-struct LatitudeInstead {
-  double value, sigma;  ///< rad
+/// The part of the g-sensitivity that is equal on all axes, and the rest.
+struct EqualPart {
+  double value, variance;
+  double rest;   ///< RMS of an element
+  bool differs;  ///< there is a rest
 };
-std::optional<LatitudeInstead> latitude_instead(const Calibration& c, double declared, double gravity) {
+std::optional<EqualPart> equal_g_sensitivity(const Calibration& c) {
   std::vector<Index> at;
   VectorXd value(9), alike = VectorXd::Zero(9);
   for (std::size_t i = 0; i < c.estimated.size(); ++i) {
@@ -126,22 +128,33 @@ std::optional<LatitudeInstead> latitude_instead(const Calibration& c, double dec
   const VectorXd weight = solve_semidefinite(covariance, alike);
   const double variance = 1 / alike.dot(weight), common = variance * value.dot(weight);
   const VectorXd rest = value - common * alike;
-  const double sine = std::sin(declared) - common * gravity / earth_rate;
-  const bool others = rest.norm() > 0.1 * std::abs(common) && chi_square_tail(squared_norm_in(covariance, rest), 8) < 1e-3;
-  if (common * common < 25 * variance || others || std::abs(sine) > 1) return {};
-  const double latitude = std::asin(sine);
-  return LatitudeInstead{latitude, std::sqrt(variance) * gravity / earth_rate / std::cos(latitude)};
+  const bool differs = rest.norm() > 0.1 * std::abs(common) && chi_square_tail(squared_norm_in(covariance, rest), 8) < 1e-3;
+  return EqualPart{common, variance, rest.norm() / std::sqrt(8), differs};
 }
 
 }  // namespace
 
 void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity) {
-  const auto instead = latitude_instead(calibration, latitude, gravity);
-  if (!instead) return;
+  const auto equal = equal_g_sensitivity(calibration);
+  if (!equal) return;
+  if (equal->differs) {
+    // What the other sign makes of an equal part, within what this IMU has of its own: the rest scatters as much.
+    constexpr double few = 3;
+    const double other = std::abs(2 * earth_rate * std::sin(latitude) / gravity);
+    if (other > few * std::sqrt(equal->variance) && other < few * equal->rest)
+      findings.note(
+          fmt::format("assumed: the latitude of {:.3g} deg; with the other sign gyro.g_sensitivity.xx, .yy and .zz would differ by {:.3g} deg/h/g, "
+                      "and an IMU with as much of its own would not show it; check the sign",
+                      latitude / unit::deg, other * unit::g / unit::deg_per_h));
+    return;
+  }
+  const double sine = std::sin(latitude) - equal->value * gravity / earth_rate;
+  if (equal->value * equal->value < 25 * equal->variance || std::abs(sine) > 1) return;
+  const double instead = std::asin(sine);
   findings.warn(
       fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} deg (u = {:.1f} deg) instead of {:.1f} would make it; check "
                   "the site's latitude",
-                  instead->value / unit::deg, instead->sigma / unit::deg, latitude / unit::deg));
+                  instead / unit::deg, std::sqrt(equal->variance) * gravity / earth_rate / std::cos(instead) / unit::deg, latitude / unit::deg));
   findings.doubt(wrong_latitude);
 }
 
@@ -153,13 +166,15 @@ void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu) {
 
 void add_doubt(Quality& quality, std::string reason) {
   quality.verdict = "doubtful";
+  if (reason == wrong_latitude) quality.cause = "site.latitude";
   quality.because.push_back(std::move(reason));
 }
 
 void conclude(Calibration& calibration, const Findings& findings) {
   append(calibration.quality.notes, findings.notes), append(calibration.quality.warnings, findings.warnings);
-  calibration.quality.verdict = findings.doubts.empty() ? "good" : "doubtful";
-  calibration.quality.because = findings.doubts;
+  calibration.quality.verdict = "good";
+  calibration.quality.because.clear();
+  for (const std::string& doubt : findings.doubts) add_doubt(calibration.quality, doubt);
 }
 
 }  // namespace imulab::kernel

@@ -25,7 +25,7 @@ struct Findings {
 
 inline constexpr const char* wrong_latitude = "the latitude seems to be wrong";
 /// Doubts the latitude where the g-sensitivity is the same on all axes: up is along the force at every rest, so an error of the Earth's vertical rate
-/// looks just like it.
+/// looks just like it. Notes the sign of the latitude as assumed where the IMU's own g-sensitivity would hide a wrong one.
 void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity);
 
 /// The uncertainty of g, which is common to all three accelerometer scales.

@@ -167,6 +167,17 @@ Solution solve(const Information& data, const Parameters& parameters, std::strin
   return s;
 }
 
+double log_probability(const Information& data, Parameters parameters, std::string_view what) {
+  std::replace(parameters.role.begin(), parameters.role.end(), Role::considered, Role::estimated);
+  const Solution solution = solve(data, parameters, what);
+  const NormalEquations e = normal_equations(data, parameters);
+  double sum = solution.chi2 + 2 * (Cholesky(e.normal).lower().diagonal().array().log() - e.scale.array().log()).sum();
+  for (const Index i : e.loose)
+    if (std::isfinite(parameters.sigma[i]))
+      sum += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2) + 2 * std::log(parameters.sigma[i]);
+  return -0.5 * sum;
+}
+
 Solution solve(const MatrixXd& jacobian, const VectorXd& residual, const Parameters& parameters, std::string_view what) {
   const RootEquations e = regular_root_equations(jacobian, parameters, what);
   const auto n = static_cast<Index>(e.loose.size());

@@ -59,6 +59,10 @@ struct Solution {
 /// determined.
 Solution solve(const Information& data, const Parameters& parameters, std::string_view what = "the data");
 
+/// Logarithm of the data's probability, whatever the parameters are within their priors; but for what depends on the noise alone and on the number of
+/// parameters without a prior.
+double log_probability(const Information& data, Parameters parameters, std::string_view what = "the data");
+
 /// Solves from whitened residuals and their derivatives, without the normal equations, whose condition number is the square of the derivatives': for
 /// data that determine some directions a million times better than others.
 Solution solve(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual, const Parameters& parameters, std::string_view what = "the data");

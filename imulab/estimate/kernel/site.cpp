@@ -31,9 +31,10 @@ Site farther_north(Site site, double angle) {
   return site;
 }
 
-double gravity_sigma_at_latitude(Site site) {
+Site beside_effects(Site site) {
   site.latitude_sigma.reset();
-  return site.gravity_sigma();
+  site.given_gravity_sigma = site.gravity_sigma();
+  return site;
 }
 
 }  // namespace imulab::kernel

@@ -25,7 +25,7 @@ class SiteChanges {
 /// The site farther north by an angle [rad], at most at a pole: where the latitude is far from the declared one, nothing is linear in it.
 Site farther_north(Site site, double angle);
 
-/// The sigma of gravity beside a latitude that is estimated.
-double gravity_sigma_at_latitude(Site site);
+/// The site beside a latitude that is estimated as an effect: at that latitude exactly, with what is not known of gravity there.
+Site beside_effects(Site site);
 
 }  // namespace imulab::kernel

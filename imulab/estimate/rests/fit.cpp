@@ -192,6 +192,7 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
   kernel::add_common_doubts(findings, calibration, site, problem.effects().degrees_of_freedom(fit.under_noise.solution.covariance));
+  if (site.latitude) kernel::doubt_latitude(findings, calibration, *site.latitude, site.gravity());
   if (curvature > most_curvature) {
     findings.warn(
         "the rests leave misalignments so uncertain that the equations are not linear within them: single uncertainties hold, combinations are less "

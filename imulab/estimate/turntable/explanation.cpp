@@ -69,7 +69,7 @@ Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
   std::vector<MatrixXd> from(steps, MatrixXd::Zero(static_cast<Index>(6 * problem.motion.parts()), effect.basis));
   const auto states = table_states(problem.motion, problem.seen.parts, problem.site.gravity(), 0);
   for (std::size_t part = 0; part < states.size(); ++part)
-    for (const auto& [state, weight] : states[part])
+    for (const auto& [state, weight, attitude] : states[part])
       for (int column = 0; column < effect.basis; ++column) {
         const OutputChange change = effect.phi(state, column);
         for (std::size_t step = 1; step <= problem.motion.step(part); ++step) {

@@ -2,6 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/rig/table_readings.hpp"
@@ -40,6 +41,11 @@ std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
     if (shared) out.push_back(hold);
   }
   return out;
+}
+
+/// With effects the latitude is one of them.
+TableMotion motion_of(const Plan& plan) {
+  return {plan.parts, plan.rig, plan.effects && !plan.classical ? kernel::beside_effects(plan.site) : plan.site};
 }
 
 Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
@@ -159,7 +165,7 @@ Plan classical(Plan plan) {
 }
 
 Prediction predict(const Plan& plan) {
-  const TableMotion motion(plan.parts, plan.rig, plan.site);
+  const TableMotion motion = motion_of(plan);
   const Estimator estimator = estimator_of(plan, motion);
   const auto uncertainty = estimator.uncertainty({});
   Prediction out;
@@ -179,7 +185,7 @@ Prediction predict(const Plan& plan) {
 
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress,
                              const Sharing* sharing) {
-  const TableMotion motion(plan.parts, plan.rig, plan.site);
+  const TableMotion motion = motion_of(plan);
   const Estimator estimator = estimator_of(plan, motion);
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
                                 plan.optional ? estimator.optional_sigma() : VectorXd(),

@@ -1,5 +1,6 @@
 #include "imulab/estimate/turntable/table_effects.hpp"
 
+#include "imulab/estimate/kernel/site.hpp"
 #include "imulab/rig/table_states.hpp"
 
 #include <algorithm>
@@ -12,22 +13,26 @@ TableEffects on_motion(TableEffects effects, const TableMotion& motion, const Ta
   const Index size = effects.table.size();
   effects.truth.setZero(static_cast<Index>(6 * motion.parts()), size);
   if (size == 0) return effects;
-  const auto states = table_states(motion, plan, site.gravity(), effects.moved_at);
+  auto states = table_states(motion, plan, site.gravity(), effects.moved_at);
+  const kernel::SiteChanges changes(site);
   for (std::size_t part = 0; part < motion.parts(); ++part)
-    for (const auto& [state, weight] : states[part])
+    for (auto& [state, weight, C_bn] : states[part]) {
+      changes.fill(state, C_bn);
       for (Index column = 0; column < size; ++column) {
         const OutputChange change = effects.table.columns()[static_cast<std::size_t>(column)].at(state);
         auto sum = effects.truth.col(column).segment<6>(static_cast<Index>(6 * part));
         if (motion.is_hold(part)) sum.head<3>() += weight * change.force;  // turns are read by the gyros alone
         sum.tail<3>() += weight * change.rate;
       }
+    }
   return effects;
 }
 
 TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
                            std::optional<std::size_t> moved_at) {
   const bool warms = std::any_of(plan.holds.begin(), plan.holds.end(), [](const TablePart& hold) { return hold.warming.has_value(); });
-  const EffectSetting setting{.accel = true, .gyro = true, .thermometer = warms, .mount = true, .moved = moved_at.has_value()};
+  const EffectSetting setting{
+      .accel = true, .gyro = true, .thermometer = warms, .mount = true, .moved = moved_at.has_value(), .latitude = site.latitude.has_value()};
   return on_motion({kernel::Effects(sizes, setting), moved_at, {}}, motion, plan, site);
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable/table_effects.hpp"
 
 #include "imulab/earth.hpp"
+#include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/procedure.hpp"
@@ -31,6 +32,7 @@ VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const Sensor
   const RigMotion motion = rig_motion(plan.steps);
   const double gravity = table_site().gravity();
   const Surroundings place{earth_rate_enu(*table_site().latitude), gravity, Matrix3d::Zero()};
+  const kernel::SiteChanges changes(table_site());
   const Matrix3d of_accel = unit.accel.matrix.inverse(), of_gyro = unit.gyro.matrix.inverse();
   PlayOperator play(gravity);
   VectorXd sum = VectorXd::Zero(parts.rows());
@@ -40,6 +42,7 @@ VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const Sensor
     const double t = (i + 0.5) * interval;
     const Motion truth = sensed_motion(body_state(motion, t), place);
     EffectState state{.force = truth.force, .rate = truth.rate, .gravity = gravity};
+    changes.fill(state, body_state(motion, t).C_nb.transpose());
     state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
     state.play = play(truth.force);
     state.moved = t > plan.steps[moved_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it

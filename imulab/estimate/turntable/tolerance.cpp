@@ -139,6 +139,7 @@ Tolerance tolerance_alone(const Plan& plan, Knob knob, const std::vector<Require
   alone.site.given_gravity = alone.site.gravity();
   alone.site.given_gravity_sigma = 0;
   alone.site.latitude_sigma = 0;
+  if (alone.effects) alone.effects->declared["site.latitude"] = alone.effects->declared["site.north"] = 0;
   if (!alone.site.latitude) alone.site.latitude = 45 * unit::deg;  // any: Earth's rate is then known
   return search(alone, knob, requirements);
 }
@@ -162,7 +163,7 @@ Tolerances tolerances_of(const Plan& plan, const std::vector<Requirement>& requi
 
 Prediction predict(const Session& procedure, const PredictionOptions& options) {
   Plan plan = plan_of(procedure, options.terms);
-  if (options.effects) plan.effects = kernel::EffectSizes{procedure.imu.effect_sigmas, procedure.imu.grade.value_or(""), 0};
+  if (options.effects) plan.effects = kernel::effect_sizes(procedure, Vector3d::Zero());
   if (options.classical) plan = classical(std::move(plan));
   expect_estimated(options.requirements, plan);
   const bool is_part = options.runs > 0 && options.sharing && options.sharing->part;  // of the Monte Carlo alone

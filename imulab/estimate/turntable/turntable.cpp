@@ -102,25 +102,6 @@ std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
   return tests;
 }
 
-/// Up is along the force in every position, so an error of the vertical Earth rate looks exactly like the same g-sensitivity of all axes. `free`:
-/// with a g-sensitivity of any size.
-void doubt_latitude(Findings& findings, const Fit& free, double significance) {
-  const Site& site = free.problem->site;
-  const std::vector<TermTest> tests = tests_of_terms(free, significance);
-  if (!site.latitude || tests.empty() || !tests.front().kept) return;
-  const Matrix3d& seen = free.model.g_sensitivity;
-  const double common = seen.trace() / 3;
-  if ((seen - common * Matrix3d::Identity()).norm() > 0.1 * std::abs(common)) return;
-  // The declared rate is what the gyros show and C g; without C it is what they show.
-  const double declared = earth_rate * std::sin(*site.latitude), up = declared - common * site.gravity();
-  findings.warn(fmt::format(
-      "the g-sensitivity is the same on all axes, as an error of the latitude is; Earth's vertical rate would be {:.4g} instead of {:.4g} deg/h{}; "
-      "check the latitude",
-      up / unit::deg_per_h, declared / unit::deg_per_h,
-      std::abs(up) < earth_rate ? fmt::format(", that of latitude {:.3g} deg", std::asin(up / earth_rate) / unit::deg) : ""));
-  findings.doubt(kernel::wrong_latitude);
-}
-
 /// Outliers are few. More than a tenth of the holds or of the turns may be the IMU after a change, which then has two calibrations.
 void doubt_many_dropped(Findings& findings, const Fit& fit) {
   const TableMotion& motion = fit.problem->motion;
@@ -160,9 +141,13 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
 }
 
 /// The sizes of effects: as declared, of the grade, or by the offset that the accelerometers show; none of theirs is beyond that of a MEMS sensor.
-kernel::EffectSizes sizes_of_effects(const TableProblem& problem, const SensorModel& model) {
+kernel::EffectSizes sizes_of_effects(const TableProblem& problem, const Site& site, const SensorModel& model) {
   const double offset = sensor_offset(model.accel, problem.seen.accel_unit).norm() / std::sqrt(3.0);
-  return {problem.imu.effect_sigmas, problem.imu.grade.value_or(""), std::min(offset, 0.03 * unit::g)};
+  Session declared;
+  declared.imu = problem.imu, declared.site = site;
+  kernel::EffectSizes sizes = kernel::effect_sizes(declared, Vector3d::Zero());
+  sizes.accel_offset = std::min(offset, 0.03 * unit::g);
+  return sizes;
 }
 
 /// The effects with values and uncertainties, and what explains the contradictions that the verdict rests on.
@@ -253,13 +238,13 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
                       const CalibrationOptions& options) {
   if (!seen.noise_measured && !(imu.accel_noise_density && imu.gyro_noise_density))
     throw Unsupported("the holds are too short to measure the sensors' noise; declare the noise densities of accelerometers and gyros");
-  const TableProblem problem(seen, rig, imu, site);
+  const TableProblem problem(seen, rig, imu, options.effects ? kernel::beside_effects(site) : site);
   EstimatorOptions asked;
   asked.terms = chosen_coefficients(options.terms, seen.accel_unit, seen.gyro_unit);
   asked.bias_while_turning = options.turntable.bias_while_turning;
   Fit free = fit(problem, asked);
   expect_units(problem, free.model);
-  const kernel::EffectSizes sizes = sizes_of_effects(problem, free.model);
+  const kernel::EffectSizes sizes = sizes_of_effects(problem, site, free.model);
   if (options.effects) {
     asked.effects = table_effects(sizes, problem.motion, problem.seen.parts, site);
     free = fit(problem, asked);
@@ -292,7 +277,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   if (explanation) kernel::warn_of_widened(findings, explanation->widened);
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   doubt_many_dropped(findings, cleaned.fit);
-  if (options.terms.empty()) doubt_latitude(findings, free, options.significance);
+  if (options.terms.empty() && site.latitude) kernel::doubt_latitude(findings, calibration_of(free), *site.latitude, site.gravity());
   if (explanation) add_effects(calibration, findings, *explanation, last);
   judge_residuals(findings, cleaned.fit, last, cleaned.worst, by_size);
   kernel::add_common_doubts(findings, calibration, site);

@@ -203,7 +203,7 @@ TEST(Turntable, AWrongHemisphereIsNamed) {
   Site declared = table_site();
   declared.latitude = -*declared.latitude;
   const Calibration c = calibrate(run.seen, rig, table_imu(), declared);
-  const std::string right = fmt::format("that of latitude {:.3g} deg", *table_site().latitude / unit::deg);
+  const std::string right = fmt::format("as a latitude of {:.0f}.", *table_site().latitude / unit::deg);
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(right)));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }

@@ -115,7 +115,7 @@ void PointProblem::add_effects(const Vector3d& accel_offset) {
   for (const kernel::EffectGroup& group : effects.groups())
     if (group.effect->name == "site.latitude") latitude_ = group.first;
   set_undeclared_levels(common, *session);
-  common[0].sigma = kernel::gravity_sigma_at_latitude(session->site);
+  common[0].sigma = kernel::beside_effects(session->site).gravity_sigma();
   update_effects();
 }
 

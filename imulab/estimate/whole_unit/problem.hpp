@@ -82,7 +82,6 @@ struct PointProblem {
   void add_effects(const Vector3d& accel_offset);
   /// Takes the latitude as that on the other side of the equator.
   void mirror_latitude();
-  bool is_mirrored() const { return site.latitude != session->site.latitude; }
   /// The effects at the present motion of the machines.
   void update_effects();
   RawSample sample(const MachinePoint& point) const;

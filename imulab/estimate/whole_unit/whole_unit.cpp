@@ -115,26 +115,23 @@ void widen_effects(PointProblem& problem) {
   }
 }
 
-/// Of data and priors at the solution: minus twice the logarithm of their probability.
-double cost_of(const Fit& fit) {
-  const std::vector<Index> loose = fit.parameters.with(Role::estimated);
-  const VectorXd x = kernel::correction(fit.data, fit.parameters, "the points"), off = x - fit.parameters.offset;
-  return fit.data.at(x) + VectorXd(off(loose)).cwiseQuotient(fit.parameters.sigma(loose)).squaredNorm();
-}
-
 /// The Earth's horizontal rate is the same on the other side of the equator: a latitude of the wrong sign is another minimum, which no step reaches.
-/// Effects of the gyros explain a part of it, for which their priors pay. Where the declared latitude is right, the other one has the lower cost by
-/// this much in less than one session of two thousand, however far apart they are.
-void mirror_wrong_latitude(PointProblem& problem, const Fit& declared, kernel::Findings& findings) {
-  constexpr double more_likely = 10.8;  // chi-square of one that chance exceeds once in a thousand
+/// Effects of the gyros explain a part of it, for which their priors pay, as wider ones do for their width. Where the declared latitude is right, the
+/// points of a MEMS unit are as much more probable on the other side in one session of a hundred and fifty, those of better gyros never.
+void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
+  constexpr double more_likely = 2;  // logarithm
   if (problem.effects.size() == 0) return;
   PointProblem mirrored = problem;
   mirrored.mirror_latitude();
-  if (!(cost_of(fit(mirrored)) < cost_of(declared) - more_likely)) return;
+  const auto by_more = [](PointProblem here, PointProblem there) {
+    const Fit a = fit(here), b = fit(there);
+    return kernel::log_probability(b.data, b.parameters, "the points") - kernel::log_probability(a.data, a.parameters, "the points");
+  };
+  if (!(by_more(problem, mirrored) > more_likely)) return;
   // Unless some other effect is larger than expected, which may be so on either side.
   PointProblem here = problem, there = mirrored;
   widen_effects(here), widen_effects(there);
-  if (!(cost_of(fit(there)) < cost_of(fit(here)) - more_likely)) return;
+  if (!(by_more(std::move(here), std::move(there)) > more_likely)) return;
   problem = std::move(mirrored);
   findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
   findings.doubt(kernel::wrong_latitude);
@@ -173,7 +170,8 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   JointEstimate out;
   hold_others(problem, options.terms);
   fit_under_priors(problem, options);
-  mirror_wrong_latitude(problem, fit_determined(problem), out.findings);
+  fit_determined(problem);
+  mirror_wrong_latitude(problem, out.findings);
   check_noise(out.findings, problem);
   std::string machine = wrong_machine(problem);  // before its points are dropped
   fit_good_points(problem, options.outlier_level, out.findings);
@@ -276,7 +274,6 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   check_chamber(joint.findings, problem);
   if (problem.effects.size() > 0)
     kernel::add_effects(calibration, joint.findings, problem.effects, joint.solution.covariance, 1e-3, problem.coefficients);
-  if (problem.is_mirrored()) calibration.quality.cause = "site.latitude";
   if (options.effects && options.whole_unit.stepwise) joint.findings.note("the stepwise estimate takes the effects as absent");
   kernel::add_common_doubts(joint.findings, calibration, session.site);
   kernel::conclude(calibration, joint.findings);
