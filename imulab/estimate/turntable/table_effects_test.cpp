@@ -40,9 +40,10 @@ VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const Sensor
   const auto samples = static_cast<int>(std::ceil(motion.end() / interval));
   for (int i = 0; i < samples; ++i) {
     const double t = (i + 0.5) * interval;
-    const Motion truth = sensed_motion(body_state(motion, t), place);
+    const BodyState body = body_state(motion, t);
+    const Motion truth = sensed_motion(body, place);
     EffectState state{.force = truth.force, .rate = truth.rate, .gravity = gravity};
-    changes.fill(state, body_state(motion, t).C_nb.transpose());
+    changes.fill(state, body.C_nb.transpose());
     state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
     state.play = play(truth.force);
     state.moved = t > plan.steps[moved_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
