@@ -57,7 +57,7 @@ export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-uni
 
 /** What a recording holds, with the evidence; files["session.toml"] where nothing is open. */
 export function inspect(input: Input, options?: VerbOptions): Promise<Answer<Inspection>>;
-/** A calibration with its uncertainties; files["calibration.json"]. Needs the site: set.latitude_deg or set.gravity_mps2, or a session.toml among the input. */
+/** A calibration with its uncertainties; files["calibration.json"]. The site: set.latitude_deg or set.gravity_mps2, or a session.toml among the input. */
 export function calibrate(input: Input, options: VerbOptions & { method: Method }): Promise<Answer>;
 /** Allan deviation and noise coefficients of a log at rest; files["noise.json"]. */
 export function noise(input: Input, options?: VerbOptions): Promise<Answer>;
