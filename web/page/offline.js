@@ -1,6 +1,6 @@
 // The service worker: all files of the page are kept at the first visit, and served from there. VERSION and FILES are set by the build.
 const version = "VERSION";
-const files = ["FILES"];
+const files = ["./", "FILES"];
 
 self.addEventListener("install", (event) => {
   event.waitUntil(caches.open(version).then((cache) => cache.addAll(files)).then(() => self.skipWaiting()));
