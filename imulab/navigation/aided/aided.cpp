@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 
 constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
 constexpr double believed = 4;     // values that the declared noise counts for
-constexpr double settled = 0.05;   // of a factor: further passes change nothing that matters
+constexpr double settled = 0.1;    // of a factor: a further pass changes sigmas by less than half of it
 
 /// New factors; the largest relative change of those that the data resolve.
 double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
@@ -119,12 +119,13 @@ std::vector<NavigationState> causal_states(const Problem& p, const FilterPass& p
   return states;
 }
 
-void judge(AidedNavigation& out, const FoundStart& start, const std::string& name) {
+void judge(AidedNavigation& out, const std::string& name) {
   const auto doubt = [&](std::string text) {
     out.doubtful = true;
     out.warnings.push_back(name + ": " + std::move(text));
   };
-  if (start.ambiguous) doubt("the motion does not show the heading at the start; expected accelerations or turns while the aids measure");
+  if (out.covariance.back().value(2, 2) > largest_heading_sigma * largest_heading_sigma)
+    doubt("the motion does not show the heading; expected accelerations or turns while the aids measure");
   if (out.innovation_rms > 1.5)
     doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
   if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
@@ -175,7 +176,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
     for (const Node& node : pass.nodes) out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
   add_solution(p, pass, states, out);
-  judge(out, start, recording.name);
+  judge(out, recording.name);
   return out;
 }
 

@@ -107,7 +107,8 @@ struct Filter {
 
   Node next(Node& node, std::size_t samples) const {
     Integrated step = integrate(p, node.samples, samples, node.reference, true);
-    Node reached{.samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
+    Node reached{
+        .samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
     node.defect = VectorXd::Zero(p.size);
     if (options.about) {
       reached.reference.motion = options.about->states[samples - start.sample];

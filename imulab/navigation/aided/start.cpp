@@ -123,7 +123,6 @@ FoundStart find_start(const Problem& p, const Session& session) {
     }
   }
   out.start = left.front().start;
-  out.ambiguous = left.size() > 3;
   return out;
 }
 

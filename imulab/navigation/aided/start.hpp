@@ -10,9 +10,8 @@ namespace imulab::aided {
 
 struct FoundStart {
   FilterStart start;
-  int candidates = 1;      // headings that were tried
-  double seconds = 0;      // of data that decided
-  bool ambiguous = false;  // the best two headings are not told apart by all of the data
+  int candidates = 1;  // headings that were tried
+  double seconds = 0;  // of data that decided
 };
 /// Position and velocity from the first fixes of a receiver, or the session's initial state or site; level from the mean force less the receiver's
 /// acceleration; the heading from the initial state, or the candidate with the largest likelihood. Throws Error where nothing gives a position.
