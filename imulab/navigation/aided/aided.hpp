@@ -1,4 +1,5 @@
-// Aided navigation (docs/theory/aided.md): an inertial solution corrected by receivers, wheels, a barometer and known constraints, with its covariance.
+// Aided navigation (docs/theory/aided.md): an inertial solution corrected by receivers, wheels, a barometer and known constraints, with its
+// covariance.
 //
 // An error-state filter forward and a Rauch-Tung-Striebel smoother backward, repeated about the smoothed trajectory; the sensors' errors, lever arms,
 // delays, mounting angles and slow errors of the aids are states under their priors. The size of each source of noise is estimated from the data.

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double interval = 0.02;  // s
+constexpr double sample_interval = 0.02;  // s
 
 /// A drive with its truth and an IMU mounted off by some degrees; all errors are drawn.
 struct Drive {
@@ -91,13 +91,13 @@ Drive drive_of(std::uint64_t seed, double true_over_stated = 1) {
   Columns3 gyro, accel;
   std::vector<double> time;
   n = 0;
-  for (const Increment& ideal : ideal_increments(d.motion, interval)) {
-    time.push_back(interval * static_cast<double>(time.size() + 1));
-    const Vector3d w = d.mounted.transpose() * ideal.angle / interval, f = d.mounted.transpose() * ideal.velocity / interval;
+  for (const Increment& ideal : ideal_increments(d.motion, sample_interval)) {
+    time.push_back(sample_interval * static_cast<double>(time.size() + 1));
+    const Vector3d w = d.mounted.transpose() * ideal.angle / sample_interval, f = d.mounted.transpose() * ideal.velocity / sample_interval;
     for (Eigen::Index k = 0; k < 3; ++k) {
       const auto column = static_cast<std::size_t>(k);
-      gyro[column].push_back((1 + sg[k]) * w[k] + bg[k] + gyro_noise / std::sqrt(interval) * sensors.normal(n++));
-      accel[column].push_back((1 + sa[k]) * f[k] + ba[k] + accel_noise / std::sqrt(interval) * sensors.normal(n++));
+      gyro[column].push_back((1 + sg[k]) * w[k] + bg[k] + gyro_noise / std::sqrt(sample_interval) * sensors.normal(n++));
+      accel[column].push_back((1 + sa[k]) * f[k] + ba[k] + accel_noise / std::sqrt(sample_interval) * sensors.normal(n++));
     }
   }
   d.recording = make_recording(time, std::move(gyro), std::move(accel));
@@ -162,8 +162,8 @@ TEST(Aided, AParkedCarShowsLittle) {
   d.motion = motion::flight({48 * unit::deg, 0.2, 500, 0, 1}, {motion::rest(60)}, {.banks = false});
   d.aids = {receiver(d, RandomStream(7, "receiver"), 1)};
   for (Columns3* columns : {&d.recording.gyro, &d.recording.accel})
-    for (auto& column : *columns) column.resize(static_cast<std::size_t>(9 / interval));
-  d.recording.time_ns.resize(static_cast<std::size_t>(9 / interval));  // at rest all of the time
+    for (auto& column : *columns) column.resize(static_cast<std::size_t>(9 / sample_interval));
+  d.recording.time_ns.resize(static_cast<std::size_t>(9 / sample_interval));  // at rest all of the time
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
   EXPECT_TRUE(n.doubtful);
   ASSERT_FALSE(n.warnings.empty());
