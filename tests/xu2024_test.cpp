@@ -13,7 +13,7 @@ namespace {
 using namespace motion;
 
 TEST(Xu2024, ErrorsOfTheTrafficPatternAreDistributedAsElsewhere) {
-  const MissionFile file = read_mission(std::filesystem::path(IMULAB_SOURCE) / "docs" / "xu2024" / "pattern.toml");
+  const MissionFile file = read_mission(std::filesystem::path(IMULAB_SOURCE) / "docs" / "evidence" / "papers" / "xu2024" / "pattern.toml");
   const NominalMotion motion = nominal_motion(trajectory_of(file.mission), 1 / file.mission.rate);
   EXPECT_EQ(motion.increments.size(), 7120u);
   StrapdownOptions strapdown;

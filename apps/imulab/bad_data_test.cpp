@@ -117,7 +117,7 @@ TEST(BadData, NothingIsWrittenWhereNothingFollows) {
     });
   };
   for (const Case& c : {
-           Case{never_still, ": the IMU was never still for long enough"},
+           Case{never_still, "recording.csv: no rests in 144 s at 100 Hz: the IMU was never still for long enough"},
            Case{[](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"m/s^2\", limits = [-1, 1]"); }, "recording.csv: no rests"},
            Case{[](SessionText& s) { s.lines.resize(3); }, "recording.csv: no rests"},
            Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[6] = 9.81; }); },

@@ -19,6 +19,8 @@ namespace {
 
 constexpr std::size_t most_advised_turns = 100;  // a longer procedure is planned (plan.hpp), in less time than a second a turn
 
+constexpr double most_samples = 1e6 * (1 + 1e-9);  // a second, as session files allow
+
 void append(std::vector<std::string>& problems, const std::vector<std::string>& more, std::string_view place) {
   for (const std::string& problem : more) problems.push_back(fmt::format("{}: {}", place, problem));
 }
@@ -53,7 +55,7 @@ void check_rests(const CalibrationInput& input, std::vector<std::string>& proble
   for (const Range& rest : *input.rests) {
     const std::size_t least = std::max(begin, end - std::min(end, shared));
     if (rest.end <= rest.begin)
-      problems.push_back(fmt::format("rests: samples {} to {}: ends before it has begun; expected [begin, end)", rest.begin, rest.end));
+      problems.push_back(fmt::format("rests: samples {} to {} are no rest: it ends before it begins; expected [begin, end)", rest.begin, rest.end));
     else if (rest.begin < least || rest.end <= end || rest.end > recording.size())
       problems.push_back(fmt::format("rests: samples {} to {} are no rest; expected ranges in ascending order from {} to {}", rest.begin, rest.end,
                                      least, recording.size()));
@@ -79,7 +81,12 @@ CalibrationInput checked_input(const Method& method, const CalibrationInput& inp
   collect_problem(problems, [&] { validate(input.session); });
   if (input.recordings.empty())
     problems.push_back(fmt::format("the method {} takes {}; got none", method.name, method.takes_several ? "recordings" : "one recording"));
-  for (const Recording& recording : input.recordings) collect_problem(problems, [&] { validate(recording); });
+  for (const Recording& recording : input.recordings) {
+    collect_problem(problems, [&] { validate(recording); });
+    if (recording.interval_s > 0 && 1 / recording.interval_s > most_samples)
+      problems.push_back(fmt::format("{}: {:g} samples a second; expected at most {:g}: are the stamps in another unit than nanoseconds?",
+                                     recording.name, 1 / recording.interval_s, most_samples));
+  }
   if (!input.recordings.empty()) collect_problem(problems, [&] { out.session = declared_session(input.session, input.recordings); });
   check_rests(input, problems);
   throw_problems("", problems);

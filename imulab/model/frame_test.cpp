@@ -122,6 +122,7 @@ TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   Calibration c;
   c.frame = "rig";
   c.model = framed_model(0.05, 0.5);
+  c.model.accel.temperature = c.model.gyro.temperature = ThermalReading{};
   c.estimated = all_coefficients();
   c.covariance = covariance_of(coefficient_count, 1e-4);
   const Calibration turned = in_accelerometer_frame(c);

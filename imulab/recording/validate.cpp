@@ -79,9 +79,6 @@ void validate(const Recording& r) {
   expect_increasing(r.name, r.time_ns);
   if (!(r.interval_s > 0 && std::isfinite(r.interval_s)))
     throw Error(fmt::format("{}: the interval is {} s; expected a positive number", r.name, r.interval_s));
-  if (const double rate = 1 / r.interval_s; rate > sampling_rate().high * (1 + 1e-9))
-    throw Error(fmt::format("{}: {:g} samples a second; expected at most {:g}: are the stamps in another unit than nanoseconds?", r.name, rate,
-                            sampling_rate().high));
   check_readings(r, "gyro", r.gyro, largest_reading(r.gyro_unit));
   check_readings(r, "accel", r.accel, largest_reading(r.accel_unit));
   for (const auto& [name, columns] : {std::pair{"gyro temperature", &r.gyro_temperature}, std::pair{"accel temperature", &r.accel_temperature}}) {

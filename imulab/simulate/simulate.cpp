@@ -111,11 +111,11 @@ void check(const Truth& truth, const RigErrors& rig, const EffectSetting& settin
   if (truth.frame != "accelerometers" && truth.frame != "rig")
     problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", truth.frame));
   for (const EffectValue& e : truth.effects)
-    if (const std::string problem = problem_of(e, setting); !problem.empty()) problems.push_back(problem);
+    if (const std::string problem = simulate::problem_of(e, setting); !problem.empty()) problems.push_back(problem);
   if (rig.values.size() != rig.sources.size())
     problems.push_back(fmt::format("the rig has {} errors of {} sources; expected one of each", rig.values.size(), rig.sources.size()));
   for (const RigErrorSource& source : rig.sources)
-    if (const std::string problem = problem_of(source, steps); !problem.empty()) problems.push_back(problem);
+    if (const std::string problem = imulab::problem_of(source, steps); !problem.empty()) problems.push_back(problem);
   throw_problems("the truth of the simulation", problems);
 }
 
@@ -123,7 +123,7 @@ void check(const Truth& truth, const RigErrors& rig, const EffectSetting& settin
 
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed, const RigErrors& rig) {
   validate(procedure);
-  check(truth, rig, setting_of(procedure), procedure.steps_of(source).size());
+  check(truth, rig, simulate::setting_of(procedure), procedure.steps_of(source).size());
   if (!procedure.site.latitude) throw Error("the site has no latitude; the Earth's rate depends on it; expected a latitude");
   Recording recording = ideal_recording(
       procedure, source, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity, truth.model.lever_arm}, rig);

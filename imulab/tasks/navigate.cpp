@@ -56,7 +56,7 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
   allow_undetermined_option(verb, o.allow_undetermined);
   json_option(verb, o.json);
   verb.example("imulab navigate calibration.json drive --vertical fixed -o solution.csv");
-  verb.example("imulab navigate none drive --aided --outages 60,10 -o solution.csv --report page.html");
+  verb.example("imulab navigate none drive --aided --outages 60,10 -o solution.csv");
   return verb;
 }
 

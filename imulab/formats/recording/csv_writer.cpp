@@ -107,7 +107,6 @@ void write_rows(const std::filesystem::path& path, std::string text, std::size_t
 }  // namespace
 
 void write_recording(const std::filesystem::path& path, const Recording& recording) {
-  validate(recording);
   std::vector<WrittenColumn> columns = reading_columns(recording);
   add_thermal(columns, recording.gyro_temperature, gyro_temperature_name, gyro_temperature_names);
   add_thermal(columns, recording.accel_temperature, accel_temperature_name, accel_temperature_names);

@@ -50,7 +50,7 @@ VectorXd flat(const Matrix3d& m) { return Eigen::Map<const VectorXd>(m.data(), 9
 void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.size = At::sensors;
   p.gyro_source = add_source(p, "gyro"), p.accel_source = add_source(p, "accel");
-  const auto offset = [&](std::string name, const Vector3d& prior, const Vector3d& walk) {
+  const auto offset = [&](const std::string& name, const Vector3d& prior, const Vector3d& walk) {
     StateBlock block = constants(name + ".offset", prior);
     block.walk = walk, block.noise = add_source(p, name + ".drift");
     return add_block(p, std::move(block));
