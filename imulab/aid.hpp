@@ -7,7 +7,7 @@
 //   receiver.record.position.assign(2, {52 * unit::deg, 13 * unit::deg, 120});
 //   session.aids = {receiver};
 //
-// A session lists them as [[aid]] (docs/reference/recordings.md), whose files `read_aids` (files.hpp) reads into records on the recording's clock. Frames:
+// A session lists them as [[aid]] (docs/reference/aids.md), whose files `read_aids` (files.hpp) reads into records on the recording's clock. Frames:
 // east-north-up, body right-forward-up. SI and radians. Plain values.
 #pragma once
 
@@ -60,20 +60,20 @@ struct Outage {
 /// One [[aid]]. Declared values that are absent take the defaults of their kind where they are used.
 struct Aid {
   AidKind kind = AidKind::gnss;
-  std::string file;                          ///< or topic of the recording's log; empty without one
-  AidRecord record;                          ///< empty in a mission, and for the kinds without a file
-  TimeScale scale = TimeScale::own;          ///< of the record's stamps
-  std::optional<Eigen::Vector3d> lever_arm;  ///< from the IMU, body axes [m]
-  std::optional<double> lever_arm_sigma;     ///< [m]
-  std::optional<double> delay, delay_sigma;  ///< [s]; positive: its stamps are late
-  std::optional<double> position_sigma;      ///< [m], one axis
-  std::optional<double> velocity_sigma;      ///< [m/s], one axis
-  std::optional<double> value_sigma;         ///< of wheels [m/s], barometer [m], heading [rad], or of side slip [m/s]
-  std::optional<double> correlation;         ///< of its errors [s]
-  std::vector<Outage> outages;               ///< withheld, predicted and compared
-  std::optional<double> rate;                ///< [Hz]; of a simulation
-  std::vector<Outage> jumps;                 ///< of a simulation: with positions displaced, as by reflected signals
-  std::optional<double> jump;                ///< [m], horizontally
+  std::string file = {};                               ///< or topic of the recording's log; empty without one
+  AidRecord record = {};                               ///< empty in a mission, and for the kinds without a file
+  TimeScale scale = TimeScale::own;                    ///< of the record's stamps
+  std::optional<Eigen::Vector3d> lever_arm = {};       ///< from the IMU, body axes [m]
+  std::optional<double> lever_arm_sigma = {};          ///< [m]
+  std::optional<double> delay = {}, delay_sigma = {};  ///< [s]; positive: its stamps are late
+  std::optional<double> position_sigma = {};           ///< [m], one axis
+  std::optional<double> velocity_sigma = {};           ///< [m/s], one axis
+  std::optional<double> value_sigma = {};              ///< of wheels [m/s], barometer [m], heading [rad], or of side slip [m/s]
+  std::optional<double> correlation = {};              ///< of its errors [s]
+  std::vector<Outage> outages = {};                    ///< withheld, predicted and compared
+  std::optional<double> rate = {};                     ///< [Hz]; of a simulation
+  std::vector<Outage> jumps = {};                      ///< of a simulation: with positions displaced, as by reflected signals
+  std::optional<double> jump = {};                     ///< [m], horizontally
   bool operator==(const Aid&) const = default;
 };
 

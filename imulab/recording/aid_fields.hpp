@@ -63,8 +63,10 @@ void transfer(Fields& f, Aid& aid) {
   if (gnss || zero_velocity) f.number("velocity_sigma_mps", aid.velocity_sigma, positive());
   transfer_value_sigma(f, aid);
   if (!zero_velocity) f.number("correlation_s", aid.correlation, positive());
-  transfer_spans(f, "outages_s", aid.outages);
-  if (has_record(aid.kind)) f.number("rate_hz", aid.rate, within(1e-3, 1e4));
+  if (has_record(aid.kind)) {
+    transfer_spans(f, "outages_s", aid.outages);
+    f.number("rate_hz", aid.rate, within(1e-3, 1e4));
+  }
   if (gnss) {
     transfer_spans(f, "jumps_s", aid.jumps);
     f.number("jump_m", aid.jump, within(0, 1e6));

@@ -14,6 +14,9 @@ namespace imulab {
 /// No sensor gives more: 10,000 g, a thousand turns a second, or counts of 48 bits. `unit`: "m/s^2", "rad/s" or "count".
 double largest_reading(std::string_view unit);
 
+/// An index from 0 to 2 and a sign.
+bool is_body_axis(const BodyAxis& axis);
+
 /// Each body axis once, with its sign.
 bool are_body_axes(const std::array<BodyAxis, 3>& axes);
 

@@ -3,7 +3,7 @@ import createEngine from "./engine.js";
 
 /** @typedef {import("./imulab.js").RunRequest} RunRequest @typedef {import("./imulab.js").RunResult} RunResult */
 
-const folder = "/work";
+const folder = "/session"; // of the instance's own file system
 
 /**
  * @param {object} settings of the engine

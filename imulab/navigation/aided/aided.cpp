@@ -142,6 +142,9 @@ void judge(AidedNavigation& out, const std::string& name) {
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
                                const AidedOptions& options) {
   using namespace aided;
+  Session checked = session;
+  checked.aids = aids;
+  validate(checked), validate(raw);
   Recording recording = compensate(calibration.model, std::move(raw)).recording;
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
   Problem p = make_problem(recording, sensor_priors(calibration, session.imu), aids, session, {.outages = options.outages});

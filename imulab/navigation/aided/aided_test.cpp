@@ -4,6 +4,8 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
+#include "imulab/navigation/aided/observation.hpp"
+#include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 #include "imulab/units.hpp"
@@ -154,6 +156,63 @@ TEST(Aided, StatedSigmasHoldTheErrors) {
   EXPECT_GE(position.part(), 0.85);
   EXPECT_NEAR(nees, 1.2, 0.6);
   EXPECT_GE(constants.part(), 0.84);  // 0.95 of 50 independent ones: 0.84 once in 1000
+}
+
+/// One row of every kind that measures, beside the drive's own aids.
+std::vector<Aid> all_kinds(const Drive& d) {
+  std::vector<Aid> aids = d.aids;
+  for (const AidKind kind : {AidKind::wheels, AidKind::barometer, AidKind::heading, AidKind::zero_velocity}) {
+    Aid& aid = aids.emplace_back(Aid{.kind = kind});
+    if (!has_record(kind)) continue;
+    aid.record.time = {20'000'000'000}, aid.record.value = {1};
+    aid.lever_arm = Vector3d(0.2, -0.4, 0.9), aid.correlation = 30;
+  }
+  return aids;
+}
+
+// The rows' derivatives are the differences of what they compute, by every state that they depend on (the sensors' matrices act over the time between
+// the rows, and the force's error on an acceleration is left out).
+TEST(Aided, DerivativesAreThoseOfTheRows) {
+  using namespace aided;
+  const Drive d = drive_of(5);
+  const Problem p = make_problem(d.recording, sensor_priors(ideal(), d.session.imu), all_kinds(d), d.session, {});
+  const double time = 20;  // s: in a turn
+  const auto end = static_cast<std::size_t>(time / sample_interval);
+  FullState state{motion::navigation_state(d.motion.at(time)), prior_of(p).mean};
+  state.motion.velocity.z() = 0.7;  // the road is level, and a barometer sees no delay there
+  for (const StateBlock& b : p.blocks)  // within their priors, none of them zero
+    for (Eigen::Index k = 0; k < b.size; ++k) state.x[b.first + k] += b.prior[k] * (0.1 + 0.05 * static_cast<double>(k));
+  for (std::size_t channel = 0; channel < p.channels.size(); ++channel) {
+    const Channel& c = p.channels[channel];
+    Observation o{.stamp = 0, .channel = channel, .row = c.aid.kind == AidKind::gnss ? 18u : 0u};
+    const Instant at = instant_at(p, end, state);
+    o.stamp = (at.time + (c.delay >= 0 ? state.x[c.delay] - state.x[c.delay + 1] * p.middle() : 0)) / (1 - (c.delay >= 0 ? state.x[c.delay + 1] : 0));
+    const ObservedRows rows = observe(p, o, at);
+    for (Eigen::Index k = 0; k < p.size; ++k) {
+      const bool of_sensors = k >= p.accel_offset && k < p.sensors_end;
+      if (of_sensors) continue;
+      constexpr double h = 1e-5;
+      Eigen::VectorXd step = Eigen::VectorXd::Zero(p.size);
+      step[k] = h;
+      const auto residual = [&](double sign) { return observe(p, o, instant_at(p, end, plus(state, sign * step))).residual; };
+      const Eigen::VectorXd difference = -(residual(1) - residual(-1)) / (2 * h);
+      // Left out: the Earth's rate by the attitude, 7e-5 rad/s at 1 m, and the curvature of what is measured.
+      for (Eigen::Index i = 0; i < difference.size(); ++i)
+        EXPECT_NEAR(rows.derivative(i, k), difference[i], 2e-4 * (1 + std::abs(difference[i]))) << c.name << ", row " << i << ", state " << k;
+    }
+  }
+}
+
+TEST(Aided, RecordsMadeInMemoryAreChecked) {
+  Drive d = drive_of(3);
+  d.aids[0].record.velocity.pop_back();
+  d.aids[1].record.time = {0, 0};
+  try {
+    navigate_aided(ideal(), d.session, d.recording, d.aids);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), testing::AllOf(HasSubstr("aid 1 (gnss): a column has"), HasSubstr("aid 2 (vehicle): its stamps do not ascend")));
+  }
 }
 
 // What the motion does not show keeps its prior and is named.

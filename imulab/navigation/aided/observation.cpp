@@ -127,9 +127,13 @@ ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observatio
   const VehicleVelocity v = vehicle_velocity(p, c, at);
   const double scale = 1 + (c.scale >= 0 ? at.state.x[c.scale] : 0);
   ObservedRows out = rows_of(1, p.size);
-  out.residual[0] = c.aid.record.value[o.row] - scale * v.value.y();
+  const Vector3d acceleration = mounting(p, c, at.state.x) * (at.state.motion.q_nb.conjugate() * at.acceleration);
+  const VectorXd rate = VectorXd::Constant(1, scale * acceleration.y());
+  out.residual[0] = c.aid.record.value[o.row] - scale * v.value.y() - offset_in_time(p, c, o, at) * rate[0];
   out.derivative.row(0) = scale * v.derivative.row(1);
   if (c.scale >= 0) out.derivative(0, c.scale) = v.value.y();
+  if (c.slow >= 0) out.residual[0] -= at.state.x[c.slow], out.derivative(0, c.slow) = 1;
+  set_delay(p, c, o, rate, out.derivative);
   out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
   out.source[0] = c.first_noise;
   return out;
@@ -137,10 +141,14 @@ ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observatio
 
 ObservedRows observe_barometer(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   const double offset = offset_in_time(p, c, o, at);
+  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
+  const Vector3d moved = C * lever_of(c, at);
   ObservedRows out = rows_of(1, p.size);
   out.residual[0] =
-      c.aid.record.value[o.row] - at.state.motion.height - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
+      c.aid.record.value[o.row] - at.state.motion.height - moved.z() - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
   out.derivative(0, At::position + 2) = 1;
+  out.derivative.block<1, 3>(0, At::attitude) = -skew<double>(moved).row(2);
+  if (c.lever >= 0) out.derivative.block<1, 3>(0, c.lever) = C.row(2);
   if (c.slow >= 0) out.derivative(0, c.slow) = 1;
   set_delay(p, c, o, at.state.motion.velocity.tail<1>(), out.derivative);
   out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
@@ -152,7 +160,9 @@ ObservedRows observe_heading(const Problem& p, const Channel& c, const Observati
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const double east = C(0, 1), north = C(1, 1), up = C(2, 1), level = east * east + north * north;
   ObservedRows out = rows_of(1, p.size);
-  out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north), 2 * std::numbers::pi);
+  const VectorXd rate = VectorXd::Constant(1, -(C * at.rate_eb).z());  // of a level body
+  out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north) - offset_in_time(p, c, o, at) * rate[0], 2 * std::numbers::pi);
+  set_delay(p, c, o, rate, out.derivative);
   out.derivative.block<1, 3>(0, At::attitude) << east * up / level, north * up / level, -1;
   if (c.slow >= 0) out.residual[0] -= at.state.x[c.slow], out.derivative(0, c.slow) = 1;
   out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);

@@ -3,9 +3,9 @@
 //   GNSS position   z = p + C l - dt (v + C (w_eb x l))
 //   GNSS velocity   z = v + C (w_eb x l) - dt a
 //   vehicle         (C_vb (C_bn v + w_eb x l))_right,up + slip = 0
-//   wheels          z = (1 + s) (C_vb (C_bn v + w_eb x l))_forward
-//   barometer       z = h + b
-//   heading         z = heading of the forward axis
+//   wheels          z = (1 + s) (C_vb (C_bn v + w_eb x l))_forward - dt (1 + s) (C_vb C_bn a)_forward + e
+//   barometer       z = h + (C l)_up - dt v_up + b
+//   heading         z = heading of the forward axis + dt (C w_eb)_up + b
 //   zero velocity   0 = v,  0 = w_ib - C_bn w_ie
 #pragma once
 

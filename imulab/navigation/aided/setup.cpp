@@ -108,16 +108,19 @@ void add_channel(Problem& p, const Aid& aid, const std::string& name) {
       break;
     case AidKind::wheels:
       c.first_noise = add_source(p, name);
-      lever(), mount();
+      lever(), mount(), delay();
       c.scale = add_block(p, constants(name + ".scale", VectorXd::Constant(1, scale_sigma)));
+      if (aid.correlation) c.slow = add_slow(p, c, name + ".slow_error", 1, value_sigma(aid, 0), *aid.correlation);
       break;
     case AidKind::barometer:
       c.first_noise = add_source(p, name);
+      if (aid.lever_arm || aid.lever_arm_sigma) lever();
       delay();
       c.slow = add_slow(p, c, name + ".slow_error", 1, 20, 3600);
       break;
     case AidKind::heading:
       c.first_noise = add_source(p, name);
+      delay();
       c.slow = add_slow(p, c, name + ".slow_error", 1, value_sigma(aid, 0), 60);
       break;
     case AidKind::zero_velocity:
