@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/recording.hpp"
+#include "imulab/recording/session_fields.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
@@ -18,8 +19,6 @@ namespace imulab {
 namespace {
 
 constexpr std::size_t most_advised_turns = 100;  // a longer procedure is planned (plan.hpp), in less time than a second a turn
-
-constexpr double most_samples = 1e6 * (1 + 1e-9);  // a second, as session files allow
 
 void append(std::vector<std::string>& problems, const std::vector<std::string>& more, std::string_view place) {
   for (const std::string& problem : more) problems.push_back(fmt::format("{}: {}", place, problem));
@@ -83,9 +82,10 @@ CalibrationInput checked_input(const Method& method, const CalibrationInput& inp
     problems.push_back(fmt::format("the method {} takes {}; got none", method.name, method.takes_several ? "recordings" : "one recording"));
   for (const Recording& recording : input.recordings) {
     collect_problem(problems, [&] { validate(recording); });
-    if (recording.interval_s > 0 && 1 / recording.interval_s > most_samples)
+    const double most = session_fields::sampling_rate().high;  // Hz
+    if (recording.interval_s > 0 && 1 / recording.interval_s > most * (1 + 1e-9))
       problems.push_back(fmt::format("{}: {:g} samples a second; expected at most {:g}: are the stamps in another unit than nanoseconds?",
-                                     recording.name, 1 / recording.interval_s, most_samples));
+                                     recording.name, 1 / recording.interval_s, most));
   }
   if (!input.recordings.empty()) collect_problem(problems, [&] { out.session = declared_session(input.session, input.recordings); });
   check_rests(input, problems);
