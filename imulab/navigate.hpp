@@ -100,8 +100,8 @@ class Strapdown {
   /// range.
   explicit Strapdown(const NavigationState& start, const StrapdownOptions& options = {});
 
-  /// One sample over `interval` [s]. `barometer` [m]: the height at the end of the step, for the aided and the held channel. Throws Error where the
-  /// latitude leaves the limit.
+  /// One sample over `interval` [s]. `barometer` [m]: the height at the end of the step, for the aided and the held channel. Throws Error for an
+  /// interval that is not positive, and where the latitude leaves the limit.
   void step(const Increment& sample, double interval, std::optional<double> barometer = {});
   /// One to five samples over `interval` [s] altogether.
   void step(std::span<const Increment> samples, double interval, std::optional<double> barometer = {});

@@ -34,7 +34,7 @@ struct Range {
 /// Samples as columns. Values are in SI where the session names a physical unit, in counts otherwise; an increment output is divided by the
 /// nominal interval, so that both kinds of output are means over the sample's interval.
 struct Recording {
-  std::string name;                   ///< the file named in the session
+  std::string name = "recording";     ///< the file named in the session; used in messages
   double interval_s = 0;              ///< nominal interval: 1 / rate_hz, else the median difference of the stamps
   std::vector<std::int64_t> time_ns;  ///< end of each sample's interval, nanoseconds since `time.zero`: exact
   Columns3 gyro, accel;

@@ -61,7 +61,7 @@ TEST(Ferraris, AgreesWithThePublishedResult) {
   folder.write("session.toml", session(turn_x() + turn_y() + turn_z()));
   const CommandResult result = run_imulab(folder, "calibrate session.toml --method handheld -o c.json -v");
   EXPECT_EQ(result.exit_code, 0) << "what a MEMS unit may do besides the model explains faces that repeat to 5 mm/s^2";
-  EXPECT_THAT(on_one_line(result.output), HasSubstr("3 of 3 turns were used with their declared angle, each known to 1.4 deg"));
+  EXPECT_THAT(on_one_line(result.output), HasSubstr("3 of 3 turns were used with their declared angle, each with u = 1.4 deg"));
   const Calibration c = read_calibration(folder / "c.json");
 
   // raw = K R x + b with b = 0.5371 -0.6162 0.3989 m/s^2 and K = 0.99675 1.00244 1.02340, which takes the faces as exact: x = raw / K - b / K, but

@@ -65,7 +65,7 @@ TEST(Inspect, AReversedAxisIsAskedAboutAndDeclared) {
   EXPECT_EQ((*declared.source.gyro.axes)[2], (BodyAxis{2, -1}));
   const Inspection turned_over = inspected(head, [](std::array<double, 6>& v) { v[3] = -v[3], v[4] = -v[4], v[5] = -v[5]; });
   EXPECT_TRUE(turned_over.complete()) << "all accelerometers reversed look like a unit that lies the other way up";
-  EXPECT_THAT(turned_over.evidence, Contains(HasSubstr("if it was the other side, the accelerometers' signs are reversed")));
+  EXPECT_THAT(turned_over.evidence, Contains(HasSubstr("if it was the other side: --set accel.axes=-x,-y,-z")));
 }
 
 TEST(Inspect, ANameThatContradictsTheDataIsAskedAbout) {

@@ -111,7 +111,7 @@ void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
   const auto [calibration, warnings] = read_usable(options.calibration, options.allow_undetermined);
-  const Session session = open_session(options.session, {options.declarations, options.topics});
+  const Session session = open_session(options.session, {options.declarations, options.topics}, numbers_inspected, Purpose::compensation);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) will_write("-o", file);

@@ -12,6 +12,7 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/recording/unit_names.hpp"
+#include "imulab/tasks/navigate.hpp"
 
 #include <fmt/format.h>
 
@@ -71,8 +72,11 @@ void add_c_header_options(Verb& verb, CHeaderArguments& a) {
   verb.option("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
   verb.option("--fixed-point", a.fixed_point, "c-header: also a compensation in integers of 32 bits");
   verb.option("--q15", a.q15, "c-header: also a compensation in integers of 16 bits");
-  verb.option("--accel-range R", a.accel_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 16 g").in_range(1e-9, 1e12);
-  verb.option("--gyro-range R", a.gyro_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 2000 deg/s").in_range(1e-9, 1e12);
+  verb.option("--accel-range R", a.accel_range,
+              "--fixed-point, --q15: largest reading of the firmware, counts where it has them; absent: 32768 counts, or 16 g")
+      .in_range(1e-9, 1e12);
+  verb.option("--gyro-range R", a.gyro_range, "--fixed-point, --q15: the same of the gyros; absent: 32768 counts, or 2000 deg/s")
+      .in_range(1e-9, 1e12);
 }
 
 /// With the calibration's description of its recording where the arguments are silent. Throws Error where they are unusable.
@@ -215,10 +219,18 @@ void write_all(const ExportInput& input, const Options& o, const std::vector<std
         fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), all.size(), fmt::join(failed, ", ")));
 }
 
+/// The word none: an IMU without a calibration, for targets that hold its noise.
+UsableCalibration calibration_of(const Options& o) {
+  if (o.calibration != "none") return read_usable(o.calibration, o.allow_undetermined);
+  if (o.target == all_targets || !export_target(o.target).needs_noise || o.noise.empty())
+    throw Error("none: without a calibration there are only targets of noise; expected --noise noise.json and --to kalibr-imu or another of them");
+  return {no_calibration(), {}};
+}
+
 void run(const Options& o) {
   check_options(o);
   if (o.target != all_targets) will_write("-o", o.output);
-  const auto [calibration, warnings] = read_usable(o.calibration, o.allow_undetermined);
+  const auto [calibration, warnings] = calibration_of(o);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);
   ExportInput input{calibration, noise ? &*noise : nullptr, o.choices};
@@ -242,7 +254,7 @@ void add_export(Verb& app) {
   }
   names.emplace_back(all_targets);
   help.push_back("all: each of them, into the folder of -o");
-  verb.option("CALIBRATION", o->calibration, "calibration.json").required().reads();
+  verb.option("CALIBRATION", o->calibration, "calibration.json; none: of --noise alone").required().reads();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
   const auto belongs = [&](const VerbOption& option, ExportTarget::Takes taken) {
@@ -280,6 +292,7 @@ void add_export(Verb& app) {
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
   verb.example("imulab export left.json --to c-header --prefix left -o left.h");
   verb.example("imulab export calibration.json --noise noise.json --to kalibr -o imu0.yaml");
+  verb.example("imulab export none --noise noise.json --to kalibr-imu -o imu.yaml");
   verb.does = [o] { run(*o); };
 }
 

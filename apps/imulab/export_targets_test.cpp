@@ -67,6 +67,17 @@ TEST(ExportCommand, WritesBothModelsOfOpenVinsAndKeepsFilesThatExist) {
   EXPECT_FALSE(std::filesystem::exists(folder / "rpng/kalibr_imu_chain_rpng.yaml"));
 }
 
+TEST(ExportCommand, WritesANoiseLogAloneForTargetsOfNoise) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  const CommandResult imu = run_imulab(folder, "export none --noise noise.json --to kalibr-imu");
+  EXPECT_EQ(imu.exit_code, 0) << imu.errors;
+  EXPECT_THAT(imu.output, testing::HasSubstr("\ngyroscope_noise_density: "));
+  EXPECT_THAT(imu.errors, testing::Not(testing::HasSubstr("whole calibration")));
+  for (const char* words : {"--to kalibr-imu", "--noise noise.json --to px4", "--noise noise.json --to all -o out"})
+    EXPECT_THAT(run_imulab(folder, std::string("export none ") + words).errors, testing::HasSubstr("there are only targets of noise"));
+}
+
 TEST(ExportCommand, FailsWhereATargetOfAllCouldNotBeWritten) {
   const TemporaryFolder folder;
   Calibration c = export_test::si_unit();

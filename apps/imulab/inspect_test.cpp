@@ -83,7 +83,7 @@ TEST(InspectCommand, CalibratesSeveralRecordingsOfOneUnitAsOne) {
   ASSERT_EQ(run_imulab(folder, "calibrate log.csv --method static -o one.json").exit_code, 0);
   const CommandResult both = run_imulab(folder, "calibrate a.csv second/b.csv --method static -o both.json --verbose");
   EXPECT_EQ(both.exit_code, 0) << both.errors;
-  EXPECT_THAT(both.output, HasSubstr("2 recordings of one unit were calibrated together"));
+  EXPECT_THAT(both.output, HasSubstr("2 recordings of one IMU were calibrated together"));
   const Calibration c = read_calibration(folder / "both.json");
   for (const CoefficientIndex index : select_coefficients("accel.offset"))
     EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(read_calibration(folder / "one.json").model, index),

@@ -41,7 +41,7 @@ void add_output(Verb& verb, Output& output) {
 void grade_option(Verb& verb, std::string& chosen) {
   std::vector<std::string> names;
   for (const Grade& of : grades()) names.emplace_back(of.name);
-  verb.option("--grade GRADE", chosen, "the unit's, which declares its noise and errors").one_of(names).show_default();
+  verb.option("--grade GRADE", chosen, "the IMU's, which declares its noise and errors").one_of(names).show_default();
 }
 
 void add_hand_held(Verb& verb) {
@@ -155,7 +155,7 @@ void add_which(Verb& verb) {
   Verb& own = verb.verb("which", "Which procedure: time needed and uncertainties reached, by what you have");
   own.option(
          "--have RIG", a->rig,
-         "what moves the unit: hands; one-axis, two-axis, three-axis: a table with so many axes; chamber: with a rate table; centrifuge: with both")
+         "what moves the IMU: hands; one-axis, two-axis, three-axis: a table with so many axes; chamber: with a rate table; centrifuge: with both")
       .one_of({std::begin(rigs_that_one_has), std::end(rigs_that_one_has)});
   own.option("--sensors KIND", a->sensors, "mems; fog: fiber-optic gyros, tactical grade; rlg: ring laser gyros, navigation grade")
       .one_of({std::begin(sensors_that_one_has), std::end(sensors_that_one_has)});

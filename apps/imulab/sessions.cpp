@@ -72,24 +72,33 @@ std::string triad_text(const Inspection& found, std::string_view name, const Tri
 }
 
 /// "assumed: 100 Hz; gyro gx, gy, gz in rad/s, ...": what was found, in a line.
-std::string summary_of(const Inspection& found, const std::string& gravity) {
+std::string summary_of(const Inspection& found, const std::vector<std::string>& guesses) {
   std::vector<std::string> parts;
   if (found.rate_hz) parts.push_back(fmt::format("{:.5g} Hz", *found.rate_hz));
   if (!found.source.gyro.columns.empty()) parts.push_back(triad_text(found, "gyro", found.source.gyro));
   if (!found.source.accel.columns.empty()) parts.push_back(triad_text(found, "accel", found.source.accel));
-  if (!gravity.empty()) parts.push_back(gravity);
+  parts.insert(parts.end(), guesses.begin(), guesses.end());
   return fmt::format("assumed: {} (--verbose: why)", fmt::join(parts, "; "));
 }
 
+/// What no recording shows and a calibration depends on.
+std::vector<std::string> guesses_of(const Session& session) {
+  std::vector<std::string> out;
+  if (std::string gravity = assumed_gravity(session); !gravity.empty()) out.push_back(gravity + "; declare the place: --set latitude_deg=47.4");
+  if (!session.imu.grade) out.emplace_back("no grade, so nonlinear terms by the size of the biases; declare it: --set grade=mems");
+  return out;
+}
+
 void tell_assumptions(const Inspection& found, const Session& session, Purpose purpose) {
-  std::string gravity = purpose == Purpose::noise ? "" : assumed_gravity(session);
-  if (!gravity.empty()) gravity += "; declare the place: --set latitude_deg=47.4";
-  if (!evidence_is_shown) {
-    if (std::string summary = summary_of(found, gravity); summary != last_summary) note(last_summary = std::move(summary));
+  std::vector<std::string> guesses = purpose == Purpose::calibration ? guesses_of(session) : std::vector<std::string>{};
+  if (evidence_is_shown) {
+    for (const std::string& line : found.evidence) note("assumed: " + line);
+    for (const std::string& guess : guesses) note("assumed: " + guess);
     return;
   }
-  for (const std::string& line : found.evidence) note("assumed: " + line);
-  if (!gravity.empty()) note("assumed: " + gravity);
+  const auto up = std::ranges::find_if(found.evidence, [](const std::string& line) { return is_about(line, {"up at the first rest"}); });
+  if (purpose == Purpose::calibration && up != found.evidence.end()) guesses.push_back(*up);
+  if (std::string summary = summary_of(found, guesses); summary != last_summary) note(last_summary = std::move(summary));
 }
 
 Session inspected(const std::filesystem::path& path, const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
@@ -152,8 +161,7 @@ Session open_sessions(const std::vector<std::string>& paths, const RecordingWord
     more.imu.name = all.imu.name;  // of a recording that was inspected, its file's
     const char* const other = !(more.imu == all.imu) ? "[imu]" : !(more.site == all.site) ? "[site]" : !(more.rigs == all.rigs) ? "[rig]" : nullptr;
     if (other)
-      throw Error(
-          fmt::format("{}: its {} is not that of {}; expected recordings of one unit, at one place, with one rig", paths[k], other, paths[0]));
+      throw Error(fmt::format("{}: its {} is not that of {}; expected recordings of one IMU, at one place, with one rig", paths[k], other, paths[0]));
     for (RecordingSource& recording : more.recordings) {
       const std::string name = (folder_of(more) / recording.file).lexically_normal().lexically_relative(folder_of(all).lexically_normal()).string();
       for (Step& step : more.steps)

@@ -18,7 +18,7 @@ struct RecordingWords {
 };
 
 /// What a recording is opened for: noise has no use for axes, gravity and turns, so nothing is said or asked about them.
-enum class Purpose { calibration, noise };
+enum class Purpose { calibration, noise, compensation };
 
 /// The session of that name; a recording, which may be a folder, is inspected, and what is assumed goes to standard error: a line, or with --verbose
 /// the evidence. Throws Unsupported, with what has to be declared, where the data leave something open. `most_numbers`: as InspectionTask has it.

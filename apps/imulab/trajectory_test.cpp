@@ -244,7 +244,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
             "m.toml:12: segment.kind: at_s: two changes of speed at the same time"},
            {at_80("kind = \"rotate\"\naxis = \"x\"\nangle_deg = 5\nrate_dps = 5") +
                 segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5"),
-            "m.toml:13: segment.kind: rotations of the unit at the same time: expected one axis"},
+            "m.toml:13: segment.kind: rotations of the IMU at the same time: expected one axis"},
            {mission(segment("kind = \"rest\"\nduration_s = 5") + segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5")),
             "m.toml:10: segment.kind: a rest cannot overlap another segment"},
            {at_80("kind = \"pitch\"\nangle_deg = 5\nrate_dps = 50"),

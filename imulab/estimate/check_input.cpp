@@ -111,7 +111,7 @@ std::string note_of_absent(const Prediction& restricted, const Prediction& whole
       if (std::find(absent.begin(), absent.end(), term) == absent.end()) absent.push_back(std::move(term));
     }
   if (absent.empty()) return "";
-  return fmt::format("taken as absent, since the terms do not name them: {}; a unit that has them is calibrated worse than this",
+  return fmt::format("taken as absent, since the terms do not name them: {}; an IMU that has them is calibrated worse than this",
                      fmt::join(absent, ", "));
 }
 

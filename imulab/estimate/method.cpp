@@ -171,7 +171,7 @@ CalibrationResult calibrate_together(const Method& method, const CalibrationInpu
       part.begin_s -= of.shift_s, part.end_s -= of.shift_s;
       part.recording = of.name;
     }
-  quality.notes.push_back(fmt::format("{} recordings of one unit were calibrated together", joined.parts.size()));
+  quality.notes.push_back(fmt::format("{} recordings of one IMU were calibrated together", joined.parts.size()));
   return result;
 }
 
@@ -190,7 +190,8 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
     CalibrationResult other = calibrate_together(method, {elsewhere, input.recordings, input.rests}, options);
     const double before = excess_of(result.calibration.quality);
     Quality& quality = other.calibration.quality;
-    if (!(excess_of(quality) + obvious < before)) return result;
+    // What explains a part only is another fault, which the latitude's turn of the Earth's rate resembles.
+    if (!(excess_of(quality) + obvious < before && excess_of(quality) < before / 2)) return result;
     quality.warnings.push_back(fmt::format("at a latitude of {:g} deg in place of {:g} deg chi2 falls by {:.3g}; check its sign",
                                            -*latitude / unit::deg, *latitude / unit::deg, before - excess_of(quality)));
     kernel::add_doubt(quality, kernel::wrong_latitude);

@@ -164,6 +164,11 @@ FixedTriad fixed_triad(const SensorModel& model, const Input& in, double range, 
   if (!(f.full_scale > 1e-6 && f.full_scale < 1e6))
     throw Error(fmt::format("readings of the {} up to the range give up to {:g} {}; expected 1e-6 to 1e6", in.sensors(), f.full_scale,
                             in.triad == Triad::accel ? "m/s^2" : "rad/s"));
+  if (in.triad == Triad::accel && f.full_scale < 1.2 * unit::g)
+    throw Error(
+        fmt::format("readings of the accelerometers up to the range give up to {:.3g} m/s^2, no room for gravity; expected the largest reading of "
+                    "the firmware, in counts where it has them",
+                    f.full_scale));
   f.out_bits = bits_below(f.full_scale, words.largest_out);
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);

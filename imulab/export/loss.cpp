@@ -235,10 +235,11 @@ std::vector<std::string> whole_calibration(const SensorModel& model) {
 
 std::vector<std::string> whole_calibration_left_out(const ExportInput& input) {
   const SensorModel& m = input.calibration.model;
+  const bool turned = device_axes(input.calibration).turned(), counts = m.accel.raw_unit == "count" || m.gyro.raw_unit == "count";
+  if (!turned && !counts && losses(m, {}).empty()) return {};  // it changes nothing
   std::vector<std::string> out{"the calibration: apply it with `imulab compensate` before"};
-  if (device_axes(input.calibration).turned())
-    out.emplace_back("the device's axes, which are not x, y, z of the body: `imulab compensate` turns the readings");
-  if (m.accel.raw_unit == "count" || m.gyro.raw_unit == "count") return out;
+  if (turned) out.emplace_back("the device's axes, which are not x, y, z of the body: `imulab compensate` turns the readings");
+  if (counts) return out;
   const std::vector<std::string> sizes = whole_calibration(m);
   out.insert(out.end(), sizes.begin(), sizes.end());
   return out;

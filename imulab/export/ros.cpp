@@ -103,7 +103,7 @@ std::string ros_filter_text(const ExportInput& input) {
                                               : std::string("rad/s; the offset's uncertainty is not known.")),
       "Offsets that change from one turn-on to the next, with temperature or with motion are not in it: where there are any, it must hold these too.",
       fmt::format(
-          "imu_complementary_filter takes the unit as still where no sample differs by more than 0.01 rad/s from the last: white noise {:.3g}, {}",
+          "imu_complementary_filter takes the IMU as still where no sample differs by more than 0.01 rad/s from the last: white noise {:.3g}, {}",
           change, still_seen ? "so that it sees rests." : "so that it seldom sees a rest: it would learn no offsets."),
       "Correct the readings with `imulab compensate` before. There is no magnetometer in this calibration."};
   facts.push_back(n.facts.front());

@@ -2,6 +2,7 @@
 
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/units.hpp"
@@ -19,7 +20,7 @@ namespace imulab {
 std::vector<std::string> declaration_keys() {
   return {"rate_hz",    "time.column",  "time.unit", "time.ticks_per_s", "time.wrap_bits", "gyro.columns",
           "gyro.unit",  "gyro.output",  "gyro.axes", "accel.columns",    "accel.unit",     "accel.output",
-          "accel.axes", "latitude_deg", "height_m",  "gravity_mps2",     "layout"};
+          "accel.axes", "latitude_deg", "height_m",  "gravity_mps2",     "grade",          "layout"};
 }
 
 Site declared_site(const Declarations& declared) {
@@ -38,6 +39,12 @@ Site declared_site(const Declarations& declared) {
   site.height = number("height_m", -12e3, 100e3, 1);
   site.given_gravity = number("gravity_mps2", 9, 10.5, 1);
   return site;
+}
+
+std::optional<std::string> declared_grade(const Declarations& declared) {
+  const auto found = declared.find("grade");
+  if (found == declared.end()) return std::nullopt;
+  return std::string(grade(found->second).name);
 }
 
 namespace inspection {

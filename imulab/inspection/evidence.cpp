@@ -234,8 +234,8 @@ void add_support(const SignalTable& table, const TriadEvidence& triads, Inspecti
   add_readings(table, triads, result);
   const std::size_t rests = triads.rests.size();
   if (!triads.up.empty())
-    result.evidence.push_back(fmt::format("up at the first rest: about {} (if it was the other side, the accelerometers' signs are reversed)",
-                                          axis_text(triads.up.front())));
+    result.evidence.push_back(
+        fmt::format("up at the first rest: about {} (if it was the other side: --set accel.axes=-x,-y,-z)", axis_text(triads.up.front())));
   const std::vector<double> parts = leverages(triads.up);
   const double determined = std::accumulate(parts.begin(), parts.end(), 0.0);
   result.evidence.push_back(fmt::format("rests: {} found{}, {} between them{}", rests,

@@ -320,11 +320,12 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
   return result;
 }
 
-Session inspected_session(const Inspection& inspection, const Site& site) {
+Session inspected_session(const Inspection& inspection, const Declarations& declared) {
   Session session;
   session.imu.name = std::filesystem::path(inspection.file).stem().string();
-  session.site = site;
-  if (!site.latitude && !site.given_gravity) {
+  session.imu.grade = declared_grade(declared);
+  session.site = declared_site(declared);
+  if (!session.site.latitude && !session.site.given_gravity) {
     session.site.given_gravity = 9.806;
     session.site.given_gravity_sigma = 0.015;  // 9.780 at the equator to 9.832 at the poles
   }

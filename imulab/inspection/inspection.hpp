@@ -19,10 +19,12 @@ namespace imulab {
 /// The user's declarations about a recording, by key: "rate_hz", "time.column", "time.unit", "gyro.columns", "gyro.unit", "gyro.output", "gyro.axes",
 /// and the same of accel. They take precedence over the data.
 using Declarations = std::map<std::string, std::string>;
-/// All keys: those above, and latitude_deg, height_m and gravity_mps2 of the place.
+/// All keys: those above, latitude_deg, height_m and gravity_mps2 of the place, and the grade of the IMU.
 std::vector<std::string> declaration_keys();
 /// The place. Throws Error for a value that is not a number in range.
 Site declared_site(const Declarations& declared);
+/// Throws Error for a name that is no grade.
+std::optional<std::string> declared_grade(const Declarations& declared);
 
 /// One column.
 struct ColumnFinding {
@@ -63,6 +65,6 @@ struct Inspection {
 Inspection inspect(const SignalTable& table, const Declarations& declared = {});
 
 /// A session of one recording with the findings; if the place is not known, gravity is taken with its range anywhere on Earth.
-Session inspected_session(const Inspection& inspection, const Site& site);
+Session inspected_session(const Inspection& inspection, const Declarations& declared);
 
 }  // namespace imulab

@@ -16,9 +16,9 @@ std::string clock_text(const std::optional<ClockScale>& clock) {
   if (!clock) return "";
   const double gain = clock->gain / unit::ppm, sigma = clock->sigma / unit::ppm;
   const std::string known =
-      std::abs(gain) > 5 * sigma ? fmt::format("which gains {:.3g} ppm (u = {:.2g} ppm)", gain, sigma) : fmt::format("known to {:.2g} ppm", sigma);
+      std::abs(gain) > 5 * sigma ? fmt::format("which gains {:.3g} ppm (u = {:.2g} ppm)", gain, sigma) : fmt::format("u = {:.2g} ppm", sigma);
   return clock->seconds == "true" ? fmt::format("true seconds, by the recording's clock, {}", known)
-                                  : fmt::format("those of the recording's own clock, {}", known);
+                                  : fmt::format("the recording's own, {}, not part of the scales' u", known);
 }
 
 std::string verdict_text(const Quality& quality) {

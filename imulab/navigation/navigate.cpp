@@ -72,7 +72,7 @@ void check_heading(const FineAlignment& a) {
   const double sigma = std::sqrt(a.attitude.covariance(2, 2));
   if (sigma <= largest_heading_sigma) return;
   throw Unsupported(fmt::format(
-      "alignment: gyros with {2:.2g} deg/sqrt(h) and biases known to {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
+      "alignment: gyros with {2:.2g} deg/sqrt(h) and biases of u = {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
       "the heading would be {0:.3g} deg (limit {1:.0f} deg); give the heading (heading_deg) or an initial state",
       sigma / unit::deg, largest_heading_sigma / unit::deg, a.gyro_noise / unit::deg_per_sqrt_h,
       std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
@@ -259,7 +259,7 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
     if (options.barometer) height = height_at(*options.barometer, end);
     if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
       throw Error(
-          fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of a unit",
+          fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of an IMU",
                       recording.name, end, step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
     add(end);

@@ -14,7 +14,7 @@ namespace {
 
 void expect_alike(const Recording& first, const Recording& other) {
   const auto differ = [&](const char* what) {
-    throw Error(fmt::format("{} and {} have different {}; expected recordings of one unit in the same form, or --recording with one of them",
+    throw Error(fmt::format("{} and {} have different {}; expected recordings of one IMU in the same form, or --recording with one of them",
                             first.name, other.name, what));
   };
   if (first.gyro_unit != other.gyro_unit || first.accel_unit != other.accel_unit) differ("units");

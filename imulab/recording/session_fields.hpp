@@ -13,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -168,6 +169,8 @@ template <class Fields>
 void transfer_axes(Fields& f, RigDeclaration& rig) {
   f.spread("angle_sigma_arcsec", rig.angle, unit::arcsec);
   f.spread("orthogonality_sigma_arcsec", rig.orthogonality, unit::arcsec);
+  for (const auto& [key, angle] : {std::pair{"angle_sigma_arcsec", &rig.angle}, std::pair{"orthogonality_sigma_arcsec", &rig.orthogonality}})
+    f.check(angle->value <= 45 * unit::deg, key, "is beyond 45 deg; expected the error of a turntable or a hand (in memory it is in radians)");
   f.spread("timing_sigma_ms", rig.timing, 1e-3);
   const std::vector axes{RigAxis::inner, RigAxis::middle, RigAxis::outer};
   f.table("orthogonality_arcsec", Presence::optional, [&](Fields& t) {

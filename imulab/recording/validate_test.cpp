@@ -113,6 +113,8 @@ TEST(Validate, ASessionInMemoryHasTheRangesOfAFile) {
       {[](Session& s) { s.imu.gyro_noise_density = -1e-4; }, "the session: imu.gyro_noise_density: -0.0001 is out of range; expected at least 0"},
       {[](Session& s) { s.rigs[0].angle.value = -1; },
        "the session: rig.angle_sigma_arcsec: -206264.80624709636 is out of range; expected at least 0 (in memory it is in SI units and radians: -1)"},
+      {[](Session& s) { s.rigs[0].angle.value = 2; },
+       "the session: rig.angle_sigma_arcsec: is beyond 45 deg; expected the error of a turntable or a hand (in memory it is in radians)"},
       {[](Session& s) { s.steps[1].end = 60; }, "the session: step 2 (rotate at 60 s): it ends at 60 s, not after its begin; expected later"},
       {[](Session& s) { s.steps[1].start = 59; },
        "the session: step 2 (rotate at 59 s): it begins before the end of the previous step; expected 60 s or later"},

@@ -154,7 +154,7 @@ std::string coefficients_section(const Calibration& calibration) {
 
 std::string uncertainty_section(const Calibration& calibration) {
   if (calibration.estimated.empty()) return {};
-  Table t{.head = {"coefficient", "u", "type A: from the fit", "type B: declared g", ""}, .rows = {}, .left = {4}};
+  Table t{.head = {"coefficient", "u", "from the fit", "from declared g", ""}, .rows = {}, .left = {4}};
   for (const CoefficientIndex index : calibration.estimated) {
     const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
     if (u.declared == 0 || u.standard == 0) continue;
@@ -210,7 +210,7 @@ std::string effects_section(const Calibration& calibration) {
         fmt::format("Second opinion, by the method {} on the same data: at most {:.1f} standard deviations of the difference apart ({}).",
                     escaped(quality.second_opinion->method), std::abs(quality.second_opinion->sigmas), escaped(quality.second_opinion->coefficient)));
   return section("effects", "Effects besides the model",
-                 "What the unit and its mount do besides the sensor model, estimated with the coefficients and included in their uncertainties.",
+                 "What the IMU and its mount do besides the sensor model, estimated with the coefficients and included in their uncertainties.",
                  table(t) + opinion);
 }
 

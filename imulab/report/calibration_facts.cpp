@@ -34,11 +34,33 @@ std::string gravity_text(const Site& site) {
                                         : "WGS-84 normal gravity at latitude, height unknown");
 }
 
+namespace {
+
+/// "angle 30 arcsec, timing 10 ms (one sigma, declared)"; empty: none are declared.
+std::string declared_errors(const RigDeclaration& rig) {
+  struct DeclaredError {
+    const char* name;
+    const Spread* size;
+    double factor;
+    const char* unit;
+  };
+  std::string text;
+  for (const auto& [name, size, factor, unit] :
+       {DeclaredError{"angle", &rig.angle, unit::arcsec, "arcsec"}, DeclaredError{"orthogonality", &rig.orthogonality, unit::arcsec, "arcsec"},
+        DeclaredError{"zero", &rig.zero, unit::arcsec, "arcsec"}, DeclaredError{"timing", &rig.timing, 1e-3, "ms"},
+        DeclaredError{"mount", &rig.mount, unit::arcsec, "arcsec"}, DeclaredError{"rate", &rig.rate, unit::ppm, "ppm"},
+        DeclaredError{"radius", &rig.radius, 1e-3, "mm"}})
+    if (size->value != 0) text += fmt::format("{}{} {} {}", text.empty() ? "" : ", ", name, number_text(size->value / factor, 4), unit);
+  return text.empty() ? "" : ", " + text + " (one sigma, declared)";
+}
+
+}  // namespace
+
 std::string rigs_text(const Session& session) {
   std::string text;
   for (const RigDeclaration& rig : session.rigs)
     if (rig.kind != RigKind::none)
-      text += fmt::format("{}{}{}", text.empty() ? "" : ", ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind));
+      text += fmt::format("{}{}{}{}", text.empty() ? "" : "; ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind), declared_errors(rig));
   return text.empty() ? "none: turned by hand or on a support" : text;
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 namespace imulab::report {
 
@@ -55,7 +56,10 @@ std::string fit_part(const Calibration& c) {
           "errors of coefficients are correlated, strongest " + strongest_correlations(c) + "; the covariance of all is in the calibration file");
   s.add_known("clock", clock_text(c.clock));
   s.add_known("evaluated with", c.software);
-  return "<h2>Fit</h2>\n" + s.html() + list(q.warnings);
+  std::vector<std::string> assumed;
+  std::ranges::copy_if(q.notes, std::back_inserter(assumed), [](const std::string& note) { return note.starts_with("assumed:"); });
+  return "<h2>Fit</h2>\n" + s.html() + list(q.warnings) +
+         (assumed.empty() ? "" : "<h3>Assumed, and not confirmed by the data</h3>\n" + list(assumed));
 }
 
 std::string files_part(const Certificate& certificate) {

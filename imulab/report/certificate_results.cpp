@@ -21,7 +21,7 @@ std::string name_on_certificate(CoefficientIndex index, const std::string& unit)
   const std::string element(c.name.substr(c.name.rfind('.') + 1));
   if (c.term == Term::offset) return unit == "count at zero" ? "zero " + element : "offset " + element;
   if (!is_scale(c)) return "misalignment " + element;
-  return (unit == "ppm" ? "scale error " : "scale ") + element.substr(0, 1);
+  return (unit == "ppm" ? "scale correction " : "scale ") + element.substr(0, 1);
 }
 
 std::string result_row(const Calibration& calibration, CoefficientIndex index) {
@@ -69,7 +69,8 @@ std::string results_part(const Certificate& certificate) {
   return "<h2>Results</h2>\n<p>To the item's readings V belong specific force a = A0 + A1 V and angular rate w = W0 + W1 V, with the further terms "
          "of the "
          "appendix, which has the full model. Offsets A0, W0 are added to the output (a sensor's bias is the offset with the other sign); scale "
-         "errors are differences from one. Of readings in counts the table has what the sensor itself does: its counts at zero, and its counts per "
+         "corrections are A1 - 1 and W1 - 1, to first order minus the sensor's scale factor error (IEEE 528). Of readings in counts the table has "
+         "what the sensor itself does: its counts at zero, and its counts per "
          "unit. Misalignments, outside the diagonal of A1 and W1, are relative to their row's scale. Axes: " +
          escaped(frame_text(c)) + (rig ? "" : ", so that its misalignments xy, xz and yz are zero by definition") + ".</p>\n<div class=\"pair\">" +
          tables +
@@ -119,7 +120,7 @@ std::string traceability_part(const Certificate& certificate) {
   }
   const std::string& own = certificate.laboratory.traceability;
   return "<h2>Traceability</h2>\n<p>References are as the session declares them; their certificates were not checked by the program that wrote this "
-         "page.</p>\n<table class=\"wide\"><thead><tr><th>quantity</th><th>scale from</th><th>reference</th></tr></thead><tbody>\n" +
+         "page.</p>\n<table class=\"wide\"><thead><tr><th>quantity</th><th>origin</th><th>reference</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>\n" + (own.empty() ? "" : "<p>Statement of the laboratory: " + escaped(own) + "</p>\n");
 }
 

@@ -121,8 +121,12 @@ std::string requirements_text(const Calibration& calibration) {
   return text;
 }
 
+/// What the result depends on and the data do not confirm: stated with it.
+bool is_assumption(const std::string& note) { return note.starts_with("assumed:"); }
+
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
+  if (quality.degrees_of_freedom == 0) return "  fit             no degrees of freedom: nothing checks it\n";
   const bool rig = calibration.frame == "rig";
   std::string text =
       wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,
@@ -174,14 +178,18 @@ std::string calibration_summary(const Calibration& calibration) {
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
                                          excerpt(calibration.method), calibration.frame));
   if (calibration.clock) text += wrapped("", "seconds of the gyros: " + clock_text(calibration.clock));
-  return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration) + effects_text(calibration.quality, true);
+  text += "\n" + coefficient_rows(calibration) + hidden_text(calibration) + effects_text(calibration.quality, true);
+  for (const std::string& note : calibration.quality.notes)
+    if (is_assumption(note)) text += wrapped("  ", note);
+  return text;
 }
 
 std::string calibration_details(const Calibration& calibration, const SensorModel* coarse) {
   const Quality& quality = calibration.quality;
   std::string text = detail_rows(calibration) + "\n";
   if (coarse) text += correction_rows(calibration, *coarse) + "\n";
-  for (const std::string& note : quality.notes) text += wrapped("  ", note);
+  for (const std::string& note : quality.notes)
+    if (!is_assumption(note)) text += wrapped("  ", note);
   for (const UncertaintySource& source : quality.sources) text += wrapped("  ", source.consequence);
   for (const TermTest& test : quality.term_tests) text += term_test_text(test);
   text += effects_text(quality, false) + second_opinion_text(quality);

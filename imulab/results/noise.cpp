@@ -28,7 +28,7 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-/// "gyro N known to 0.2 %, B of x to 5 %, K only bounded"
+/// "gyro u(N) 0.2 %, u(B) of x 5 %, K only bounded"
 std::string triad_headline(const char* triad, const std::vector<HeadlineAxis>& axes) {
   std::string known;
   std::vector<std::string> bounded;
@@ -45,8 +45,8 @@ std::string triad_headline(const char* triad, const std::vector<HeadlineAxis>& a
       bounded.push_back(name);
       continue;
     }
-    known += fmt::format("{}{}{}{} to {} %", known.empty() ? "" : ", ", name, letters.size() < axes.size() ? " of " + joined(letters) : "",
-                         known.empty() ? " known" : "", text::number(worst, worst < 1 ? 1 : 2));
+    known += fmt::format("{}u({}){} {} %", known.empty() ? "" : ", ", name, letters.size() < axes.size() ? " of " + joined(letters) : "",
+                         text::number(worst, worst < 1 ? 1 : 2));
   }
   std::string out = fmt::format("{} {}", triad, known);
   if (!bounded.empty()) out += fmt::format("{}{} only bounded", known.empty() ? "" : ", ", joined(bounded));

@@ -136,7 +136,7 @@ std::string table_of_shares(const Prediction& p, bool details) {
   text += "\n" + text::wrapped("  ", fmt::format("{}. --verbose shows each source.", groups_text(p.sources))) + term_rows(p);
   if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
     text += "\n" + text::wrapped("",
-                                 "eff.: what a unit and its mount may do besides the sensor model, as large as is expected of the grade or "
+                                 "eff.: what an IMU and its mount may do besides the sensor model, as large as is expected of the grade or "
                                  "declared (docs/theory/effects.md).");
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=

@@ -78,7 +78,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
               "a session folder or its session.toml; a recording, which is inspected first; - for a session or rows on standard input")
       .required()
       .reads();
-  verb.option("more", o.more, "further sessions or recordings of the same unit, calibrated as one with the first")
+  verb.option("more", o.more, "further sessions or recordings of the same IMU, calibrated as one with the first")
       .takes_several(0)
       .reads()
       .of_command();
@@ -145,7 +145,7 @@ std::optional<FleetPrior> read_prior(const std::string& file) {
 VerbOption& effects_option(Verb& verb, std::string& effects) {
   return verb
       .option("--effects WHICH", effects,
-              "what a unit may do besides the sensor model, such as asymmetry, hysteresis and drift: "
+              "what an IMU may do besides the sensor model, such as asymmetry, hysteresis and drift: "
               "estimated under its priors (table), or taken as absent (none)")
       .one_of({"table", "none"})
       .show_default();

@@ -69,7 +69,7 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
   }
   errors_of_option("set", [&] {
     inspection::check_declarations(declared);
-    declared_site(declared);
+    declared_site(declared), declared_grade(declared);
   });
   return declared;
 }
@@ -97,9 +97,9 @@ Inspection inspect_files(const InspectionTask& task) {
 }
 
 InspectedRecording inspect_and_read(const InspectionTask& task) {
-  const Site site = declared_site(task.declared);
+  declared_site(task.declared), declared_grade(task.declared);  // their errors before the work
   Inspection found = inspect_files(task);
-  Session session = inspected_session(found, site);
+  Session session = inspected_session(found, task.declared);
   session.file = recordings_named(task.files).front();  // its folder is that of the recording
   InspectedRecording out{std::move(found), std::move(session), {}};
   if (!out.inspection.complete() || is_stream(out.session.file)) return out;
@@ -143,7 +143,7 @@ Session session_for(const Inspection& inspection, const InspectionTask& task, co
   if (!inspection.complete())
     throw Unsupported(
         fmt::format("{}: the data do not answer every question about it; {}:\n  {}", file, hint, fmt::join(inspection.ambiguous, "\n  ")));
-  Session session = inspected_session(inspection, declared_site(task.declared));
+  Session session = inspected_session(inspection, task.declared);
   session.file = file;
   session.sha256 = file_sum(file).sha256;
   return session;

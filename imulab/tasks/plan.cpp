@@ -202,7 +202,7 @@ Verb& declare(Verb& command, PlanOptions& o) {
   verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
   verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
   verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its white noise, flicker and walk in place of the grade's").reads();
-  verb.option("--margin", o.margin, "the path reaches this part of each limit: a unit is seldom as good as its data")
+  verb.option("--margin", o.margin, "the path reaches this part of each limit: an IMU is seldom as good as its data")
       .in_range(0.1, 1.)
       .show_default();
   verb.option("--latitude", o.latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default().called("latitude_deg");
@@ -307,7 +307,7 @@ std::string shortcomings(const PlannedProcedure& p) {
       text += fmt::format(", it stays at {:.3g} {}", p.prediction.remaining[at] / s.requirement.unit.size, s.requirement.unit.name);
   }
   if (p.by_effects)
-    text += "; without the effects that such a unit may have (docs/theory/effects.md) they are met: declare smaller ones if it is better";
+    text += "; without the effects that such an IMU may have (docs/theory/effects.md) they are met: declare smaller ones if it is better";
   return fmt::format("no path was found that meets the requirements: {}", text);
 }
 

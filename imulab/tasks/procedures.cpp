@@ -145,8 +145,7 @@ std::string procedure_text(const ProcedureChoice& choice, const Prediction& p, b
   text += reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
   for (const Shortfall& missed : p.missed) text += text::wrapped("  ", shortfall_text(missed));
   const bool by_hand = choice.rig == "hands";
-  text +=
-      fmt::format("  misalignments in {}\n", by_hand ? "the accelerometers' own axes" : "the axes of the machine, which the unit's mount adds to");
+  text += fmt::format("  misalignments in {}\n", by_hand ? "the accelerometers' own axes" : "the axes of the machine, which the IMU's mount adds to");
   return text + fmt::format("  $ {}\n", choice.command);
 }
 

@@ -1,6 +1,6 @@
 """Sessions of units on a three-axis turntable with effects that a sensor model lacks: turns about each axis, then 24 positions.
 
-As simulate.py, by code of its own. The table has errors of its axes, zeros and stops; the unit bends in its mount, and may move in it half-way.
+As simulate.py, by code of its own. The table has errors of its axes, zeros and stops; the IMU bends in its mount, and may move in it half-way.
 """
 
 from __future__ import annotations

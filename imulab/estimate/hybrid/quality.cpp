@@ -226,7 +226,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.states.has(Group::g_sensitivity) && heading > 3 * unit::deg)
     findings.warn(
-        fmt::format("the gyros hardly measure the Earth's rate (the heading at the start is known to {:.0f} deg); a g-sensitivity equal on all "
+        fmt::format("the gyros hardly measure the Earth's rate (the heading at the start has u = {:.0f} deg); a g-sensitivity equal on all "
                     "axes is somewhat less certain than stated; the other coefficients are not affected",
                     heading / unit::deg));
   if (const Index at = last.states.first(Group::delay); at >= 0) {

@@ -29,7 +29,7 @@ void Findings::add(const Findings& more) { append(notes, more.notes), append(war
 
 UncertaintySource gravity_source(const Site& site) {
   const double relative = site.gravity_sigma() / site.gravity();
-  return {"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", relative / unit::ppm)};
+  return {"gravity", relative, fmt::format("g has u = {:.3g} ppm: this much is common to all three accelerometer scales", relative / unit::ppm)};
 }
 
 void check_declared_noise(Findings& findings, std::string_view triad, double ratio) {

@@ -191,7 +191,7 @@ void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const
       findings.warn("turns are declared, but not how well their angles are known: they are not used; declare the sigma of the rig's angles");
     return;
   }
-  findings.note(fmt::format("{} of {} turns were used with their declared angle, each known to {:.2g} deg", problem.turns(), turns.size(),
+  findings.note(fmt::format("{} of {} turns were used with their declared angle, each with u = {:.2g} deg", problem.turns(), turns.size(),
                             turns.front().angle_sigma() / unit::deg));
   if (usable < turns.size())
     findings.warn(fmt::format("{} of {} turns have no rest of their own before and after them, or a gap: their angle is not used",

@@ -135,7 +135,7 @@ TEST(DeclaredTurns, AgreeWithTheRotationsBetweenTheFaces) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const SimulatedSession s = ferraris(seed);
     const Calibration c = calibrated(s);
-    EXPECT_THAT(c.quality.notes, Contains(HasSubstr("3 of 3 turns were used with their declared angle, each known to 1.4 deg"))) << seed;
+    EXPECT_THAT(c.quality.notes, Contains(HasSubstr("3 of 3 turns were used with their declared angle, each with u = 1.4 deg"))) << seed;
     EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << seed << ": 1200 coefficients in all";
     for (const CoefficientIndex index : c.estimated) {
       if (is_optional(coefficient(index).term)) continue;

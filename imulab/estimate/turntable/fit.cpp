@@ -1,12 +1,12 @@
 #include "imulab/estimate/turntable/fit.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/session.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/LU>
@@ -205,9 +205,9 @@ std::string reversed_axis(const Fit& declared) {
     const Fit other = fit(problem, options);
     if (left_handed(other.model) || other.chi2 >= best) continue;
     best = other.chi2;
-    found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed chi-square falls from {:.4g} to {:.4g}",
-                        to_string(axis), declared.chi2, other.chi2);
-    if (mirrored) found += ", and the sensors' axes become right-handed";
+    const std::string falls = other.chi2 < declared.chi2 ? fmt::format("chi-square falls from {:.4g} to {:.4g}", declared.chi2, other.chi2) : "";
+    found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed {}{}{}", to_string(axis), falls,
+                        mirrored && !falls.empty() ? ", and " : "", mirrored ? "the sensors' axes become right-handed" : "");
   }
   if (found.empty() && mirrored) found = "a triad is left-handed in the table's axes: a sensor's or a table axis's sign is reversed";
   return found;

@@ -107,7 +107,7 @@ Matrix3d start_attitude(const RestMotion& rest, const CarriedRest& body, const s
   if (std::abs(force.norm() - rest.gravity) > 0.05 * rest.gravity)
     throw Error(
         fmt::format("alignment: the mean specific force at rest is {:.5g} m/s^2, expected {:.5g} within 5 % (is the calibration that of this "
-                    "unit, in the recording's units, and does the unit rest?)",
+                    "unit, in the recording's units, and does the IMU rest?)",
                     force.norm(), rest.gravity));
   return heading ? from_heading(rest, body, heading->value) : from_two_halves(rest, body);
 }
@@ -248,7 +248,7 @@ double base_displacement(const std::vector<RestInterval>& blocks, const std::vec
   if (square(least_displacement) < 1 + 2 / std::sqrt(static_cast<double>(blocks.size()))) return least_displacement;
   if (square(most_displacement) > 1)
     throw Unsupported(
-        fmt::format("alignment: not even a base that moves by {:.0f} m explains what the sensors give: the unit does not rest, or the "
+        fmt::format("alignment: not even a base that moves by {:.0f} m explains what the sensors give: the IMU does not rest, or the "
                     "calibration is not this unit's",
                     most_displacement));
   double low = std::log(least_displacement), high = std::log(most_displacement);

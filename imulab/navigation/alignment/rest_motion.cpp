@@ -75,7 +75,7 @@ Densities densities(const RestMotion& rest, const AlignmentSensors& sensors) {
 
 void check_has_heading(const Matrix3d& C_nb) {
   if (C_nb.col(1).head<2>().norm() < std::sin(1 * unit::deg))
-    throw Error("alignment: the unit's forward axis (y) is within 1 deg of the vertical, where a heading is not defined; expected none to be given");
+    throw Error("alignment: the IMU's forward axis (y) is within 1 deg of the vertical, where a heading is not defined; expected none to be given");
 }
 
 Eigen::RowVector3d heading_gradient(const Matrix3d& C_nb) {

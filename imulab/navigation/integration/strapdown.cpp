@@ -106,6 +106,7 @@ void Strapdown::step(std::span<const Increment> samples, double interval, std::o
 /// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
 /// increments themselves and the last step's middle: what is left of its velocity is 1e-7 m/s at 100 Hz.
 void Strapdown::advance(const BodyStep& body, double interval) {
+  if (!(interval > 0)) throw Error(fmt::format("navigation: a step of {} s; expected a positive duration", interval));
   NavigationState& s = state_;
   const double half = interval / 2;
   const Eigen::Matrix3d C_nb = s.q_nb.toRotationMatrix();

@@ -187,6 +187,9 @@ TEST(Strapdown, RefusesThePolesAndAStartThatIsNone) {
   EXPECT_THROW(Strapdown{start}, Error);
   EXPECT_THROW(Strapdown({}, {.barometer_time_constant = 0}), Error);
   EXPECT_THROW(Strapdown({}, {.latitude_limit = 2}), Error);
+  Strapdown backward{NavigationState{}};
+  EXPECT_THROW(backward.step(Increment{}, 0), Error);
+  EXPECT_THROW(backward.step(Increment{}, -0.01), Error);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ Segment turn(double heading_change, double rate, double roll_time) { return turn
 
 double turning_rate(double radius, double speed) {
   if (!(radius > 0)) throw Error(fmt::format("turn of radius {} m: expected a positive radius", radius));
-  if (!(speed > standstill)) throw Error(fmt::format("turn of radius {} m at no speed: expected one in motion, or a rotation of the unit", radius));
+  if (!(speed > standstill)) throw Error(fmt::format("turn of radius {} m at no speed: expected one in motion, or a rotation of the IMU", radius));
   return speed / radius;
 }
 
@@ -116,7 +116,7 @@ Segment together(const Segment& first, const Segment& second, double after) {
     return std::any_of(s.pulses.begin(), s.pulses.end(), [](const Pulse& p) { return p.of == Pulse::Of::table; });
   };
   if (turns(first) && turns(second) && first.table_axis != second.table_axis)
-    throw Error("rotations of the unit at the same time: expected one axis for all");
+    throw Error("rotations of the IMU at the same time: expected one axis for all");
   Segment both = first;
   both.duration = std::max(first.duration, after + second.duration);
   if (turns(second)) both.table_axis = second.table_axis;
