@@ -82,11 +82,19 @@ struct Filter {
     return e;
   }
 
+  /// A steady motion looks like a rest to an IMU: one that the motion known so far excludes is none, not even an outlier.
+  bool no_rest(const EpochRows& e) const {
+    constexpr double beyond = 5;  // sigmas: a true rest comes out so far once in a million
+    return p.channels[p.observations[e.observation].channel].aid.kind == AidKind::zero_velocity &&
+           (e.innovation.array().square() > beyond * beyond * e.innovation_variance.array()).any();
+  }
+
   void observe_all(Node& node, const std::vector<std::size_t>& observations) {
     if (observations.empty()) return;
     const Instant at = instant_at(p, node.samples, node.reference);
     for (const std::size_t k : observations) {
       EpochRows e = linearized(node, k, at);
+      if (no_rest(e)) continue;
       if (!p.observations[k].withheld) update(node, e, at);
       (p.observations[k].withheld ? node.withheld : node.rows).push_back(std::move(e));
     }
