@@ -93,7 +93,7 @@ OutputChange longer_arm(const EffectState& s, int) { return {.force = s.stretchi
 OutputChange farther_north(const EffectState& s, int) { return s.by_latitude; }
 OutputChange turned_about_up(const EffectState& s, int machine) { return machine == s.machine ? s.by_heading : OutputChange{}; }
 
-constexpr double square = ug / (g * g), g_squared = deg_per_h / (g * g);
+constexpr double force_squared = ug / (g * g), g_squared = deg_per_h / (g * g);
 constexpr unsigned need_accel = Effect::of_accel, need_gyro = Effect::of_gyro;
 
 // Sizes: docs/theory/effects.md has their sources.
@@ -122,7 +122,7 @@ constexpr std::array table{
            .needs = need_accel,
            .basis = 15,
            .phi = of_accels<cross_terms>,
-           .unit = square,
+           .unit = force_squared,
            .unit_name = "ug/g^2",
            .prior = {2, 10, 50, 1000},
            .declared = "accel_cross_terms_sigma_ug_per_g2",
@@ -142,7 +142,7 @@ constexpr std::array table{
            .needs = need_accel,
            .basis = 3,
            .phi = of_accels<rectification>,
-           .unit = square,
+           .unit = force_squared,
            .unit_name = "ug/g^2",
            .prior = {5, 20, 100, 1000},
            .declared = "accel_rectification_sigma_ug_per_g2",
