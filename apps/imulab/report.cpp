@@ -19,6 +19,7 @@
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/summary.hpp"
+#include "imulab/tasks/navigation_figures.hpp"
 #include "imulab/tasks/verify.hpp"
 
 #include <fmt/core.h>
@@ -106,8 +107,13 @@ std::string saved_budget(const std::string& name, BudgetSummary summary, const S
   std::vector<std::string> missing;
   if (summary.budget.time.size() < 2)
     missing.emplace_back("Errors and shares over time: the JSON has the end alone; imulab budget --report draws them.");
-  return budget_page(
-      {.mission = name, .summary = std::move(summary), .missing = std::move(missing), .warnings = saved.warnings, .conclusion = saved.conclusion});
+  std::vector<LossCurve> curves = loss_curves(summary.budget, saved.conclusion.requirements);
+  return budget_page({.mission = name,
+                      .summary = std::move(summary),
+                      .missing = std::move(missing),
+                      .warnings = saved.warnings,
+                      .conclusion = saved.conclusion,
+                      .curves = std::move(curves)});
 }
 
 std::string saved_navigation(NavigationSummary sessions, const SavedAnswer& saved) {
@@ -181,7 +187,8 @@ void add_report(Verb& app) {
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
   verb.option("--certificate", o->certificate, "of a calibration: a calibration certificate for paper, two A4 pages and an appendix");
   verb.option("--number N", o->number, "the certificate's number");
-  verb.option("--laboratory FILE", o->laboratory, "what the laboratory declares: name, address, customer, conditions (docs/reference/calibration-file.md)")
+  verb.option("--laboratory FILE", o->laboratory,
+              "what the laboratory declares: name, address, customer, conditions (docs/reference/calibration-file.md)")
       .reads();
   verb.option("--json", o->json, "print what was written as JSON");
   verb.example("imulab report calibration.json -o calibration.html");

@@ -2,7 +2,9 @@
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
+#include "imulab/report/plot.hpp"
 #include "imulab/report/track.hpp"
+#include "imulab/results/aid_loss.hpp"
 #include "imulab/results/budget.hpp"
 #include "imulab/units.hpp"
 
@@ -79,6 +81,38 @@ constexpr const char* sampled_text = "Shaded: from 5 to 95 % of the Monte Carlo'
 constexpr const char* linear_text = "Linear: fixed errors and one sigma of drawn ones.";
 constexpr const char* rough_text = "Linear: fixed errors and one sigma of drawn ones, drawn as far as it is on the Monte Carlo's scale.";
 
+/// "How long may it be away": figures over the time since the loss, each with its limit and where it is crossed.
+std::string loss_section(const BudgetReport& r) {
+  const ErrorBudget& b = r.summary.budget;
+  if (!b.loss || r.curves.empty()) return "";
+  std::vector<double> x, y;
+  for (const LossCurve& c : r.curves) {
+    for (std::size_t i = 0; i < c.seconds.size(); ++i)
+      if (c.seconds[i] >= 1) x.push_back(c.seconds[i]), y.push_back(c.meters[i]);
+    if (c.limit) y.push_back(*c.limit);
+  }
+  const std::string aids = lost_aids(*b.loss);
+  Plot plot(axis_over("s since the loss of " + aids, x, true), axis_over("m", y, true), "errors over the time since the loss", {960, 330});
+  std::vector<std::pair<std::string, std::string_view>> entries;
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < r.curves.size(); ++k) {
+    const LossCurve& c = r.curves[k];
+    plot.line(c.seconds, c.meters, color::series(k), 2), entries.emplace_back(c.name, color::series(k));
+    if (!c.limit) continue;
+    plot.rule(*c.limit, color::series(k));
+    if (c.within && *c.within >= 1) plot.dots({*c.within}, {*c.limit}, color::series(k));
+    lines.push_back(c.name + ": " +
+                    (c.within ? fmt::format("for {} s after the loss", number_text(*c.within)) : std::string("as long as the loss lasts")));
+  }
+  const std::vector<ErrorsAfterLoss> after = errors_after_loss(b);
+  Table t{.head = {"seconds after the loss", "horizontal [m]", "vertical [m]", "velocity [m/s]", "heading [deg]"}, .rows = {}};
+  for (const ErrorsAfterLoss& e : after)
+    t.rows.push_back(
+        {number_text(e.seconds), number_text(e.horizontal), number_text(e.vertical), number_text(e.velocity), number_text(e.heading / unit::deg)});
+  return section("loss", "How long may " + aids + " be away?", "",
+                 list(lines) + key(entries) + figure(plot.svg(), "One sigma; dashed: the limits.", true) + table(t));
+}
+
 Verdict budget_verdict(const BudgetReport& r) {
   const ErrorBudget& b = r.summary.budget;
   const bool rough = large_angles(b).has_value(), sampled = r.summary.monte_carlo && r.summary.monte_carlo->mean.cols() > 0;
@@ -92,7 +126,14 @@ Verdict budget_verdict(const BudgetReport& r) {
                                    to_string(b.vertical)),
             .because = {},
             .actions = {}};
-  if (rough && !sampled) v.actions.emplace_back("Run the Monte Carlo, which holds for large errors too: imulab budget MISSION --runs 1000");
+  if (b.loss) {
+    const std::vector<ErrorsAfterLoss> after = errors_after_loss(b);
+    v.word = fmt::format("{} after {} s", length_text(after.back().horizontal), number_text(after.back().seconds));
+    v.meaning = fmt::format("Horizontal position error since the loss of {}, one sigma; {} with it.", lost_aids(*b.loss),
+                            length_text(after.front().horizontal));
+  }
+  if (rough && !sampled && !b.loss)
+    v.actions.emplace_back("Run the Monte Carlo, which holds for large errors too: imulab budget MISSION --runs 1000");
   if (r.summary.monte_carlo) v.because.push_back(monte_carlo_text(*r.summary.monte_carlo, r.summary.runs));
   const Eigen::VectorXd shares = horizontal_shares(b).bottomRows(1).transpose();
   Eigen::Index worst = 0;
@@ -122,7 +163,9 @@ std::string budget_page(const BudgetReport& r) {
   Page page;
   page.kind = "Error budget";
   page.title = r.mission;
-  page.subtitle = fmt::format("{} min, vertical channel {}", number_text(b.time.back() / 60), to_string(b.vertical));
+  page.subtitle = b.loss ? fmt::format("Aided until {} s, then {} s without {}", number_text(b.loss->begin),
+                                       number_text(b.time.back() - b.loss->begin), lost_aids(*b.loss))
+                         : fmt::format("{} min, vertical channel {}", number_text(b.time.back() / 60), to_string(b.vertical));
   page.verdict = budget_verdict(r);
   take_conclusion(page.verdict, r.conclusion);
   if (!r.missing.empty()) page.body += section("missing", "Not on this page", "", list(r.missing, "missing-list"));
@@ -135,6 +178,7 @@ std::string budget_page(const BudgetReport& r) {
   if (!large.empty())
     page.body += section("horizontal", "Horizontal error", "",
                          figure(large, (sampled != nullptr ? sampled_text : "") + std::string(rough ? rough_text : linear_text), true));
+  page.body += loss_section(r);
   page.body += sources_section(b);
   page.body += shares.empty() ? "" : section("shares", "Shares over time", "", shares);
   page.body += small.empty() ? "" : section("errors", "All errors over time", "", small);

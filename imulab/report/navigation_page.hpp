@@ -3,6 +3,7 @@
 
 #include "imulab/results/summary.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,20 @@ struct NavigationReport {
 /// HTML, self-contained.
 std::string navigation_page(const NavigationReport& report);
 
+/// A figure of a budget with aids, over the time since they were lost.
+struct LossCurve {
+  std::string name;  ///< "CEP <= 100 m"
+  std::vector<double> seconds, meters;
+  std::optional<double> limit, within;  ///< m; s for which the figure is within the limit: absent with a limit: all of the time
+};
+
 struct BudgetReport {
   std::string mission;  ///< its name
   BudgetSummary summary;
   std::vector<std::string> missing = {};   ///< pictures that could not be drawn, and why
   std::vector<std::string> warnings = {};  ///< those that the terminal shows
   Conclusion conclusion = {};
+  std::vector<LossCurve> curves = {};  ///< of a budget with aids
 };
 
 /// HTML, self-contained.

@@ -37,6 +37,7 @@ std::string panel_plot(const ResultComparison& c, const std::string& panel, bool
     if (curve.panel == panel) x.insert(x.end(), curve.x.begin(), curve.x.end()), y.insert(y.end(), curve.y.begin(), curve.y.end());
   const bool decades = c.logarithmic || far_apart(c, panel);
   const double most = y.empty() ? 0 : *std::max_element(y.begin(), y.end());
+  for (const auto& [text, limit] : c.limits) y.push_back(limit);
   if (decades)
     std::erase_if(y, [most](double v) { return v < 1e-5 * most; });  // errors begin at zero
   else
@@ -50,6 +51,7 @@ std::string panel_plot(const ResultComparison& c, const std::string& panel, bool
       if (v < beside.low) v = NAN;  // it would lie on the axis, as if it were constant
     plot.line(curve.x, shown, color::series(curve.result), 2);
   }
+  for (const auto& [text, limit] : c.limits) plot.rule(limit, color::gray), plot.note(x.empty() ? 0 : x.front(), limit, text, Anchor::start, 4, -4);
   return figure(plot.svg(), "", wide);
 }
 

@@ -3,6 +3,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/grade.hpp"
 #include "imulab/model/published_grades.hpp"
+#include "imulab/results/aid_loss.hpp"
 #include "imulab/results/over_time.hpp"
 #include "imulab/units.hpp"
 
@@ -148,6 +149,11 @@ double horizontal_rms(const ErrorDistribution& runs) {
 
 std::string budget_headline(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
   const bool rough = large_angles(b).has_value(), sampled = rough && monte_carlo;
+  if (b.loss) {
+    const std::vector<ErrorsAfterLoss> after = errors_after_loss(b);
+    return fmt::format("{:.4g} s after the loss of {}: horizontal position error {}{} m RMS, {} m with it", after.back().seconds, lost_aids(*b.loss),
+                       rough ? "roughly " : "", text::number(after.back().horizontal), text::number(after.front().horizontal));
+  }
   return fmt::format("after {:g} s: horizontal position error {}{} m RMS{}, {}", b.time.back(), rough && !sampled ? "roughly " : "",
                      text::number(sampled ? horizontal_rms(*monte_carlo) : horizontal_rms(b, b.time.size() - 1)),
                      sampled ? " of the Monte Carlo" : "", vertical_text(b.vertical));
@@ -155,11 +161,13 @@ std::string budget_headline(const ErrorBudget& b, const std::optional<ErrorDistr
 
 std::optional<std::string> large_angles(const ErrorBudget& b) {
   constexpr double largest = 0.1;
-  for (std::size_t i = 0; i < b.time.size(); ++i)
+  for (std::size_t i = 0; i < b.time.size(); ++i) {
+    if (b.loss && b.time[i] < b.loss->begin) continue;  // before it the filter's data take a large error away
     for (Eigen::Index q = 6; q < budget_quantities; ++q)
       if (std::hypot(b.mean(q, static_cast<Eigen::Index>(i)), std::sqrt(b.covariance[i](q, q))) > largest)
-        return fmt::format("an attitude error exceeds {1:g} rad from {0:g} s on; the linear figures are rough; rely on the Monte Carlo", b.time[i],
-                           largest);
+        return fmt::format("an attitude error exceeds {1:g} rad from {0:g} s on; the linear figures are rough{2}", b.time[i], largest,
+                           b.loss ? "" : "; rely on the Monte Carlo");
+  }
   return std::nullopt;
 }
 
@@ -217,9 +225,10 @@ std::string distribution_csv(const ErrorDistribution& d) {
 
 std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, bool details) {
   std::string text = headline(b, monte_carlo);
+  if (b.loss) text += after_loss_table(b);
   if (monte_carlo) text.insert(large_angles(b) ? 0 : text.size(), monte_carlo_line(*monte_carlo));
   for (const ErrorRows& block : blocks) {
-    if (block.first > 0 && !details) break;
+    if ((block.first > 0 || b.loss) && !details) break;
     text += block_text(block, b);
     if (monte_carlo && details) text += monte_carlo_rows(block, *monte_carlo);
   }

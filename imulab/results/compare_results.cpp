@@ -2,6 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/results/aid_loss.hpp"
 #include "imulab/results/budget.hpp"
 #include "imulab/results/noise.hpp"
 #include "imulab/results/over_time.hpp"
@@ -78,8 +79,15 @@ void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const Bu
     rows.add(k, "drift 95 %, Monte Carlo", "nmi/h", s.monte_carlo->drift_95 / unit::nmi_per_h);
   }
   for (const Contribution& c : b.groups) rows.add(k, "by " + c.name, "m", horizontal_rms(c, c.fixed.cols() - 1));
-  out.curves.push_back({k, "horizontal error, RMS (rough: median) [m]", since_first(b.time), horizontal});
-  out.x_label = "time [s]";
+  if (!b.loss) {
+    out.curves.push_back({k, "horizontal error, RMS (rough: median) [m]", since_first(b.time), horizontal});
+    out.x_label = "time [s]";
+    return;
+  }
+  ComparedCurve& curve = out.curves.emplace_back(ComparedCurve{k, "horizontal error, RMS [m]", {}, {}});
+  for (std::size_t i = 0; i < b.time.size(); ++i)
+    if (b.time[i] >= b.loss->begin) curve.x.push_back(b.time[i] - b.loss->begin), curve.y.push_back(horizontal[i]);
+  out.x_label = "time since the loss of " + lost_aids(*b.loss) + " [s]";
 }
 
 void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const NavigationSummary& sessions) {

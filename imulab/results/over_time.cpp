@@ -3,6 +3,7 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/results/aid_loss.hpp"
 #include "imulab/results/budget.hpp"
 
 #include <algorithm>
@@ -173,6 +174,31 @@ void describe(Fields& f, Contribution& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, AidLoss& loss) {
+  f("begin_s", loss.begin), f("aids", loss.aids);
+}
+
+namespace {
+
+/// What `loss` and the history say, for readers of the JSON.
+JsonValue after_loss_json(const ErrorBudget& b) {
+  std::vector<JsonValue> out;
+  for (const ErrorsAfterLoss& e : errors_after_loss(b)) {
+    JsonFields sources;
+    for (const auto& [name, size] : e.sources) sources.fields.emplace_back(name, size);
+    out.emplace_back(JsonFields{{{"seconds", e.seconds},
+                                 {"horizontal_m", e.horizontal},
+                                 {"vertical_m", e.vertical},
+                                 {"velocity_mps", e.velocity},
+                                 {"heading_deg", e.heading / unit::deg},
+                                 {"sources_m", std::move(sources)}}});
+  }
+  return out;
+}
+
+}  // namespace
+
+template <class Fields>
 void describe(Fields& f, BudgetSummary& s) {
   ErrorBudget& b = s.budget;
   BudgetRows sigma;
@@ -185,6 +211,9 @@ void describe(Fields& f, BudgetSummary& s) {
   f("grade", s.grade, fields::if_any), f("noise", s.noise, fields::if_any);
   f("time_s", b.time.back());
   describe_vertical(f, b.vertical);
+  f("loss", b.loss, fields::if_any);
+  if constexpr (!Fields::reads)
+    if (b.loss) f("after_loss", after_loss_json(b));
   f.table("total", [&](auto& total) { describe_end(total, b.mean, sigma); });
   describe_by_name(f, "sources", b.groups, fields::if_any), describe_by_name(f, "coefficients", b.coefficients, fields::if_any);
   if constexpr (!Fields::reads) f("shares", shares_at_end(b));

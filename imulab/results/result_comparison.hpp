@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -31,7 +32,8 @@ struct ResultComparison {
   std::vector<ComparedFigure> figures;  ///< the most significant first
   std::vector<ComparedCurve> curves;
   std::string x_label;
-  bool logarithmic = false;  ///< both axes
+  bool logarithmic = false;                                 ///< both axes
+  std::vector<std::pair<std::string, double>> limits = {};  ///< of the curves' figure, with their texts; not in JSON
 
   bool in_sigmas() const;  ///< its significances
 };

@@ -3,6 +3,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/navigation/aided/aided_budget.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/units.hpp"
 
@@ -46,7 +47,6 @@ PointMotion motion_at(const motion::Kinematics& body, const Vector3d& arm) {
 class AidErrors {
  public:
   AidErrors(double sigma, std::optional<double> correlation, double interval, const RandomStream& draws) : draws_(draws) {
-    constexpr double white_share = 0.1;  // of the variance: a receiver's noise is below its slow errors
     white_ = sigma * (correlation ? std::sqrt(white_share) : 1);
     slow_ = correlation ? sigma * std::sqrt(1 - white_share) : 0;
     decay_ = correlation ? std::exp(-interval / *correlation) : 0;

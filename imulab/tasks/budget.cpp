@@ -4,8 +4,10 @@
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/navigate.hpp"
+#include "imulab/navigation/aided/aided_budget.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/track.hpp"
+#include "imulab/tasks/aid_files.hpp"
 #include "imulab/tasks/content.hpp"
 #include "imulab/tasks/navigation_figures.hpp"
 #include "imulab/tasks/usable.hpp"
@@ -72,10 +74,31 @@ ErrorSpecification specification_of(const BudgetVerbOptions& o, const MissionFil
   return s;
 }
 
+/// The aids' own rates and sizes are those of their simulation; what they measured does not matter.
+MissionBudget budget_with_aids(const MissionFile& file, const ErrorSpecification& specification, const BudgetVerbOptions& o,
+                               ErrorSourcesReading reading) {
+  MissionBudget out;
+  out.warnings = std::move(reading.warnings);
+  if (specification.vertical != VerticalChannel::free)
+    out.warnings.push_back(
+        fmt::format("{}: vertical = \"{}\" and its barometer do not count beside [[aid]], which give the height; expected [[aid]] of kind barometer",
+                    o.mission, to_string(specification.vertical)));
+  if (const std::string beyond = beyond_aided_budget(reading.sources); !beyond.empty())
+    out.warnings.push_back(fmt::format("{}: {}: not part of a budget with aids, whose filter has no state for it", o.mission, beyond));
+  const motion::Trajectory motion = errors_at(o.mission, [&] { return trajectory_of(file.mission); });
+  out.motion = nominal_motion(motion, 1 / file.mission.rate);
+  Session session;
+  simulate_aids(session, file.mission.aids, motion, o.seed);
+  errors_at(o.mission, [&] { out.budget = aided_budget(out.motion, reading.sources, session.aids, {.output_interval = o.every}); });
+  if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning)), out.doubtful = true;
+  return out;
+}
+
 MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& specification, const BudgetVerbOptions& o,
                              std::optional<Sharing> sharing, const std::function<void(double)>& progress) {
   if (!(o.every > 0)) throw Error(fmt::format("{} s between outputs; expected a positive number", o.every));
   ErrorSourcesReading reading = read_error_sources(specification, o.mission);
+  if (!file.mission.aids.empty()) return budget_with_aids(file, specification, o, std::move(reading));
   MissionBudget out;
   out.warnings = std::move(reading.warnings);
   out.motion = nominal_motion(errors_at(o.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
@@ -114,7 +137,8 @@ std::string page_of(const MissionBudget& b, const std::string& mission, std::vec
       BudgetReport{.mission = titled(mission, b),
                    .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)},
                    .warnings = std::move(warnings),
-                   .conclusion = conclusion});
+                   .conclusion = conclusion,
+                   .curves = loss_curves(b.budget, conclusion.requirements)});
 }
 
 }  // namespace
@@ -155,6 +179,9 @@ Verb& declare(Verb& command, BudgetVerbOptions& o) {
 AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
                                       const std::function<void(double)>& progress, const std::string& allow) {
   if (o.shared.is_divided() && o.runs == 0) throw OptionError("part", "divides a Monte Carlo; expected --runs");
+  if (!file.mission.aids.empty() && (o.shared.is_divided() || (o.runs > 0 && o.shared.verb != nullptr && o.shared.verb->at("--runs").given)))
+    throw OptionError(
+        "runs", "a mission with [[aid]] has no Monte Carlo: its budget is the covariance of the filter that navigate --aided runs; expected no runs");
   std::optional<Sharing> sharing = o.shared.sharing();
   if (o.require) errors_of_option("require", [&] { expect_budget_limits(*o.require); });
   const ErrorSpecification specification = specification_of(o, file);

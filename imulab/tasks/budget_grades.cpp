@@ -4,6 +4,7 @@
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/results/compare_results.hpp"
 #include "imulab/tasks/budget.hpp"
+#include "imulab/tasks/navigation_figures.hpp"
 
 #include <fmt/format.h>
 
@@ -76,7 +77,14 @@ Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const 
     if (!answer.shortcomings.empty()) missed += (missed.empty() ? "" : "; ") + grade + ": " + answer.shortcomings;
     results.push_back({.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .grade = b.grade, .noise = b.noise});
   }
-  const auto comparison = std::make_shared<const ResultComparison>(compare_grades(std::move(results)));
+  const auto made = std::make_shared<ResultComparison>(compare_grades(std::move(results)));
+  for (std::size_t k = 0; k < budgets->size(); ++k)  // how long each may be without its aids
+    for (const LossCurve& c : loss_curves((*budgets)[k].data->budget, (*budgets)[k].conclusion.requirements)) {
+      if (!c.limit) continue;
+      made->notes[k] += fmt::format("; {}: {}", c.name, c.within ? fmt::format("for {:.3g} s after the loss", *c.within) : "all of the time");
+      if (k == 0) made->limits.push_back({c.name, *c.limit});
+    }
+  const std::shared_ptr<const ResultComparison> comparison = made;
   const Conclusion conclusion = joint(*budgets, comparison->headline);
   return {.json = [budgets] { return budgets_text(*budgets); },
           .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },

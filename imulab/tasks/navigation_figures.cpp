@@ -95,7 +95,9 @@ struct MissionErrors {
     const double quantile = errors[std::min(errors.size() - 1, static_cast<std::size_t>(n * part))];
     return {errors[low] / quantile, high < errors.size() ? errors[high] / quantile : std::numeric_limits<double>::infinity()};
   }
-  double duration() const { return time().back(); }  // a mission begins at 0 s, before the first output
+  /// A mission begins at 0 s, before the first output; with aids the figures count from their loss.
+  double begin() const { return budget.loss ? budget.loss->begin : 0; }
+  double duration() const { return time().back() - begin(); }
 };
 
 struct BudgetFigure {
@@ -172,6 +174,23 @@ void judge_sampled(const Range95& range, const StatedLimit& limit, RequirementRe
                      : std::string(": undecided, too few for its 95 % interval; more runs decide");
 }
 
+/// How long a figure stays within a limit after the loss of the aids [s]; absent: all of the time.
+std::optional<double> within_limit(const MissionErrors& errors, const BudgetFigure& figure, double limit) {
+  double before = 0, value_before = 0;
+  for (std::size_t i = 0; i < errors.time().size(); ++i) {
+    const double seconds = errors.time()[i] - errors.begin();
+    if (seconds < 0) continue;
+    const double value = figure.value(errors, i);
+    if (value > limit) return value_before < limit && seconds > 0 ? before + (seconds - before) * (limit - value_before) / (value - value_before) : 0;
+    before = seconds, value_before = value;
+  }
+  return std::nullopt;
+}
+
+std::string within_text(const std::optional<double>& seconds, double all) {
+  return seconds ? fmt::format("within the limit for {:.3g} s after the loss", *seconds) : fmt::format("within the limit for all of {:.4g} s", all);
+}
+
 double value_of(const NavigatedSession& session, const NavigationFigure& figure, const StatedLimit& limit) {
   if (figure.rate) return session.errors->rate;
   const std::vector<NavigationError>& history = session.errors->history;
@@ -218,15 +237,18 @@ double radius_of(double part, const Eigen::Vector2d& mean, const Eigen::Matrix2d
 
 std::vector<RequirementResult> assess(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, std::string_view limits) {
   const MissionErrors errors{budget, monte_carlo ? &*monte_carlo : nullptr};
-  const std::string by = monte_carlo ? fmt::format("of {} Monte Carlo runs", monte_carlo->runs) : "by the linear propagation, without a Monte Carlo";
+  const std::string by = monte_carlo   ? fmt::format("of {} Monte Carlo runs", monte_carlo->runs)
+                         : budget.loss ? ""
+                                       : "by the linear propagation, without a Monte Carlo";
   std::vector<RequirementResult> out;
   for (const StatedLimit& limit : limits_of(limits, budget_example)) {
     const FoundFigure found = find_figure(limit, stated_figures(budget_figures()));
     const BudgetFigure& figure = budget_figures()[found.index];
     if (figure.rate) expect_no_time(limit);
-    const double reached = value_at(errors.time(), 0, limit, [&](std::size_t i) { return figure.value(errors, i); });
+    const double reached = value_at(errors.time(), errors.begin(), limit, [&](std::size_t i) { return figure.value(errors, i); });
     RequirementResult result{to_string(limit), figure.figure.name, found.limit, reached, reached <= found.limit, by};
     if (monte_carlo) judge_sampled(figure.sampling(errors), limit, result);
+    if (budget.loss) result.note = within_text(within_limit(errors, figure, found.limit), errors.duration());
     out.push_back(std::move(result));
   }
   return out;
@@ -251,6 +273,26 @@ std::vector<RequirementResult> assess(const std::vector<NavigatedSession>& sessi
                            : "the worst is " + sessions[static_cast<std::size_t>(worst - values.begin())].session;
     out.push_back({to_string(limit), figure.figure.name, found.limit, reached, reached <= found.limit, note});
   }
+  return out;
+}
+
+std::vector<LossCurve> loss_curves(const ErrorBudget& budget, const std::vector<RequirementResult>& requirements) {
+  std::vector<LossCurve> out;
+  if (!budget.loss) return out;
+  const MissionErrors errors{budget, nullptr};
+  const auto add = [&](const BudgetFigure& figure, const std::string& name, std::optional<double> limit) {
+    LossCurve& curve = out.emplace_back(LossCurve{name, {}, {}, limit, limit ? within_limit(errors, figure, *limit) : std::nullopt});
+    for (std::size_t i = 0; i < budget.time.size(); ++i)
+      if (budget.time[i] >= budget.loss->begin)
+        curve.seconds.push_back(budget.time[i] - budget.loss->begin), curve.meters.push_back(figure.value(errors, i));
+  };
+  for (const RequirementResult& r : requirements)
+    for (const StatedLimit& limit : limits_of(r.text, budget_example)) {
+      const FoundFigure found = find_figure(limit, stated_figures(budget_figures()));
+      const BudgetFigure& figure = budget_figures()[found.index];
+      if (!figure.rate && figure.figure.units.front().name == "m") add(figure, r.text, found.limit);
+    }
+  if (out.empty()) add(*std::ranges::find(budget_figures(), "RMS", [](const BudgetFigure& f) { return f.figure.name; }), "RMS", std::nullopt);
   return out;
 }
 

@@ -55,7 +55,7 @@ struct Filter {
   void update(Node& node, EpochRows& e, const Instant& at) {
     for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
       const VectorXd h = e.rows.derivative.row(k);
-      VectorXd Ph = node.covariance * h;
+      const VectorXd Ph = node.covariance * h;
       const double spread = h.dot(Ph), noise = p.sources[e.rows.source[static_cast<std::size_t>(k)]].factor * e.rows.variance[k];
       const double innovation = e.rows.residual[k] - h.dot(node.error);
       e.innovation[k] = innovation, e.innovation_variance[k] = spread + noise;
@@ -64,10 +64,7 @@ struct Filter {
       out.log_likelihood -= (std::log(variance) + innovation * innovation / variance) / 2;
       const VectorXd gain = Ph / variance;
       node.error += gain * innovation;
-      // Joseph: (I - K h) P (I - K h)^T + K r K^T
-      node.covariance.noalias() -= gain * Ph.transpose();
-      Ph.noalias() = node.covariance * h;
-      node.covariance.noalias() += ((noise / e.weight[k]) * gain - Ph) * gain.transpose();
+      update_covariance(node.covariance, h, gain, noise / e.weight[k]);
     }
     node.covariance = (node.covariance + node.covariance.transpose()).eval() / 2;
   }
@@ -141,6 +138,7 @@ struct Filter {
     for (const auto& [samples, observations] : epochs) {
       Node node = out.nodes.empty() ? first() : next(out.nodes.back(), samples);
       observe_all(node, observations);
+      if (options.each) options.each(out.nodes.empty() ? nullptr : &out.nodes.back().next, node);
       if (!options.keep) out.nodes.clear();
       out.nodes.push_back(std::move(node));
     }
@@ -148,6 +146,13 @@ struct Filter {
 };
 
 }  // namespace
+
+void update_covariance(MatrixXd& covariance, const VectorXd& h, const VectorXd& gain, double noise) {
+  VectorXd Ph = covariance * h;
+  covariance.noalias() -= gain * Ph.transpose();
+  Ph.noalias() = covariance * h;
+  covariance.noalias() += (noise * gain - Ph) * gain.transpose();
+}
 
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options) {
   Filter f{problem, start, options};

@@ -6,6 +6,7 @@
 #include "imulab/navigation/aided/transition.hpp"
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -47,7 +48,12 @@ struct FilterOptions {
   const AboutTrajectory* about = nullptr;                     // null: the filter's own, corrected at each epoch
   std::size_t end = std::numeric_limits<std::size_t>::max();  // samples
   bool keep = true;                                           // all nodes; otherwise the last
+  /// Called after each epoch's update, with the step from the epoch before; null at the first.
+  std::function<void(const Transition* step, const Node& node)> each = {};
 };
+
+/// A row's update of a covariance by a gain K, (I - K h) P (I - K h)^T + K r K^T: positive, and right of every gain.
+void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& h, const Eigen::VectorXd& gain, double noise);
 
 struct FilterPass {
   std::vector<Node> nodes;

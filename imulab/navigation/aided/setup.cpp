@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace imulab::aided {
@@ -27,12 +29,6 @@ double density(const std::optional<double>& declared, const Vector3d* rest, Eige
   if (declared) return *declared;
   if (rest && (*rest)[axis] > 0) return (*rest)[axis];
   return of_grade;
-}
-
-double walk_of(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt(flicker_time)); }
-
-double uncertainty(const Calibration& c, Triad triad, Term term, int row, int column, double otherwise) {
-  return standard_uncertainty(c, coefficient_index(triad, term, row, column)).value_or(otherwise);
 }
 
 std::size_t add_source(Problem& p, std::string name) {
@@ -154,24 +150,70 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
 
 }  // namespace
 
+double offset_walk(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt(flicker_time)); }
+
+void take_coefficients(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients, const Eigen::MatrixXd& covariance,
+                       SensorPriors& out) {
+  const auto variance = [&](const std::array<CoefficientIndex, 4>& of, const Eigen::Vector4d& by) {
+    double sum = 0;
+    for (std::size_t a = 0; a < coefficients.size(); ++a)
+      for (std::size_t b = 0; b < coefficients.size(); ++b) {
+        const auto i = std::ranges::find(of, coefficients[a]) - of.begin(), j = std::ranges::find(of, coefficients[b]) - of.begin();
+        if (i < 4 && j < 4) sum += by[i] * by[j] * covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+      }
+    return std::max(0., sum);
+  };
+  for (const Triad triad : {Triad::gyro, Triad::accel}) {
+    const TriadModel& m = triad == Triad::gyro ? model.gyro : model.accel;
+    const Matrix3d to_raw = m.matrix.inverse();
+    const Vector3d still = -to_raw * m.offset;  // raw readings where the output is zero
+    for (int i = 0; i < 3; ++i) {
+      const std::array of{coefficient_index(triad, Term::matrix, i, 0), coefficient_index(triad, Term::matrix, i, 1),
+                          coefficient_index(triad, Term::matrix, i, 2), coefficient_index(triad, Term::offset, i, i)};
+      (triad == Triad::gyro ? out.gyro_offset : out.accel_offset)[i] = std::sqrt(variance(of, Eigen::Vector4d(still[0], still[1], still[2], 1)));
+      for (int j = 0; j < 3; ++j) {
+        const Eigen::Vector4d by(to_raw(0, j), to_raw(1, j), to_raw(2, j), 0);
+        (triad == Triad::gyro ? out.gyro_matrix : out.accel_matrix)(i, j) = std::sqrt(variance(of, by));
+      }
+    }
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const auto at = std::ranges::find(coefficients, coefficient_index(Triad::gyro, Term::g_sensitivity, i, j)) - coefficients.begin();
+      out.g_sensitivity(i, j) = at < std::ssize(coefficients) ? std::sqrt(covariance(at, at)) : 0;
+    }
+}
+
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu) {
   const Grade& g = grade(imu.grade.value_or("mems"));
   const bool known = !calibration.estimated.empty();
   SensorPriors out;
+  take_coefficients(calibration.model, calibration.estimated, calibration.covariance, out);
+  const auto estimated = [&](Triad triad, Term term, int i, int j) {
+    return std::ranges::find(calibration.estimated, coefficient_index(triad, term, i, j)) != calibration.estimated.end();
+  };
+  const auto matrix_known = [&](Triad triad, int i, int j) {  // also by the frame
+    if (estimated(triad, Term::matrix, i, j)) return true;
+    const std::string name(coefficient(coefficient_index(triad, Term::matrix, i, j)).name);
+    bool any = false;
+    for (int k = 0; k < 9; ++k) any = any || estimated(triad, Term::matrix, k / 3, k % 3);
+    return any && std::ranges::find(calibration.quality.unobservable, name) == calibration.quality.unobservable.end();
+  };
   const NoiseModel gyro = imu.gyro_noise.value_or(g.gyro_noise), accel = imu.accel_noise.value_or(g.accel_noise);
+  const RestNoise* rest = calibration.rest_noise ? &*calibration.rest_noise : nullptr;
   for (int i = 0; i < 3; ++i) {
-    const double gyro_turn_on = known ? gyro.turn_on.value : 0, accel_turn_on = known ? accel.turn_on.value : 0;
-    out.gyro_offset[i] = std::hypot(uncertainty(calibration, Triad::gyro, Term::offset, i, i, g.gyro_bias), gyro_turn_on);
-    out.accel_offset[i] = std::hypot(uncertainty(calibration, Triad::accel, Term::offset, i, i, g.accel_bias), accel_turn_on);
-    out.gyro_walk[i] = walk_of(gyro), out.accel_walk[i] = walk_of(accel);
-    const RestNoise* rest = calibration.rest_noise ? &*calibration.rest_noise : nullptr;
+    if (!estimated(Triad::gyro, Term::offset, i, i)) out.gyro_offset[i] = g.gyro_bias;
+    if (!estimated(Triad::accel, Term::offset, i, i)) out.accel_offset[i] = g.accel_bias;
+    if (known) out.gyro_offset[i] = std::hypot(out.gyro_offset[i], gyro.turn_on.value);
+    if (known) out.accel_offset[i] = std::hypot(out.accel_offset[i], accel.turn_on.value);
+    out.gyro_walk[i] = offset_walk(gyro), out.accel_walk[i] = offset_walk(accel);
     out.gyro_noise[i] = density(imu.gyro_noise_density, rest ? &rest->gyro : nullptr, i, gyro.N);
     out.accel_noise[i] = density(imu.accel_noise_density, rest ? &rest->accel : nullptr, i, accel.N);
     for (int j = 0; j < 3; ++j) {
       const bool scale = i == j;
-      out.gyro_matrix(i, j) = known ? uncertainty(calibration, Triad::gyro, Term::matrix, i, j, 0) : scale ? g.gyro_scale : g.gyro_misalignment;
-      out.accel_matrix(i, j) = known ? uncertainty(calibration, Triad::accel, Term::matrix, i, j, 0) : scale ? g.accel_scale : g.accel_misalignment;
-      out.g_sensitivity(i, j) = uncertainty(calibration, Triad::gyro, Term::g_sensitivity, i, j, g.g_sensitivity);
+      if (!matrix_known(Triad::gyro, i, j)) out.gyro_matrix(i, j) = scale ? g.gyro_scale : g.gyro_misalignment;
+      if (!matrix_known(Triad::accel, i, j)) out.accel_matrix(i, j) = scale ? g.accel_scale : g.accel_misalignment;
+      if (!estimated(Triad::gyro, Term::g_sensitivity, i, j)) out.g_sensitivity(i, j) = g.g_sensitivity;
     }
   }
   return out;

@@ -3,6 +3,7 @@
 
 #include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/grade.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/recording.hpp"
@@ -22,8 +23,14 @@ struct SensorPriors {
   Vector3d gyro_walk, accel_walk;      // of the offsets [unit/sqrt(s)]
   Vector3d gyro_noise, accel_noise;    // densities
 };
-/// From the calibration's uncertainties, where it has some, and the grade's turn-on; else from the grade, mems where none is declared. The noise is
-/// declared, or that of the rests, or the grade's.
+/// The sensors' constants: what the coefficients' covariance [SI, of the model's raw readings] makes of the calibrated output. Zero for what is not
+/// among the coefficients; noise and walks stay.
+void take_coefficients(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients, const Eigen::MatrixXd& covariance,
+                       SensorPriors& priors);
+/// The random walk of an offset that stands for a sensor's slow noise [unit/sqrt(s)].
+double offset_walk(const NoiseModel& noise);
+/// From the calibration's uncertainties, where it has some of a triad's matrix, and the grade's turn-on; else from the grade, mems where none is
+/// declared. The noise is declared, or that of the rests, or the grade's.
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu);
 
 struct SetupOptions {

@@ -35,26 +35,6 @@ struct Parameters {
   std::vector<std::string> group;
 };
 
-std::string group_of(const Coefficient& c) {
-  const std::string triad = c.triad == Triad::gyro ? "gyro " : "accelerometer ";
-  switch (c.term) {
-    case Term::offset:
-      return triad + "bias";
-    case Term::matrix:
-      return triad + (c.row == c.column ? "scale" : "misalignment");
-    case Term::quadratic:
-    case Term::cubic:
-      return triad + "nonlinearity";
-    case Term::thermal:
-      return triad + "temperature";
-    case Term::g_sensitivity:
-      return "g-sensitivity";
-    case Term::lever_arm:
-      break;
-  }
-  return triad + "lever arms";
-}
-
 Parameters parameters_of(const ErrorSources& sources, const SourceColumns& columns) {
   Parameters p{VectorXd::Zero(columns.count), MatrixXd::Zero(columns.count, columns.count), {}};
   p.fixed.head(columns.coefficients) = sources.fixed;
@@ -158,6 +138,30 @@ BudgetMatrix block_of(const ErrorMatrix& P) {
 }
 
 }  // namespace
+
+namespace budget {
+
+std::string group_of(const Coefficient& c) {
+  const std::string triad = c.triad == Triad::gyro ? "gyro " : "accelerometer ";
+  switch (c.term) {
+    case Term::offset:
+      return triad + "bias";
+    case Term::matrix:
+      return triad + (c.row == c.column ? "scale" : "misalignment");
+    case Term::quadratic:
+    case Term::cubic:
+      return triad + "nonlinearity";
+    case Term::thermal:
+      return triad + "temperature";
+    case Term::g_sensitivity:
+      return "g-sensitivity";
+    case Term::lever_arm:
+      break;
+  }
+  return triad + "lever arms";
+}
+
+}  // namespace budget
 
 std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
   if (quantity < 0 || quantity >= budget_quantities || at >= time.size())

@@ -60,7 +60,14 @@ struct Contribution {
   BudgetRows fixed, sigma;
 };
 
+/// The aids of a mission that are lost: the budget of an aided solution ends with their absence.
+struct AidLoss {
+  double begin = 0;               // s
+  std::vector<std::string> aids;  // "gnss"
+};
+
 struct ErrorBudget {
+  std::optional<AidLoss> loss = {};  // of an aided solution
   VerticalChannel vertical = VerticalChannel::free;
   std::vector<double> time;                // s
   std::vector<Contribution> groups;        // of coefficients, noise terms, start; they add up to the total, with the correlation between groups

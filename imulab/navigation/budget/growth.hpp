@@ -79,6 +79,9 @@ class ErrorGrowth {
   double aligned_ = 0;  // s before the motion
 };
 
+/// What a budget calls the sources of a coefficient's kind: "gyro misalignment".
+std::string group_of(const Coefficient& c);
+
 /// Throws Error for a motion without samples, of parts that do not fit, or of times that do not ascend.
 void check(const motion::NominalMotion& motion);
 

@@ -1,0 +1,349 @@
+#include "imulab/navigation/aided/aided_budget.hpp"
+
+#include "imulab/coefficient.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/aided/filter.hpp"
+#include "imulab/navigation/aided/setup.hpp"
+#include "imulab/navigation/budget/growth.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace imulab {
+namespace aided {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using motion::NominalMotion;
+
+/// A source of the budget: errors that are constant at the start, by their states, and shares of the filter's noises.
+struct Part {
+  std::string name;
+  std::vector<std::pair<Index, double>> states;        // with their variances
+  std::vector<std::pair<std::size_t, double>> noises;  // among the problem's sources
+};
+
+class Parts {
+ public:
+  Part& named(const std::string& name) {
+    const auto at = std::ranges::find(all, name, &Part::name);
+    return at != all.end() ? *at : all.emplace_back(Part{name, {}, {}});
+  }
+  std::vector<Part> all;
+};
+
+/// "gnss.slow_error" as a budget names sources.
+std::string in_words(std::string name) {
+  std::ranges::replace(name, '.', ' ');
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
+struct SensorState {
+  CoefficientIndex coefficient{};
+  Index state;
+};
+
+std::vector<SensorState> sensor_states(const Problem& p) {
+  std::vector<SensorState> out;
+  for (int i = 0; i < 3; ++i) {
+    out.push_back({coefficient_index(Triad::gyro, Term::offset, i, i), p.gyro_offset + i});
+    out.push_back({coefficient_index(Triad::accel, Term::offset, i, i), p.accel_offset + i});
+    for (int j = 0; j < 3 && p.gyro_matrix >= 0; ++j) {
+      out.push_back({coefficient_index(Triad::gyro, Term::matrix, i, j), p.gyro_matrix + 3 * j + i});
+      out.push_back({coefficient_index(Triad::accel, Term::matrix, i, j), p.accel_matrix + 3 * j + i});
+      out.push_back({coefficient_index(Triad::gyro, Term::g_sensitivity, i, j), p.g_sensitivity + 3 * j + i});
+    }
+  }
+  std::ranges::sort(out, {}, [](const SensorState& s) { return s.coefficient; });
+  return out;
+}
+
+void add_noise_parts(Parts& parts, const Problem& p, const ErrorSources& sources) {
+  for (std::size_t k = 0; k < p.sources.size(); ++k) {
+    const std::string& name = p.sources[k].name;
+    if (k == p.gyro_source || k == p.accel_source) {
+      parts.named(k == p.gyro_source ? "gyro white noise" : "accelerometer white noise").noises.emplace_back(k, 1);
+    } else if (name == "gyro.drift" || name == "accel.drift") {
+      const bool gyro = name == "gyro.drift";
+      const NoiseModel& n = gyro ? sources.gyro_noise : sources.accel_noise;
+      const double all = std::pow(offset_walk(n), 2);
+      if (!(all > 0)) continue;
+      const std::string triad = gyro ? "gyro " : "accelerometer ";
+      parts.named(triad + "flicker").noises.emplace_back(k, 1 - n.K * n.K / all);
+      parts.named(triad + "random walk").noises.emplace_back(k, n.K * n.K / all);
+    } else {
+      const bool slow = std::ranges::find(p.blocks, name, &StateBlock::name) != p.blocks.end();
+      parts.named(in_words(name) + (slow ? "" : " noise")).noises.emplace_back(k, 1);
+    }
+  }
+}
+
+std::vector<Part> parts_of(const Problem& p, const FilterStart& start, const ErrorSources& sources) {
+  Parts parts;
+  const auto add = [&](const std::string& name, Index state, double sigma) {
+    if (sigma > 0) parts.named(name).states.emplace_back(state, sigma * sigma);
+  };
+  for (const SensorState& s : sensor_states(p)) {
+    const Coefficient& c = coefficient(s.coefficient);
+    const double turn_on = c.term != Term::offset ? 0 : c.triad == Triad::gyro ? sources.gyro_noise.turn_on.value : sources.accel_noise.turn_on.value;
+    add(budget::group_of(c), s.state, std::sqrt(std::max(0., std::pow(start.sigma[s.state], 2) - turn_on * turn_on)));
+    add(c.triad == Triad::gyro ? "gyro turn-on" : "accelerometer turn-on", s.state, std::abs(turn_on));
+  }
+  for (Index k = 0; k < 3; ++k) add(k < 2 ? "start attitude: level" : "start attitude: heading", At::attitude + k, start.sigma[k]);
+  for (Index k = 0; k < 3; ++k) add("start velocity", At::velocity + k, start.sigma[At::velocity + k]);
+  for (Index k = 0; k < 3; ++k) add("start position", At::position + k, start.sigma[At::position + k]);
+  for (const StateBlock& b : p.blocks)
+    for (Index k = 0; k < b.size && b.first >= p.sensors_end; ++k) add(in_words(b.name), b.first + k, start.sigma[b.first + k]);
+  add_noise_parts(parts, p, sources);
+  return parts.all;
+}
+
+/// The covariance of the filter as a sum: by the errors at the start, and by each noise.
+class SplitCovariance {
+ public:
+  SplitCovariance(const Problem& p, const FilterStart& start)
+      : p_(p), by_start_(MatrixXd::Identity(p.size, p.size)), total_(start.sigma.cwiseAbs2().asDiagonal()) {
+    for (std::size_t k = 0; k < p.sources.size(); ++k) {
+      Problem alone;  // what the laws of the covariance need, with this noise
+      alone.size = p.size, alone.blocks = p.blocks, alone.sources = p.sources;
+      alone.gyro_source = p.gyro_source, alone.accel_source = p.accel_source;
+      for (std::size_t other = 0; other < p.sources.size(); ++other)
+        if (other != k) alone.sources[other].factor = 0;
+      noises_.push_back({std::move(alone), MatrixXd::Zero(p.size, p.size)});
+    }
+  }
+
+  void step(const Transition& t) {
+    for (Index k = 0; k < by_start_.cols(); ++k) by_start_.col(k) = propagated_mean(t, by_start_.col(k));
+    for (Noise& n : noises_) n.covariance = propagated(n.alone, t, n.covariance);
+    total_ = propagated(p_, t, total_);
+  }
+
+  void update(const Node& node) {
+    for (const EpochRows& e : node.rows)
+      for (Index k = 0; k < e.rows.residual.size(); ++k) {
+        const std::size_t source = e.rows.source[static_cast<std::size_t>(k)];
+        const VectorXd h = e.rows.derivative.row(k), Ph = total_ * h;
+        const double noise = p_.sources[source].factor * e.rows.variance[k] / e.weight[k];
+        const VectorXd gain = Ph / (h.dot(Ph) + noise);
+        update_covariance(total_, h, gain, noise);
+        for (std::size_t s = 0; s < noises_.size(); ++s) update_covariance(noises_[s].covariance, h, gain, s == source ? noise : 0);
+        const Eigen::RowVectorXd seen = h.transpose() * by_start_;
+        by_start_.noalias() -= gain * seen;
+      }
+  }
+
+  const MatrixXd& total() const { return total_; }
+  const MatrixXd& by_start() const { return by_start_; }
+  /// Variance of a state by a part.
+  double variance(const Part& part, Index state) const {
+    double sum = 0;
+    for (const auto& [from, size] : part.states) sum += size * std::pow(by_start_(state, from), 2);
+    for (const auto& [source, share] : part.noises) sum += share * noises_[source].covariance(state, state);
+    return std::max(0., sum);
+  }
+
+ private:
+  struct Noise {
+    Problem alone;
+    MatrixXd covariance;
+  };
+  const Problem& p_;
+  MatrixXd by_start_, total_;
+  std::vector<Noise> noises_;
+};
+
+/// The filter's state of each of a budget's quantities, and its sign there: computed less true is what the filter would add, but for the attitude.
+constexpr std::array<Index, budget_quantities> state_of{6, 7, 8, 3, 4, 5, 0, 1, 2};
+constexpr std::array<double, budget_quantities> sign_of{1, 1, 1, 1, 1, 1, -1, -1, -1};
+
+SensorPriors priors_of(const ErrorSources& s) {
+  SensorPriors out;
+  MatrixXd covariance = s.covariance;
+  covariance.diagonal() += s.fixed.cwiseAbs2();
+  take_coefficients(s.model, s.coefficients, covariance, out);
+  for (Index k = 0; k < 3; ++k) {
+    out.gyro_offset[k] = std::hypot(out.gyro_offset[k], s.gyro_noise.turn_on.value);
+    out.accel_offset[k] = std::hypot(out.accel_offset[k], s.accel_noise.turn_on.value);
+  }
+  out.gyro_walk.setConstant(offset_walk(s.gyro_noise)), out.accel_walk.setConstant(offset_walk(s.accel_noise));
+  out.gyro_noise.setConstant(s.gyro_noise.N), out.accel_noise.setConstant(s.accel_noise.N);
+  return out;
+}
+
+/// An alignment's error counts as independent of the sensors' errors.
+Vector3d attitude_at_start(const NavigationState& start, const ErrorSources& s, const SensorPriors& priors) {
+  const StartErrors& e = s.start;
+  if (!e.aligned_over) return {e.attitude[0].value, e.attitude[1].value, e.attitude[2].value};
+  Eigen::Matrix<double, 6, 1> variance;
+  const double T = *e.aligned_over;
+  variance << priors.gyro_offset.cwiseAbs2() + priors.gyro_noise.cwiseAbs2() / T,
+      priors.accel_offset.cwiseAbs2() + priors.accel_noise.cwiseAbs2() / T;
+  return (budget::alignment_effect(start, {}).cwiseAbs2() * variance).cwiseSqrt();
+}
+
+/// The times of the loss, and the aids with that outage.
+Outage choose_loss(std::vector<Aid>& aids, const NominalMotion& motion) {
+  const double begin = motion.time.front(), end = motion.time.back();
+  Outage longest;
+  for (const Aid& aid : aids)
+    for (const Outage& o : aid.outages) {
+      const Outage inside{std::max(o.begin, begin), std::min(o.end, end)};
+      if (has_record(aid.kind) && inside.end - inside.begin > longest.end - longest.begin) longest = inside;
+    }
+  if (longest.end > longest.begin) return longest;
+  constexpr double usual = 600, part = 3;  // s; of the motion
+  longest = {end - std::min(usual, (end - begin) / part), end};
+  const bool receiver = std::ranges::any_of(aids, [](const Aid& a) { return a.kind == AidKind::gnss; });
+  if (std::ranges::none_of(aids, [](const Aid& a) { return has_record(a.kind); }))
+    throw Error("aids without a record cannot be lost; expected one that measures, as a receiver");
+  for (Aid& aid : aids)
+    if (receiver ? aid.kind == AidKind::gnss : has_record(aid.kind)) aid.outages.push_back({longest.begin, end + 1});
+  return longest;
+}
+
+/// Errors of aids are as their declarations say: white, or with a time of correlation mostly slow.
+void set_sizes(Problem& p) {
+  for (const Channel& c : p.channels) {
+    if (!has_record(c.aid.kind) || c.slow < 0) continue;
+    StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
+    const double white = c.aid.correlation ? white_share : 1;
+    slow.sigma = c.aid.kind == AidKind::gnss ? position_sigma(c.aid, 0).mean() : value_sigma(c.aid, 0);
+    slow.prior.setConstant(slow.sigma * std::sqrt(1 - white));
+    p.sources[*slow.noise].factor = 1 - white, p.sources[c.first_noise].factor = white;
+  }
+}
+
+Recording ideal_recording(const NominalMotion& motion) {
+  std::vector<double> time(motion.time.begin() + 1, motion.time.end());
+  Columns3 gyro, accel;
+  for (std::size_t i = 0; i < motion.increments.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double T = motion.time[i + 1] - motion.time[i];
+      gyro[k].push_back(motion.increments[i].angle[static_cast<Index>(k)] / T);
+      accel[k].push_back(motion.increments[i].velocity[static_cast<Index>(k)] / T);
+    }
+  return make_recording(time, std::move(gyro), std::move(accel));
+}
+
+/// Collects the outputs of a budget.
+struct AidedOutputs {
+  const std::vector<Part>& parts;
+  const std::vector<SensorState>& sensors;
+  const FilterStart& start;
+  ErrorBudget out = {};
+  std::vector<BudgetRows> rows = {};  // columns: parts, then sensors
+
+  void add(double time, const SplitCovariance& split) {
+    out.time.push_back(time);
+    BudgetMatrix P;
+    for (int a = 0; a < budget_quantities; ++a)
+      for (int b = 0; b < budget_quantities; ++b) {
+        const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+        P(a, b) = sign_of[i] * sign_of[j] * split.total()(state_of[i], state_of[j]);
+      }
+    out.covariance.push_back(P);
+    rows.emplace_back(budget_quantities, static_cast<Index>(parts.size() + sensors.size()));
+    for (int q = 0; q < budget_quantities; ++q) {
+      const Index state = state_of[static_cast<std::size_t>(q)];
+      for (std::size_t k = 0; k < parts.size(); ++k) rows.back()(q, static_cast<Index>(k)) = std::sqrt(split.variance(parts[k], state));
+      for (std::size_t k = 0; k < sensors.size(); ++k)
+        rows.back()(q, static_cast<Index>(parts.size() + k)) = std::abs(split.by_start()(state, sensors[k].state)) * start.sigma[sensors[k].state];
+    }
+  }
+
+  ErrorBudget finish() {
+    const auto add_one = [&](std::vector<Contribution>& to, std::string name, Index column) {
+      Contribution c{std::move(name), BudgetRows::Zero(budget_quantities, std::ssize(rows)), BudgetRows(budget_quantities, std::ssize(rows))};
+      for (std::size_t i = 0; i < rows.size(); ++i) c.sigma.col(static_cast<Index>(i)) = rows[i].col(column);
+      if (!c.sigma.isZero(0)) to.push_back(std::move(c));
+    };
+    for (std::size_t k = 0; k < parts.size(); ++k) add_one(out.groups, parts[k].name, static_cast<Index>(k));
+    for (std::size_t k = 0; k < sensors.size(); ++k)
+      add_one(out.coefficients, std::string(coefficient(sensors[k].coefficient).name), static_cast<Index>(parts.size() + k));
+    out.mean = BudgetRows::Zero(budget_quantities, std::ssize(rows));
+    return std::move(out);
+  }
+};
+
+FilterStart start_of(const Problem& p, const NominalMotion& motion, const ErrorSources& sources, const SensorPriors& priors) {
+  const Prior prior = prior_of(p);
+  FilterStart out{.mean = {motion.states.front(), prior.mean}, .sigma = prior.sigma, .sample = 0};
+  for (const StateBlock& b : p.blocks) out.sigma.segment(b.first, b.size) = b.prior;  // what has no error is exact
+  out.sigma.segment<3>(At::attitude) = attitude_at_start(motion.states.front(), sources, priors).cwiseAbs();
+  for (Index k = 0; k < 3; ++k) {
+    out.sigma[At::velocity + k] = std::abs(sources.start.velocity[static_cast<std::size_t>(k)].value);
+    out.sigma[At::position + k] = std::abs(sources.start.position[static_cast<std::size_t>(k)].value);
+  }
+  return out;
+}
+
+}  // namespace
+}  // namespace aided
+
+ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources& sources, const std::vector<Aid>& given,
+                         const AidedBudgetOptions& options) {
+  using namespace aided;
+  budget::check(motion);
+  std::vector<Aid> aids = given;
+  const Outage loss = choose_loss(aids, motion);
+  Session session;
+  session.site.latitude = motion.states.front().latitude, session.site.height = motion.states.front().height;
+  const SensorPriors priors = priors_of(sources);
+  const bool matrices = !priors.gyro_matrix.isZero(0) || !priors.accel_matrix.isZero(0) || !priors.g_sensitivity.isZero(0);
+  Problem p = make_problem(ideal_recording(motion), priors, aids, session, {.matrices = matrices, .outages = {}});
+  set_sizes(p);
+  const FilterStart start = start_of(p, motion, sources, priors);
+  AboutTrajectory truth{.states = motion.states, .x = start.mean.x, .weights = {}};
+  truth.weights.assign(p.observations.size(), Eigen::VectorXd::Ones(6));  // without data there is no suspect
+  SplitCovariance split(p, start);
+  const std::vector<Part> parts = parts_of(p, start, sources);
+  const std::vector<SensorState> sensors = sensor_states(p);
+  AidedOutputs outputs{.parts = parts, .sensors = sensors, .start = start};
+  budget::Outputs before(motion.time.front(), options.output_interval), after(loss.begin - 1, 1);
+  const auto end = static_cast<std::size_t>(std::ranges::upper_bound(p.time, loss.end + p.interval / 2) - p.time.begin());
+  filter(p, start, {.about = &truth, .end = end, .keep = false, .each = [&](const Transition* step, const Node& node) {
+                      if (step != nullptr) split.step(*step);
+                      split.update(node);
+                      const double time = node.samples > 0 ? p.time[node.samples - 1] : p.begin;
+                      const bool lost = time > loss.begin - p.interval / 2;
+                      if (step != nullptr && ((lost ? after.due(time + p.interval / 2) : before.due(time)) || node.samples == end))
+                        outputs.add(time, split);
+                    }});
+  ErrorBudget out = outputs.finish();
+  out.loss = AidLoss{loss.begin, {}};
+  for (const Channel& c : p.channels)
+    if (has_record(c.aid.kind) && std::ranges::any_of(c.aid.outages, [&](const Outage& o) { return o.begin <= loss.begin && o.end > loss.begin; }))
+      out.loss->aids.push_back(c.name);
+  return out;
+}
+
+std::string beyond_aided_budget(const ErrorSources& s) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  };
+  for (std::size_t k = 0; k < s.coefficients.size(); ++k) {
+    const Coefficient& c = coefficient(s.coefficients[k]);
+    const auto i = static_cast<Eigen::Index>(k);
+    const bool any = s.fixed[i] != 0 || s.covariance(i, i) > 0;
+    if (any && c.term != Term::offset && c.term != Term::matrix && c.term != Term::g_sensitivity) add(budget::group_of(c));
+  }
+  for (const auto& [triad, noise] : {std::pair{"gyro", &s.gyro_noise}, {"accelerometer", &s.accel_noise}}) {
+    if (noise->Q != 0) add(fmt::format("{} quantization", triad));
+    if (noise->R.value != 0) add(fmt::format("{} ramp", triad));
+  }
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace imulab

@@ -1,0 +1,149 @@
+#include "imulab/navigation/aided/aided_budget.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/budget/growth.hpp"
+#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+using motion::NominalMotion;
+
+constexpr double budget_step = 0.1;  // s
+constexpr Eigen::Index east = 0, north = 1, up_velocity = 5;
+
+/// At rest, or driving: accelerate, a turn, straight.
+NominalMotion resting(double duration) {
+  return nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::rest(duration)}, {.banks = false}), budget_step);
+}
+NominalMotion driven_around() {
+  using namespace motion;
+  return nominal_motion(flight({48 * unit::deg, 0.2, 500, 0, 0}, {accelerate(10, 10), turn(90 * unit::deg, 0.2, 2), straight(80)}, {.banks = false}),
+                        budget_step);
+}
+
+/// Fixes of this sigma, white, each second; lost from `lost` on.
+Aid plain_receiver(const NominalMotion& motion, double sigma, double lost) {
+  Aid aid{.scale = TimeScale::recording, .lever_arm_sigma = 0, .delay_sigma = 0};
+  for (std::size_t i = 0; i < motion.time.size(); i += 10) {
+    const NavigationState& s = motion.states[i];
+    aid.record.time.push_back(std::llround(1e9 * motion.time[i]));
+    aid.record.position.emplace_back(s.latitude, s.longitude, s.height);
+    aid.record.position_sigma.push_back(Vector3d::Constant(sigma));
+  }
+  aid.outages = {{lost, motion.time.back() + 1}};
+  return aid;
+}
+
+ErrorSources no_errors() {
+  ErrorSources s;
+  s.fixed.resize(0), s.covariance.resize(0, 0);
+  return s;
+}
+
+double part_of_group(const ErrorBudget& b, const std::string& group, Eigen::Index quantity, std::size_t at) {
+  for (const Contribution& c : b.groups)
+    if (c.name == group) return c.sigma(quantity, static_cast<Eigen::Index>(at));
+  ADD_FAILURE() << group;
+  return NAN;
+}
+
+ErrorSources offset_errors(double accel) {
+  ErrorSources s = no_errors();
+  s.coefficients = select_coefficients("accel.offset");
+  s.fixed = Eigen::Vector3d::Zero();
+  s.covariance = accel * accel * Matrix3d::Identity();
+  return s;
+}
+
+// A receiver without an error worth mentioning holds position and velocity: an accelerometer's noise then grows from zero, N t^1/2 in velocity and
+// N (t^3/3)^1/2 in position; the gyros' through the tilt of gravity, g N (t^3/3)^1/2 and g N (t^5/20)^1/2.
+TEST(AidedBudget, NoiseGrowsAsItsIntegralsAfterTheLoss) {
+  const NominalMotion motion = resting(120);
+  const double lost = 60, t = 60, accel = 1e-3, gyro = 1e-5;
+  ErrorSources s = no_errors();
+  s.accel_noise.N = accel;
+  ErrorBudget b = aided_budget(motion, s, {plain_receiver(motion, 1e-6, lost)});
+  ASSERT_TRUE(b.loss);
+  EXPECT_EQ(b.loss->begin, lost);
+  EXPECT_EQ(b.loss->aids, std::vector<std::string>{"gnss"});
+  ASSERT_DOUBLE_EQ(b.time.back(), lost + t);
+  // The last fix is a second before the first that is lost: the noise has had 61 s, after a start with the little that fixes of a second leave.
+  const double since = t + 1;
+  EXPECT_NEAR(part_of_group(b, "accelerometer white noise", up_velocity, b.time.size() - 1), accel * std::sqrt(since),
+              0.02 * accel * std::sqrt(since));
+  const double position = accel * std::sqrt(std::pow(since, 3) / 3);
+  EXPECT_NEAR(part_of_group(b, "accelerometer white noise", east, b.time.size() - 1), position, 0.03 * position);
+  s = no_errors();
+  s.gyro_noise.N = gyro;
+  b = aided_budget(motion, s, {plain_receiver(motion, 1e-6, lost)});
+  const double tilted = 9.81 * gyro * std::sqrt(std::pow(since, 5) / 20);
+  EXPECT_NEAR(part_of_group(b, "gyro white noise", north, b.time.size() - 1), tilted, 0.05 * tilted);  // and the tilt that the fixes left
+}
+
+// Fixes as bad as none leave every source what it does without an aid, and an offset its 1/2 b t^2.
+TEST(AidedBudget, WithAVeryBadAidItIsTheBudgetWithoutOne) {
+  const NominalMotion motion = driven_around();
+  ErrorSources s = offset_errors(1e-3);
+  s.gyro_noise.N = 2e-5, s.accel_noise.N = 1e-3, s.gyro_noise.K = 1e-7, s.gyro_noise.turn_on = {.value = 1e-5};
+  s.start.attitude = {Spread{1e-3}, Spread{1e-3}, Spread{5e-3}}, s.start.velocity = {Spread{0.1}, Spread{0.1}, Spread{0.1}};
+  const ErrorBudget aided = aided_budget(motion, s, {plain_receiver(motion, 1e6, 60)});
+  const ErrorBudget alone = error_budget(motion, s, {.output_interval = 10, .algorithm = false});
+  const auto end = static_cast<Eigen::Index>(alone.time.size()) - 1;
+  ASSERT_NEAR(aided.time.back(), alone.time.back(), 1e-9);
+  for (const Contribution& c : alone.groups) {
+    if (c.sigma.col(end).isZero(0)) continue;
+    const auto found = std::ranges::find(aided.groups, c.name, &Contribution::name);
+    ASSERT_NE(found, aided.groups.end()) << c.name;
+    for (const Eigen::Index q : {0, 1, 3, 4, 6, 7, 8}) {
+      const double expected = c.sigma(q, end), size = c.sigma.col(end).segment<3>(q / 3 * 3).maxCoeff();
+      // The filter's transition leaves out derivatives of the Earth's rate and of the transport rate by place, and sums samples instead of blocks.
+      EXPECT_NEAR(found->sigma(q, found->sigma.cols() - 1), expected, 0.02 * size) << c.name << ", quantity " << q;
+    }
+  }
+}
+
+TEST(AidedBudget, AnUnseenOffsetGrowsWithTheSquareOfTheTime) {
+  const double T = 90, offset = 1e-3;
+  const ErrorBudget b = aided_budget(resting(T), offset_errors(offset), {plain_receiver(resting(T), 1e6, 30)});
+  const double height = offset * T * T / 2;
+  constexpr Eigen::Index up = 2;
+  EXPECT_NEAR(part_of_group(b, "accelerometer bias", up, b.time.size() - 1), height, 5e-3 * height);  // gravity's gradient adds 3e-6 T^2 / 12
+}
+
+// The parts add up to the filter's covariance: shares to one, without a correlation.
+TEST(AidedBudget, PartsAddUp) {
+  const NominalMotion motion = driven_around();
+  ErrorSources s = offset_errors(1e-2);
+  s.gyro_noise.N = 2e-5, s.accel_noise.N = 1e-3, s.accel_noise.B = 1e-4, s.accel_noise.K = 1e-6;
+  s.start.attitude = {Spread{1e-2}, Spread{1e-2}, Spread{0.1}}, s.start.position = {Spread{10}, Spread{10}, Spread{10}};
+  Aid aid = plain_receiver(motion, 1, 0);
+  aid.outages.clear(), aid.correlation = 30, aid.lever_arm_sigma = 0.5;
+  const ErrorBudget b = aided_budget(motion, s, {aid, Aid{.kind = AidKind::vehicle}});
+  ASSERT_TRUE(b.loss);
+  EXPECT_NEAR(b.loss->begin, b.time.back() * 2 / 3, 1);  // the last third
+  for (const std::size_t at : {std::size_t{3}, b.time.size() - 1})
+    for (int q = 0; q < budget_quantities; ++q) EXPECT_NEAR(b.shares(q, at).back(), 0, 1e-6) << "quantity " << q;
+  const double with = std::sqrt(b.covariance[3](east, east));
+  EXPECT_LT(with, 2);
+  EXPECT_GT(std::sqrt(b.covariance.back()(east, east)), with);
+}
+
+TEST(AidedBudget, OnlyAnAidThatMeasuresCanBeLost) {
+  const NominalMotion motion = resting(30);
+  try {
+    aided_budget(motion, no_errors(), {Aid{.kind = AidKind::vehicle}});
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("cannot be lost"));
+  }
+}
+
+}  // namespace
+}  // namespace imulab
