@@ -1,8 +1,10 @@
 #include "imulab/navigation/aided/aided.hpp"
 
 #include "imulab/compensate.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/outages.hpp"
+#include "imulab/navigation/aided/plausible.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/start.hpp"
 #include "imulab/units.hpp"
@@ -21,9 +23,10 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
-constexpr double believed = 4;     // values that the declared noise counts for
-constexpr double settled = 0.1;    // of a factor: a further pass changes sigmas by less than half of it
+constexpr double vibration = 100;                  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
+constexpr double believed = 4;                     // values that the declared noise counts for
+constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
+constexpr double settled = 0.1;                    // of a factor: a further pass changes sigmas by less than half of it
 
 /// New factors; the largest relative change of those that the data resolve.
 double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
@@ -119,6 +122,15 @@ std::vector<NavigationState> causal_states(const Problem& p, const FilterPass& p
   return states;
 }
 
+/// The filter errs by what it linearizes about: it starts at the heading that the whole shows, as uncertain as before.
+FilterStart turned_to(FilterStart start, const SmootherPass& smoothed) {
+  const auto heading = [](const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; };
+  NavigationState& s = start.mean.motion;
+  const double turn = heading(smoothed.nodes.front().state.motion) - heading(s);
+  s.q_nb = Eigen::Quaterniond(rotation_about(Vector3d::UnitZ(), -turn)) * s.q_nb;  // headings count clockwise
+  return start;
+}
+
 void judge(AidedNavigation& out, const std::string& name) {
   const auto doubt = [&](std::string text) {
     out.doubtful = true;
@@ -147,10 +159,12 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   validate(checked), validate(raw);
   Recording recording = compensate(calibration.model, std::move(raw)).recording;
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
-  Problem p = make_problem(recording, sensor_priors(calibration, session.imu), aids, session, {.outages = options.outages});
+  AidedNavigation out;
+  out.warnings = take_repeats(checked.aids);
+  Problem p = make_problem(recording, sensor_priors(calibration, session.imu), checked.aids, session, {.outages = options.outages});
+  add_first_rest(p, recording, session);
   for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
   const FoundStart start = find_start(p, session);
-  AidedNavigation out;
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   out.causal = options.causal, out.headings = start.candidates;
   FilterPass pass;
@@ -171,7 +185,8 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   std::vector<NavigationState> states = std::move(trajectory.states);
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
-  pass = filter(p, start.start);  // what was known at each time, with the noise of the whole
+  const FilterPass last =
+      std::exchange(pass, filter(p, turned_to(start.start, smoothed)));  // what was known at each time, with the noise of the whole
   add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
   add_innovations(p, pass, out);
   if (options.causal) {
@@ -179,7 +194,12 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
     for (const Node& node : pass.nodes) out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
   add_solution(p, pass, states, out);
+  if (start.spread > settled_heading)
+    for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
+  widen_by_levels(p, last, smoothed, out);
+  for (const std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out))
+    out.doubtful = true, out.warnings.push_back(recording.name + ": " + doubt);
   return out;
 }
 

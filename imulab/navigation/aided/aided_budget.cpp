@@ -39,13 +39,6 @@ class Parts {
   std::vector<Part> all;
 };
 
-/// "gnss.slow_error" as a budget names sources.
-std::string in_words(std::string name) {
-  std::ranges::replace(name, '.', ' ');
-  std::ranges::replace(name, '_', ' ');
-  return name;
-}
-
 struct SensorState {
   CoefficientIndex coefficient{};
   Index state;

@@ -4,9 +4,11 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
+#include "imulab/navigation/aided/aided_budget.hpp"
 #include "imulab/navigation/aided/observation.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
+#include "imulab/navigation/budget/specification.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 #include "imulab/units.hpp"
 
@@ -179,7 +181,7 @@ TEST(Aided, DerivativesAreThoseOfTheRows) {
   const double time = 20;  // s: in a turn
   const auto end = static_cast<std::size_t>(time / sample_interval);
   FullState state{motion::navigation_state(d.motion.at(time)), prior_of(p).mean};
-  state.motion.velocity.z() = 0.7;  // the road is level, and a barometer sees no delay there
+  state.motion.velocity.z() = 0.7;      // the road is level, and a barometer sees no delay there
   for (const StateBlock& b : p.blocks)  // within their priors, none of them zero
     for (Eigen::Index k = 0; k < b.size; ++k) state.x[b.first + k] += b.prior[k] * (0.1 + 0.05 * static_cast<double>(k));
   for (std::size_t channel = 0; channel < p.channels.size(); ++channel) {
@@ -227,6 +229,7 @@ TEST(Aided, AParkedCarShowsLittle) {
   EXPECT_TRUE(n.doubtful);
   ASSERT_FALSE(n.warnings.empty());
   EXPECT_THAT(n.warnings.front(), HasSubstr("does not show the heading"));
+  EXPECT_GT(std::sqrt(n.covariance.back().value(2, 2)), 40 * unit::deg);  // any heading is possible: 104 deg where the likelihoods are equal
   const auto unseen = [](const AidedConstant& c) {
     return c.name == "gnss.delay" || c.name == "gyro.matrix.zz" || c.name == "gnss.lever_arm.forward";
   };
@@ -242,6 +245,83 @@ TEST(Aided, WithheldTimesAreWithinTheirSigmas) {
     EXPECT_LT(o.predicted.ratio, 3);
     EXPECT_LT(o.smoothed.ratio, 2.5);
   }
+}
+
+/// The largest error of a position over its sigma.
+double worst_ratio(const Drive& d, const AidedNavigation& n) {
+  double worst = 0;
+  for (std::size_t i = 0; i < n.solution.size(); i += 50) {
+    const Eigen::Matrix<double, 9, 1> sigma = sigmas_at(n, n.solution.time[i]);
+    const auto error = budget::error_of(n.solution.states[i], motion::navigation_state(d.motion.at(n.solution.time[i])));
+    worst = std::max(worst, error.segment<3>(budget::ErrorIndex::position).cwiseAbs().cwiseQuotient(sigma.tail<3>()).maxCoeff());
+  }
+  return worst;
+}
+
+// Four sigmas and a half: one in 1e5, though a slow error of which a drive shows a value or two has a sigma that is itself uncertain.
+constexpr double falsely_sure = 4.5;
+
+TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
+  Drive d = drive_of(3);
+  AidRecord& r = d.aids[0].record;
+  for (std::size_t i = 40; i < 60; ++i) r.position[i] = r.position[39], r.velocity[i] = r.velocity[39];
+  const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
+  ASSERT_FALSE(n.warnings.empty());
+  EXPECT_THAT(n.warnings.front(), HasSubstr("20 of "));
+  EXPECT_LT(worst_ratio(d, n), falsely_sure);
+}
+
+TEST(Aided, AnotherDatumHalfwayIsNamed) {
+  Drive d = drive_of(3);
+  AidRecord& r = d.aids[0].record;
+  for (std::size_t i = r.position.size() / 2; i < r.position.size(); ++i) r.position[i].z() += 30;
+  const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
+  EXPECT_TRUE(n.doubtful);
+  EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("another datum or geoid")));
+  EXPECT_LT(worst_ratio(d, n), falsely_sure);
+}
+
+TEST(Aided, SwappedCoordinatesShowInTheVelocities) {
+  Drive d = drive_of(3);
+  for (Vector3d& place : d.aids[0].record.position) std::swap(place.x(), place.y());
+  try {
+    navigate_aided(ideal(), d.session, d.recording, d.aids);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("latitude and longitude swapped"));
+  }
+}
+
+// The budget is the filter without data: with the sizes of noise that the data gave, it foresees the sigma at the end of an outage. It does not know
+// the mounting, the true noise of the first seconds, nor how the factors act on the start.
+TEST(Aided, TheBudgetForeseesItsSigma) {
+  Drive d = drive_of(3);
+  const Outage lost{55, 80};
+  d.aids.pop_back();
+  const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids, {.causal = true, .outages = {lost}});
+  const auto times = [&](const std::string& name) { return std::sqrt(std::ranges::find(n.factors, name, &AidedFactor::name)->factor); };
+  ErrorSpecification of_grade;
+  of_grade.grade = "mems";
+  ErrorSources sources = error_sources(of_grade);
+  for (auto* noise : {&sources.gyro_noise, &sources.accel_noise}) {
+    const std::string triad = noise == &sources.gyro_noise ? "gyro" : "accel";
+    noise->N *= times(triad), noise->B *= times(triad + ".drift"), noise->K *= times(triad + ".drift"), noise->turn_on = {}, noise->R = {},
+                                                                                                        noise->Q = 0;
+  }
+  sources.start.attitude = {Spread{5 * unit::deg}, Spread{5 * unit::deg}, Spread{30 * unit::deg}};
+  sources.start.velocity = {Spread{2}, Spread{2}, Spread{2}}, sources.start.position = {Spread{30}, Spread{30}, Spread{30}};
+  Aid& aid = d.aids[0];
+  aid.correlation = 60, aid.outages = {lost};
+  for (Vector3d& sigma : aid.record.position_sigma) sigma *= std::hypot(times("gnss.position"), times("gnss.slow_error"));
+  for (Vector3d& sigma : aid.record.velocity_sigma) sigma *= times("gnss.velocity");
+  const ErrorBudget b = aided_budget(motion::nominal_motion(d.motion, sample_interval), sources, d.aids);
+  const auto horizontal = [](const auto& position) { return std::sqrt(position.template topLeftCorner<2, 2>().trace()); };
+  double stated = 0;  // before the first fix after the outage
+  for (const AidedCovariance& c : n.covariance)
+    if (c.time > lost.begin && c.time < lost.end + 1) stated = std::max(stated, horizontal(c.value.bottomRightCorner<3, 3>()));
+  const double foreseen = horizontal(b.covariance.back());
+  EXPECT_NEAR(foreseen / stated, 1, 0.2);
+  EXPECT_GT(stated, 5);  // m: grown in the outage
 }
 
 TEST(Aided, WithoutObservationsItSaysWhy) {

@@ -3,6 +3,7 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -49,6 +50,12 @@ Increment corrected(const Problem& p, const TimedIncrement& sample, const Eigen:
 
 double delay_at(const Problem& p, const Channel& c, const Eigen::VectorXd& x, double stamp) {
   return c.delay >= 0 ? x[c.delay] + x[c.delay + 1] * (stamp - p.middle()) : 0;
+}
+
+std::string in_words(std::string name) {
+  std::ranges::replace(name, '.', ' ');
+  std::ranges::replace(name, '_', ' ');
+  return name;
 }
 
 Eigen::Index add_block(Problem& problem, StateBlock block) {

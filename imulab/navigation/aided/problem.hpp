@@ -101,6 +101,9 @@ Increment corrected(const Problem& problem, const TimedIncrement& sample, const 
 /// How late an aid's stamps are there [s].
 double delay_at(const Problem& problem, const Channel& channel, const Eigen::VectorXd& x, double stamp);
 
+/// "gnss.slow_error" as people read it: "gnss slow error".
+std::string in_words(std::string name);
+
 /// Adds a block of states at the end.
 Eigen::Index add_block(Problem& problem, StateBlock block);
 

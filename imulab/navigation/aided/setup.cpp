@@ -1,6 +1,7 @@
 #include "imulab/navigation/aided/setup.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/units.hpp"
@@ -148,6 +149,27 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
   }
 }
 
+/// No receiver and no wheel moves until then, as far as their sigmas tell.
+bool still_by_aids(const Problem& p, double end) {
+  constexpr double sigmas = 6, slow = 0.3, near = 3;  // m/s, m: besides
+  std::optional<Vector3d> first;
+  return std::ranges::none_of(p.observations, [&](const Observation& o) {
+    const Aid& aid = p.channels[o.channel].aid;
+    const AidRecord& r = aid.record;
+    if (o.stamp > end) return false;
+    if (aid.kind == AidKind::wheels) return std::abs(r.value[o.row]) > sigmas * value_sigma(aid, o.row) + slow;
+    if (aid.kind != AidKind::gnss) return false;
+    if (!r.velocity.empty() && r.velocity[o.row].norm() > sigmas * velocity_sigma(aid, o.row).norm() + slow) return true;
+    if (r.position.empty() || !r.position[o.row].allFinite()) return false;
+    const Vector3d& here = r.position[o.row];
+    if (!first) first = here;
+    const LocalEarth earth = local_earth(here.x(), here.z());
+    const double east = (here.y() - first->y()) * earth.transverse_radius * earth.cos_latitude,
+                 north = (here.x() - first->x()) * earth.meridian_radius;
+    return std::hypot(east, north) > 2 * sigmas * position_sigma(aid, o.row).head<2>().norm() + near;
+  });
+}
+
 }  // namespace
 
 double offset_walk(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt(flicker_time)); }
@@ -237,6 +259,20 @@ Problem make_problem(const Recording& recording, const SensorPriors& priors, con
   std::erase_if(p.observations, [&](const Observation& o) { return o.stamp < p.begin - 1 || o.stamp > p.time.back() + 1; });
   if (p.observations.empty()) throw Error(recording.name + ": no aid has an observation during the recording; expected times that overlap");
   return p;
+}
+
+void add_first_rest(Problem& p, const Recording& recording, const Session& session) {
+  constexpr double shortest = 15;  // s
+  if (std::ranges::any_of(p.channels, [](const Channel& c) { return c.aid.kind == AidKind::zero_velocity; })) return;
+  const std::vector<Range> rests = rests_of(recording, session).ranges;
+  if (rests.empty() || recording.time_s(rests.front().begin) > p.begin + 1) return;
+  const double end = recording.time_s(rests.front().end - 1);
+  if (end - p.begin < shortest || !still_by_aids(p, end)) return;
+  add_channel(p, {.kind = AidKind::zero_velocity}, std::string(aid_law(AidKind::zero_velocity).name));
+  const std::size_t own = p.channels.size() - 1;
+  add_observations(p, own, recording, session, {});
+  std::erase_if(p.observations, [&](const Observation& o) { return o.channel == own && o.stamp > end; });
+  std::ranges::stable_sort(p.observations, {}, &Observation::stamp);
 }
 
 Prior prior_of(const Problem& p) {

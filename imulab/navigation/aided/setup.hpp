@@ -43,6 +43,10 @@ struct SetupOptions {
 Problem make_problem(const Recording& recording, const SensorPriors& priors, const std::vector<Aid>& aids, const Session& session,
                      const SetupOptions& options = {});
 
+/// A rest at the recording's begin, longer than the first look for a heading: the aid `zero_velocity` for it alone, unless there is one or another
+/// aid measures motion. Without it nothing holds the heading until the drive begins.
+void add_first_rest(Problem& problem, const Recording& recording, const Session& session);
+
 /// The prior of all states before any data, about zero (or the declared values) with the sensors' and the aids' spreads.
 struct Prior {
   Eigen::VectorXd mean, sigma;

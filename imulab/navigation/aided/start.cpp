@@ -69,6 +69,8 @@ FilterStart candidate(const Problem& p, const Fixes& fixes, const NavigationStat
   return out;
 }
 
+double heading_of(const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; }
+
 NavigationState known_state(const Fixes& fixes, const Session& session) {
   NavigationState s;
   if (fixes.position) {
@@ -100,29 +102,38 @@ FoundStart find_start(const Problem& p, const Session& session) {
   }
   struct Candidate {
     FilterStart start;
-    double log_likelihood = 0;
+    double log_likelihood = 0, heading = 0;  // at the end of the data
   };
   std::vector<Candidate> left;
   for (int k = 0; k < headings; ++k) left.push_back({candidate(p, fixes, state, 2 * std::numbers::pi * k / headings, 0)});
   FoundStart out{.start = left.front().start, .candidates = headings};
   for (double span = 20; left.size() > 1; span *= 2) {
     const auto end = static_cast<std::size_t>(std::upper_bound(p.time.begin(), p.time.end(), p.begin + span) - p.time.begin());
-    for (Candidate& c : left) c.log_likelihood = filter(p, c.start, {.end = end, .keep = false}).log_likelihood;
+    for (Candidate& c : left) {
+      const FilterPass pass = filter(p, c.start, {.end = end, .keep = false});
+      c.log_likelihood = pass.log_likelihood, c.heading = heading_of(pass.nodes.back().reference.motion);
+    }
     std::ranges::sort(left, std::greater<>(), &Candidate::log_likelihood);
     std::erase_if(left, [&](const Candidate& c) { return !(c.log_likelihood >= left.front().log_likelihood - decided); });
     out.seconds = span;
     if (end == p.time.size()) break;
     // Neighbors that agree describe one heading: the filter about the best one has it.
     if (left.size() <= 3 && span >= 80) {
-      const double best = euler_angles(left.front().start.mean.motion.q_nb.toRotationMatrix()).heading;
+      const double best = heading_of(left.front().start.mean.motion);
       if (std::ranges::all_of(left, [&](const Candidate& c) {
-            return std::abs(std::remainder(euler_angles(c.start.mean.motion.q_nb.toRotationMatrix()).heading - best, 2 * std::numbers::pi)) <
-                   35 * unit::deg;
+            return std::abs(std::remainder(heading_of(c.start.mean.motion) - best, 2 * std::numbers::pi)) < 35 * unit::deg;
           }))
         break;
     }
   }
   out.start = left.front().start;
+  double weights = 0, squares = 0;
+  for (const Candidate& c : left) {
+    constexpr double overstated = 4;  // a filter that linearizes about a wrong heading learns from what says nothing
+    const double weight = std::exp((c.log_likelihood - left.front().log_likelihood) / overstated);
+    weights += weight, squares += weight * std::pow(std::remainder(c.heading - left.front().heading, 2 * std::numbers::pi), 2);
+  }
+  out.spread = std::sqrt(squares / weights);
   return out;
 }
 

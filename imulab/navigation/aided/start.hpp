@@ -12,6 +12,7 @@ struct FoundStart {
   FilterStart start;
   int candidates = 1;  // headings that were tried
   double seconds = 0;  // of data that decided
+  double spread = 0;   // rad: of the headings that the data leave, by their likelihoods; about the best one
 };
 /// Position and velocity from the first fixes of a receiver, or the session's initial state or site; level from the mean force less the receiver's
 /// acceleration; the heading from the initial state, or the candidate with the largest likelihood. Throws Error where nothing gives a position.

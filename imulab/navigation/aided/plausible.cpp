@@ -1,0 +1,137 @@
+#include "imulab/navigation/aided/plausible.hpp"
+
+#include "imulab/earth.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/aided/setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab::aided {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t repeated = 5;  // positions in a row: numbers of few digits may repeat by chance
+constexpr double far_level = 4.5;    // sizes of a slow error: a Gaussian one stays below, once in 1e5 values
+constexpr double far_constant = 5;   // sigmas of a prior
+constexpr double shaking = 50;       // times the declared noise: a car on a road has ten
+constexpr std::array axis_names{"east", "north", "up"};
+
+std::string take_repeats_of(AidRecord& r) {
+  std::size_t taken = 0;
+  for (std::size_t begin = 0, end = 0; begin < r.position.size(); begin = end) {
+    for (end = begin + 1; end < r.position.size() && r.position[end] == r.position[begin];) ++end;
+    if (end - begin < repeated) continue;
+    taken += end - begin - 1;
+    for (std::size_t i = begin + 1; i < end; ++i) r.position[i].setConstant(NAN);
+    for (std::size_t i = end; !r.velocity.empty() && --i > begin;)
+      if (r.velocity[i] == r.velocity[i - 1] && !r.velocity[i].isZero(0)) r.velocity[i].setConstant(NAN);
+  }
+  if (taken == 0) return "";
+  return fmt::format("{} of {} positions repeat the one before exactly: the receiver holds its last one, and they are left out", taken,
+                     r.position.size());
+}
+
+/// Squares of displacements over ten seconds and more less those that the velocities give: as they stand, with latitude and longitude swapped, and of
+/// the displacements by the velocities.
+struct Agreement {
+  double plain = 0, swapped = 0, moved = 0;
+};
+Agreement agreement_of(const AidRecord& r) {
+  Agreement out;
+  constexpr double span = 10;  // s: then the noise of positions is small against the motion
+  std::size_t from = 0;
+  Vector3d moved = Vector3d::Zero();
+  for (std::size_t i = 1; i < r.time.size(); ++i) {
+    const double dt = 1e-9 * static_cast<double>(r.time[i] - r.time[i - 1]);
+    moved += dt / 2 * (r.velocity[i] + r.velocity[i - 1]);
+    if (!r.position[i].allFinite() || !moved.head<2>().allFinite() || dt > 5) {
+      from = i, moved.setZero();
+      continue;
+    }
+    if (1e-9 * static_cast<double>(r.time[i] - r.time[from]) < span || !r.position[from].allFinite()) continue;
+    const auto displaced = [&](int latitude, int longitude) {
+      const LocalEarth earth = local_earth(r.position[from][latitude], r.position[from].z());
+      const Vector3d by = r.position[i] - r.position[from];
+      return Eigen::Vector2d(by[longitude] * earth.transverse_radius * earth.cos_latitude, by[latitude] * earth.meridian_radius);
+    };
+    out.plain += (displaced(0, 1) - moved.head<2>()).squaredNorm(), out.moved += moved.head<2>().squaredNorm();
+    if (std::abs(r.position[from].y()) < 1.55) out.swapped += (displaced(1, 0) - moved.head<2>()).squaredNorm();
+    from = i, moved.setZero();
+  }
+  return out;
+}
+
+std::string place_of(const Channel& c) { return c.aid.file.empty() ? c.name : fmt::format("{} ({})", c.name, c.aid.file); }
+
+}  // namespace
+
+std::vector<std::string> take_repeats(std::vector<Aid>& aids) {
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < aids.size(); ++k) {
+    AidRecord& r = aids[k].record;
+    if (aids[k].kind != AidKind::gnss || r.position.empty()) continue;
+    const std::string name = aids[k].file.empty() ? fmt::format("aid {} (gnss)", k + 1) : aids[k].file;
+    if (const std::string text = take_repeats_of(r); !text.empty()) out.push_back(name + ": " + text);
+    if (r.velocity.empty()) continue;
+    const Agreement a = agreement_of(r);
+    if (a.plain > 0.5 * a.moved && a.swapped < 0.02 * a.moved && a.swapped > 0)
+      throw Error(name + ": its positions move as its velocities say only with latitude and longitude swapped; expected them swapped");
+  }
+  return out;
+}
+
+void widen_by_levels(const Problem& p, const FilterPass& pass, const SmootherPass& smoothed, AidedNavigation& out) {
+  for (const Channel& c : p.channels) {
+    if (c.aid.kind != AidKind::gnss || c.slow < 0) continue;
+    const StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
+    const double size = slow.sigma * std::sqrt(p.sources[*slow.noise].factor);
+    for (Index axis = 0; axis < 3; ++axis) {
+      const auto level = [&](std::size_t k) { return std::abs(smoothed.nodes[k].state.x[c.slow + axis]); };
+      std::size_t worst = 0;
+      for (std::size_t k = 1; k < smoothed.nodes.size(); ++k)
+        if (level(k) > level(worst)) worst = k;
+      if (!(level(worst) > far_level * size)) continue;
+      std::size_t k = 0;
+      for (AidedCovariance& covariance : out.covariance) {
+        while (k + 1 < pass.nodes.size() && (pass.nodes[k].samples > 0 ? p.time[pass.nodes[k].samples - 1] : p.begin) < covariance.time) ++k;
+        covariance.value(At::position + axis, At::position + axis) += level(k) * level(k);
+      }
+      const std::size_t samples = pass.nodes[worst].samples;
+      out.doubtful = true;
+      out.warnings.push_back(fmt::format(
+          "{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size: another datum or geoid, a jump, "
+          "or "
+          "aids that contradict each other; the sigmas of the position contain it",
+          place_of(c), level(worst), axis_names[static_cast<std::size_t>(axis)], samples > 0 ? p.time[samples - 1] : p.begin, level(worst) / size));
+    }
+  }
+}
+
+std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedNode& last, const AidedNavigation& out) {
+  std::vector<std::string> doubts;
+  const Prior prior = prior_of(p);
+  for (const Channel& c : p.channels)
+    for (const StateBlock& b : p.blocks) {
+      const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
+      for (Index k = b.first; own && k < b.first + b.size; ++k) {
+        const double off = std::abs(last.state.x[k] - prior.mean[k]);
+        if (b.prior[k - b.first] > 0 && off > far_constant * b.prior[k - b.first])
+          doubts.push_back(
+              fmt::format("{}: comes out {:.3g} from what is declared, {:.3g} times its sigma", in_words(b.name), off, off / b.prior[k - b.first]));
+      }
+    }
+  for (const std::size_t source : {p.gyro_source, p.accel_source})
+    if (const double times = std::sqrt(out.factors[source].factor); times > shaking)
+      doubts.push_back(
+          fmt::format("the noise of the {} comes out {:.3g} times its declared size: the recording in other axes or units, or positions that jump",
+                      source == p.gyro_source ? "gyros" : "accelerometers", times));
+  return doubts;
+}
+
+}  // namespace imulab::aided

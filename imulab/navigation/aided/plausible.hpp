@@ -1,0 +1,24 @@
+// What contradicts itself in the data of an aided navigation: in the aids' records before the filter, and in its estimates after it.
+#pragma once
+
+#include "imulab/navigation/aided/aided.hpp"
+#include "imulab/navigation/aided/filter.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab::aided {
+
+/// Takes away what a receiver did not measure: positions that repeat the one before exactly, five times in a row or more, and with them a velocity
+/// that repeats and is not zero. Returns what was taken, in words. Throws Error where a receiver's displacements fit its velocities with latitude and
+/// longitude swapped alone.
+std::vector<std::string> take_repeats(std::vector<Aid>& aids);
+
+/// Levels that a receiver's slow error reaches though its law forbids them: another datum or geoid, a permanent jump, a second receiver that
+/// contradicts. Which level is right is not known: the covariance of the positions gets its square.
+void widen_by_levels(const Problem& problem, const FilterPass& pass, const SmootherPass& smoothed, AidedNavigation& out);
+
+/// Doubts about estimates that the declarations exclude: constants far from their priors, noise of the IMU far above its declaration.
+std::vector<std::string> implausible_estimates(const Problem& problem, const SmoothedNode& last, const AidedNavigation& out);
+
+}  // namespace imulab::aided
