@@ -116,6 +116,39 @@ TEST(BudgetCommand, AGivenUnitsRecordingNavigatesWithItsOwnCalibration) {
   EXPECT_EQ(run_imulab(folder, "trajectory m.toml --unit s/truth.json --errors -o both").exit_code, 2);
 }
 
+// Straight on with a receiver that is lost after 60 of 120 s: how long the mission does without it, in JSON, table and page; no Monte Carlo.
+TEST(BudgetCommand, WithAidsItGrowsAfterTheirLoss) {
+  const TemporaryFolder folder;
+  folder.write(
+      "m.toml",
+      budget_mission(
+          "vertical = \"held\"\naccel = { bias_ug = 1000, velocity_random_walk_ug_per_sqrt_hz = 100 }\n"
+          "gyro = { bias_deg_per_h = 10, angle_random_walk_deg_per_sqrt_h = 1 }\nstart = { tilt_arcmin = 5, heading_arcmin = 60, velocity_mps = 1 }\n"
+          "[[aid]]\nkind = \"gnss\"\noutages_s = [[60, 120]]\n"));
+  const CommandResult r = run_imulab(folder, "budget m.toml --require \"RMS <= 20 m at 10 s, CEP <= 3 m\" --report page.html --json");
+  EXPECT_EQ(r.exit_code, 1) << r.errors;
+  EXPECT_THAT(on_one_line(r.errors), HasSubstr("vertical = \"held\""));
+  const Json out = Json::parse(r.output);
+  EXPECT_EQ(out["loss"], Json::parse(R"({"begin_s": 60.0, "aids": ["gnss"]})"));
+  ASSERT_EQ(out["after_loss"].size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Json& row = out["after_loss"][k];
+    EXPECT_NEAR(row["seconds"].get<double>(), std::vector<double>({0, 10, 60})[k], 1e-9);
+    double squares = 0;
+    for (const auto& [source, size] : row["sources_m"].items()) squares += std::pow(size.get<double>(), 2);
+    EXPECT_NEAR(std::sqrt(squares), row["horizontal_m"].get<double>(), 1e-6 * row["horizontal_m"].get<double>());
+  }
+  EXPECT_GT(out["after_loss"][2]["horizontal_m"], 5 * out["after_loss"][0]["horizontal_m"].get<double>());
+  EXPECT_EQ(out["requirements"][0]["met"], true);
+  EXPECT_THAT(out["requirements"][1]["note"].get<std::string>(), testing::ContainsRegex("within the limit for [0-9.]+ s after the loss"));
+  folder.write("budget.json", r.output);
+  ASSERT_EQ(run_imulab(folder, "report budget.json -o saved.html").exit_code, 0);
+  for (const char* page : {"page.html", "saved.html"}) EXPECT_THAT(read_text(folder / page), HasSubstr("How long may gnss be away?")) << page;
+  EXPECT_THAT(run_imulab(folder, "budget m.toml").output, HasSubstr("seconds after the loss            0       10       60\n"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "budget m.toml --runs 10").errors), HasSubstr("--runs: a mission with [[aid]] has no Monte Carlo"));
+  EXPECT_THAT(run_imulab(folder, "budget m.toml --grade navigation,mems --require \"RMS <= 20 m\"").output, HasSubstr("RMS <= 20 m: for "));
+}
+
 TEST(BudgetCommand, RefusesWhatIsWrong) {
   const TemporaryFolder folder;
   folder.write("plain.toml", motion);

@@ -4,6 +4,7 @@
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/setup.hpp"
+#include "imulab/navigation/aided/split_covariance.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 
 #include <fmt/format.h>
@@ -23,20 +24,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using motion::NominalMotion;
 
-/// A source of the budget: errors that are constant at the start, by their states, and shares of the filter's noises.
-struct Part {
-  std::string name;
-  std::vector<std::pair<Index, double>> states;        // with their variances
-  std::vector<std::pair<std::size_t, double>> noises;  // among the problem's sources
-};
-
 class Parts {
  public:
-  Part& named(const std::string& name) {
-    const auto at = std::ranges::find(all, name, &Part::name);
-    return at != all.end() ? *at : all.emplace_back(Part{name, {}, {}});
+  CovariancePart& named(const std::string& name) {
+    const auto at = std::ranges::find(all, name, &CovariancePart::name);
+    return at != all.end() ? *at : all.emplace_back(CovariancePart{name, {}, {}});
   }
-  std::vector<Part> all;
+  std::vector<CovariancePart> all;
 };
 
 struct SensorState {
@@ -79,7 +73,7 @@ void add_noise_parts(Parts& parts, const Problem& p, const ErrorSources& sources
   }
 }
 
-std::vector<Part> parts_of(const Problem& p, const FilterStart& start, const ErrorSources& sources) {
+std::vector<CovariancePart> parts_of(const Problem& p, const FilterStart& start, const ErrorSources& sources) {
   Parts parts;
   const auto add = [&](const std::string& name, Index state, double sigma) {
     if (sigma > 0) parts.named(name).states.emplace_back(state, sigma * sigma);
@@ -98,61 +92,6 @@ std::vector<Part> parts_of(const Problem& p, const FilterStart& start, const Err
   add_noise_parts(parts, p, sources);
   return parts.all;
 }
-
-/// The covariance of the filter as a sum: by the errors at the start, and by each noise.
-class SplitCovariance {
- public:
-  SplitCovariance(const Problem& p, const FilterStart& start)
-      : p_(p), by_start_(MatrixXd::Identity(p.size, p.size)), total_(start.sigma.cwiseAbs2().asDiagonal()) {
-    for (std::size_t k = 0; k < p.sources.size(); ++k) {
-      Problem alone;  // what the laws of the covariance need, with this noise
-      alone.size = p.size, alone.blocks = p.blocks, alone.sources = p.sources;
-      alone.gyro_source = p.gyro_source, alone.accel_source = p.accel_source;
-      for (std::size_t other = 0; other < p.sources.size(); ++other)
-        if (other != k) alone.sources[other].factor = 0;
-      noises_.push_back({std::move(alone), MatrixXd::Zero(p.size, p.size)});
-    }
-  }
-
-  void step(const Transition& t) {
-    for (Index k = 0; k < by_start_.cols(); ++k) by_start_.col(k) = propagated_mean(t, by_start_.col(k));
-    for (Noise& n : noises_) n.covariance = propagated(n.alone, t, n.covariance);
-    total_ = propagated(p_, t, total_);
-  }
-
-  void update(const Node& node) {
-    for (const EpochRows& e : node.rows)
-      for (Index k = 0; k < e.rows.residual.size(); ++k) {
-        const std::size_t source = e.rows.source[static_cast<std::size_t>(k)];
-        const VectorXd h = e.rows.derivative.row(k), Ph = total_ * h;
-        const double noise = p_.sources[source].factor * e.rows.variance[k] / e.weight[k];
-        const VectorXd gain = Ph / (h.dot(Ph) + noise);
-        update_covariance(total_, h, gain, noise);
-        for (std::size_t s = 0; s < noises_.size(); ++s) update_covariance(noises_[s].covariance, h, gain, s == source ? noise : 0);
-        const Eigen::RowVectorXd seen = h.transpose() * by_start_;
-        by_start_.noalias() -= gain * seen;
-      }
-  }
-
-  const MatrixXd& total() const { return total_; }
-  const MatrixXd& by_start() const { return by_start_; }
-  /// Variance of a state by a part.
-  double variance(const Part& part, Index state) const {
-    double sum = 0;
-    for (const auto& [from, size] : part.states) sum += size * std::pow(by_start_(state, from), 2);
-    for (const auto& [source, share] : part.noises) sum += share * noises_[source].covariance(state, state);
-    return std::max(0., sum);
-  }
-
- private:
-  struct Noise {
-    Problem alone;
-    MatrixXd covariance;
-  };
-  const Problem& p_;
-  MatrixXd by_start_, total_;
-  std::vector<Noise> noises_;
-};
 
 /// The filter's state of each of a budget's quantities, and its sign there: computed less true is what the filter would add, but for the attitude.
 constexpr std::array<Index, budget_quantities> state_of{6, 7, 8, 3, 4, 5, 0, 1, 2};
@@ -215,6 +154,19 @@ void set_sizes(Problem& p) {
   }
 }
 
+/// The aids whose outage it is, without all that they measure from then on, the fix at the outage's very end included.
+AidLoss withhold_lost(Problem& p, const Outage& loss) {
+  AidLoss out{loss.begin, {}};
+  for (std::size_t k = 0; k < p.channels.size(); ++k) {
+    const Aid& aid = p.channels[k].aid;
+    const auto covers = [&](const Outage& o) { return o.begin <= loss.begin && o.end > loss.begin; };
+    if (!has_record(aid.kind) || std::ranges::none_of(aid.outages, covers)) continue;
+    out.aids.push_back(p.channels[k].name);
+    for (Observation& o : p.observations) o.withheld = o.withheld || (o.channel == k && o.stamp >= loss.begin);
+  }
+  return out;
+}
+
 Recording ideal_recording(const NominalMotion& motion) {
   std::vector<double> time(motion.time.begin() + 1, motion.time.end());
   Columns3 gyro, accel;
@@ -229,7 +181,7 @@ Recording ideal_recording(const NominalMotion& motion) {
 
 /// Collects the outputs of a budget.
 struct AidedOutputs {
-  const std::vector<Part>& parts;
+  const std::vector<CovariancePart>& parts;
   const std::vector<SensorState>& sensors;
   const FilterStart& start;
   ErrorBudget out = {};
@@ -294,11 +246,12 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   const bool matrices = !priors.gyro_matrix.isZero(0) || !priors.accel_matrix.isZero(0) || !priors.g_sensitivity.isZero(0);
   Problem p = make_problem(ideal_recording(motion), priors, aids, session, {.matrices = matrices, .outages = {}});
   set_sizes(p);
+  const AidLoss lost = withhold_lost(p, loss);
   const FilterStart start = start_of(p, motion, sources, priors);
   AboutTrajectory truth{.states = motion.states, .x = start.mean.x, .weights = {}};
   truth.weights.assign(p.observations.size(), Eigen::VectorXd::Ones(6));  // without data there is no suspect
   SplitCovariance split(p, start);
-  const std::vector<Part> parts = parts_of(p, start, sources);
+  const std::vector<CovariancePart> parts = parts_of(p, start, sources);
   const std::vector<SensorState> sensors = sensor_states(p);
   AidedOutputs outputs{.parts = parts, .sensors = sensors, .start = start};
   budget::Outputs before(motion.time.front(), options.output_interval), after(loss.begin - 1, 1);
@@ -307,15 +260,12 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
                       if (step != nullptr) split.step(*step);
                       split.update(node);
                       const double time = node.samples > 0 ? p.time[node.samples - 1] : p.begin;
-                      const bool lost = time > loss.begin - p.interval / 2;
-                      if (step != nullptr && ((lost ? after.due(time + p.interval / 2) : before.due(time)) || node.samples == end))
+                      const bool absent = time > loss.begin - p.interval / 2;
+                      if (step != nullptr && ((absent ? after.due(time + p.interval / 2) : before.due(time)) || node.samples == end))
                         outputs.add(time, split);
                     }});
   ErrorBudget out = outputs.finish();
-  out.loss = AidLoss{loss.begin, {}};
-  for (const Channel& c : p.channels)
-    if (has_record(c.aid.kind) && std::ranges::any_of(c.aid.outages, [&](const Outage& o) { return o.begin <= loss.begin && o.end > loss.begin; }))
-      out.loss->aids.push_back(c.name);
+  out.loss = lost;
   return out;
 }
 
