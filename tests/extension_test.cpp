@@ -267,7 +267,7 @@ TEST(Extension, AMethodIsAFolderAndARow) {
   EXPECT_EQ(p.missed.size(), 3u);
   EXPECT_THAT(prediction_text(p, {}), HasSubstr("accel.matrix.yy"));
   EXPECT_THAT(prediction_json(summary_of(p)), HasSubstr("not_met"));
-  EXPECT_THAT([&] { method("magic", table); }, ThrowsMessage<Error>(HasSubstr("expected one of faces, handheld")));
+  EXPECT_THAT([&] { method("magic", table); }, ThrowsMessage<Error>(HasSubstr("expected one of faces, drive, handheld")));
   EXPECT_EQ(find_method("faces"), nullptr) << "not without its row";
 }
 

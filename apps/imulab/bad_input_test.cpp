@@ -103,7 +103,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibarte session", "calibarte is not a command, expected one of demo, help, inspect, calibrate, "},
            {"calibrate", "session is required"},
            {"calibrate session", "--method is required"},
-           {"calibrate session --method magic", "--method: magic not in {handheld,hybrid,static,turntable,whole-unit}"},
+           {"calibrate session --method magic", "--method: magic not in {drive,handheld,hybrid,static,turntable,whole-unit}"},
            {"calibrate session --method static --frobnicate", "The following argument was not expected: --frobnicate"},
            {"calibrate session --method static --terms gyro.ofset", "--terms: unknown coefficient \"gyro.ofset\""},
            {"calibrate session --method static --terms ''", "--terms: unknown coefficient \"\""},

@@ -71,7 +71,7 @@ void run(const CalibrateOptions& o) {
   paths.insert(paths.end(), o.more.begin(), o.more.end());
   Session session = open_sessions(recordings_named(paths), {o.declarations, o.topics});
   expect_free("-o", o.output, o.force);
-  errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
+  expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(
       "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording)); });

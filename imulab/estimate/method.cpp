@@ -4,6 +4,7 @@
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/check_input.hpp"
+#include "imulab/estimate/drive/drive.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -51,6 +52,16 @@ namespace {
 Session hand_held_example(const ExampleSize& size) { return hand_held_procedure(size.by_hand, size.seed); }
 
 constexpr std::array all{
+    Method{.name = "drive",
+           .summary = "from a drive or flight with a receiver, wheels or other aids",
+           .reference = "Rauch 1965",
+           .needs = "a receiver or other aids as [[aid]], and motion that shows the coefficients",
+           .equipment = 5,
+           .takes_several = true,
+           .takes_aids = true,
+           .test = "aided navigation: the motion against a satellite receiver and other aids",
+           .angle_source = "the turns of the vehicle against the aids' velocities",
+           .calibrate = drive::calibrate},
     Method{.name = "handheld",
            .summary = "from rests and the rotations between them",
            .reference = "Tedaldi 2014",
@@ -182,7 +193,7 @@ double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * q
 CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
-  if (!options.effects || !latitude || result.calibration.quality.verdict != "doubtful") return result;
+  if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != "doubtful") return result;
   constexpr double obvious = 30;  // of chi-square: five sigma of one parameter
   Session elsewhere = input.session;
   elsewhere.site.latitude = -*latitude;

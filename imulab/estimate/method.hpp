@@ -68,6 +68,7 @@ struct Method {
 
   bool takes_accel_alone = false;  ///< recordings without gyros
   bool takes_several = false;      ///< recordings, each on its own; else they are joined to one
+  bool takes_aids = false;         ///< records of the session's aids, which also tell the place
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
   bool takes_runs = false;       ///< predictions by Monte Carlo, and the classical ones
   std::string_view second = {};  ///< the method that gives a second opinion on the same data; empty: none
@@ -87,7 +88,7 @@ struct Method {
   PathPlanner plan = {};
   /// Null: a recording alone is not enough.
   MethodSupport (*support)(const RestEvidence& evidence) = nullptr;
-  /// A procedure that the method can work on, for tests.
+  /// A procedure that the method can work on, for tests; null where there is no prediction.
   Session (*example)(const ExampleSize& size) = nullptr;
 };
 

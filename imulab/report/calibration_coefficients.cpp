@@ -163,12 +163,12 @@ std::string uncertainty_section(const Calibration& calibration) {
     t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty),
                       uncertainty_text(u.from_fit * unit), uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
   }
-  Table rigs{.head = {"error of the rig", "declared sigma", "found", "u"}, .rows = {}};
+  Table rigs{.head = {"rig or aid", "declared sigma", "found", "u"}, .rows = {}};
   for (const RigErrorEstimate& e : calibration.quality.rig_errors)
     rigs.rows.push_back({escaped(e.name), number_text(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
   std::vector<std::string> said;
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
-  const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
+  const bool rig = calibration.frame == "rig";
   std::string lead = "Type A comes from the residuals and the noise of the data, type B from declarations. ";
   lead += t.rows.empty() ? "No declared part is known apart from the rest. "
                          : "The uncertainty of g is the same part of all three accelerometer scales. ";
@@ -177,7 +177,7 @@ std::string uncertainty_section(const Calibration& calibration) {
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
   return section("uncertainty", "Type A and type B", lead,
                  (t.rows.empty() ? "" : table(t)) + list(said) +
-                     (rigs.rows.empty() ? "" : "<h3>Errors of the rig, estimated jointly [SI]</h3>\n" + table(rigs)));
+                     (rigs.rows.empty() ? "" : "<h3>Rig and aids, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
 std::string strongest_correlations(const Calibration& calibration) {
@@ -228,7 +228,7 @@ std::string tests_section(const Calibration& calibration) {
   const auto& considered = calibration.quality.considered;
   std::string names;
   for (const std::string& name : considered) names += (names.empty() ? "" : ", ") + name;
-  const std::string open = considered.empty() ? "" : paragraph("Held at their prior values, whose uncertainty enters the others: " + names + ".");
+  const std::string open = considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
   if (t.rows.empty() && open.empty()) return {};
   return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
 }

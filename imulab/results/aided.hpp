@@ -32,7 +32,4 @@ std::string aided_headline(const AidedNavigation& navigation);
 std::string aided_json(const std::string& session, const AidedNavigation& navigation);
 std::string aided_table(const std::string& session, const AidedNavigation& navigation);
 
-/// The manoeuvre that would show a constant which the motion did not; empty where no motion does.
-std::string showing_manoeuvre(const std::string& constant);
-
 }  // namespace imulab

@@ -38,7 +38,7 @@ AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibratio
   const auto all = std::make_shared<const AidedNavigation>(navigate_aided(calibration, session, std::move(recording), reading.aids, options));
   std::vector<std::string> warnings = std::move(reading.warnings);
   warnings.insert(warnings.end(), all->warnings.begin(), all->warnings.end());
-  const Conclusion conclusion = conclude(all->doubtful ? "doubtful" : "good", aided_headline(*all), {});
+  const Conclusion conclusion = conclude(all->doubtful() ? "doubtful" : "good", aided_headline(*all), {});
   return {{.json = [all, name] { return aided_json(name, *all); },
            .table = [all, name](bool) { return aided_table(name, *all); },
            .page = [all, name, conclusion, told, warnings] { return aided_page(name, *all, conclusion, warnings); },

@@ -183,11 +183,23 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
   return {std::move(session), std::move(recordings), {}};
 }
 
+void expect_gravity(const Session& session, const Method& method) {
+  if (!method.takes_aids) errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
+}
+
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task) {
   const Method& chosen = method(task.method);
-  CalibrationResult result = calibrate(chosen, {data.session, data.recordings}, options_of(task, chosen, data.recordings));
+  Session session = data.session;
+  std::vector<std::string> warnings;
+  if (chosen.takes_aids && data.recordings.size() == 1) {
+    const RecordingSource source = session.recordings.empty() ? RecordingSource{} : session.recordings.front();
+    AidsReading reading = read_aids(session, source, data.recordings.front());
+    session.aids = std::move(reading.aids), warnings = std::move(reading.warnings);
+  }
+  CalibrationResult result = calibrate(chosen, {std::move(session), data.recordings}, options_of(task, chosen, data.recordings));
   if (task.prior) add_prior(result.calibration, *task.prior);
   Quality& quality = result.calibration.quality;
+  quality.warnings.insert(quality.warnings.begin(), warnings.begin(), warnings.end());
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
   return result;
 }

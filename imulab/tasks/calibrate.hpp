@@ -62,7 +62,10 @@ SessionRecordings read_recordings(Session session, const std::string& chosen = "
 /// temperatures in degC.
 SessionRecordings given_recordings(Session session, std::vector<Recording> recordings);
 
-/// Calibrates. The result has the requirements' answers. Throws Error for a task that the method does
+/// Throws Error where the session has neither gravity nor a latitude, unless the method's aids tell the place.
+void expect_gravity(const Session& session, const Method& method);
+
+/// Calibrates; reads the aids of a method that takes them. The result has the requirements' answers. Throws Error for a task that the method does
 /// not know (TermsError for its terms), and as the method does.
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
 

@@ -59,7 +59,7 @@ void attempt(FleetItem& item, const Work& work) {
 void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
   Session session = std::move(*item.session);
   item.session.reset();
-  errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
+  expect_gravity(session, method(task.method));
   const SessionRecordings data = read_recordings(std::move(session));
   CalibrationResult result = calibrate(data, {.method = task.method, .terms = task.terms});
   Calibration& c = result.calibration;

@@ -172,7 +172,7 @@ def calibrate(
     """A calibration with the uncertainty of every coefficient.
 
     data: a session, its folder, a recording file, or recordings in memory with their `site` and `imu` (a table as in session.toml).
-    method: "static", "handheld", "turntable", "hybrid" or "whole-unit".
+    method: "static", "handheld", "turntable", "hybrid", "whole-unit" or "drive".
     terms: "auto", "full" (whole-unit), or names of coefficients to estimate.
     prior: a fleet, whose units say what is known of this one. progress: called with the part that is done, 0 to 1, where the method knows it.
 

@@ -89,12 +89,12 @@ int run(int argc, char** argv) {
                          [&] { return judge(run_all(c.run, count(c.count), std::string(c.name))); });
   if (chosen("misspecified"))
     for (const imulab::Method& method : imulab::methods())
-      if (of_method.empty() || of_method == method.name)
+      if (method.example && (of_method.empty() || of_method == method.name))
         passed &= report(fmt::format("misspecified {}: {} sessions, seeds 1..{}", method.name, count(500), count(500)),
                          [&] { return misspecified(method, count(500)); });
   if (chosen("predictions"))
     for (const imulab::Method& method : imulab::methods())
-      if (of_method.empty() || of_method == method.name)
+      if (method.example && (of_method.empty() || of_method == method.name))
         passed &= report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)),
                          [&] { return predictions(method, count(200)); });
   if (chosen("procedures")) passed &= report("procedures: every cell of docs/start/choose.md\n", [&] { return procedures(); });

@@ -53,7 +53,7 @@ export interface VerbOptions extends CallOptions {
   set?: Record<string, string | number>;
   [option: string]: unknown;
 }
-export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-unit";
+export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-unit" | "drive";
 
 /** What a recording holds, with the evidence; files["session.toml"] where nothing is open. */
 export function inspect(input: Input, options?: VerbOptions): Promise<Answer<Inspection>>;

@@ -7,6 +7,7 @@
 #include "imulab/navigation/aided/plausible.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/start.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -28,12 +29,13 @@ constexpr double believed = 4;                     // values that the declared n
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
 constexpr double settled = 0.1;                    // of a factor: a further pass changes sigmas by less than half of it
 
-/// New factors; the largest relative change of those that the data resolve.
+/// New factors, the means of what they may be: n values leave a variance n / (n - 2) of the size that they show. The largest relative change of those
+/// that the data resolve.
 double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
   double change = 0;
   for (std::size_t k = 0; k < p.sources.size(); ++k) {
     const double before = p.sources[k].factor, resolved = evidence[k].resolved;
-    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed);
+    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed - 2);
     if (resolved > 50 && !first) change = std::max(change, std::abs(p.sources[k].factor / before - 1));
   }
   return change;
@@ -79,14 +81,20 @@ std::vector<std::string> elements_of(const StateBlock& b) {
   return out;
 }
 
-void add_constants(const Problem& p, const SmoothedNode& at, AidedNavigation& out) {
+void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigation& out) {
+  const VectorXd& x = smoothed.nodes[smoothed.middle].state.x;
+  const Eigen::MatrixXd& P = smoothed.middle_covariance;
+  std::vector<Index> states;
   for (const StateBlock& b : p.blocks) {
     if (std::isfinite(b.time)) continue;
     const std::vector<std::string> names = elements_of(b);
     for (Index k = 0; k < b.size; ++k)
-      if (b.prior[k] > 0)
-        out.constants.push_back({names[static_cast<std::size_t>(k)], at.state.x[b.first + k], std::sqrt(at.variance[b.first + k]), b.prior[k]});
+      if (const Index at = b.first + k; b.prior[k] > 0) {
+        out.constants.push_back({names[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
+        states.push_back(at);
+      }
   }
+  out.constants_covariance = P(states, states);
 }
 
 void add_innovations(const Problem& p, const FilterPass& pass, AidedNavigation& out) {
@@ -133,8 +141,8 @@ FilterStart turned_to(FilterStart start, const SmootherPass& smoothed) {
 
 void judge(AidedNavigation& out, const std::string& name) {
   const auto doubt = [&](std::string text) {
-    out.doubtful = true;
-    out.warnings.push_back(name + ": " + std::move(text));
+    out.warnings.push_back(name + ": " + text);
+    out.doubts.push_back(std::move(text));
   };
   if (out.covariance.back().value(2, 2) > largest_heading_sigma * largest_heading_sigma)
     doubt("the motion does not show the heading; expected accelerations or turns while the aids measure");
@@ -149,19 +157,13 @@ void judge(AidedNavigation& out, const std::string& name) {
 }
 
 }  // namespace
-}  // namespace aided
 
-AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
+AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
                                const AidedOptions& options) {
-  using namespace aided;
-  Session checked = session;
-  checked.aids = aids;
-  validate(checked), validate(raw);
-  Recording recording = compensate(calibration.model, std::move(raw)).recording;
-  if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
   AidedNavigation out;
-  out.warnings = take_repeats(checked.aids);
-  Problem p = make_problem(recording, sensor_priors(calibration, session.imu), checked.aids, session, {.outages = options.outages});
+  std::vector<Aid> measured = aids;
+  out.warnings = take_repeats(measured);
+  Problem p = make_problem(recording, priors, measured, session, {.outages = options.outages});
   add_first_rest(p, recording, session);
   for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
   const FoundStart start = find_start(p, session);
@@ -171,6 +173,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   SmootherPass smoothed;
   AboutTrajectory trajectory;
   while (out.passes < options.passes && !out.converged) {
+    count_iteration(options.passes);
     pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
     smoothed = smooth(p, pass);
     out.factors.clear();
@@ -181,7 +184,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
     out.converged = update_factors(p, smoothed.evidence, out.passes == 1) < settled && out.passes > 2;
   }
   add_outages(p, pass, smoothed, &OutageResult::smoothed, out.outages);
-  add_constants(p, smoothed.nodes.back(), out);
+  add_constants(p, smoothed, out);
   std::vector<NavigationState> states = std::move(trajectory.states);
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
@@ -198,9 +201,23 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
   widen_by_levels(p, last, smoothed, out);
-  for (const std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out))
-    out.doubtful = true, out.warnings.push_back(recording.name + ": " + doubt);
+  for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
+    out.warnings.push_back(recording.name + ": " + doubt);
+    out.doubts.push_back(std::move(doubt));
+  }
   return out;
+}
+
+}  // namespace aided
+
+AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
+                               const AidedOptions& options) {
+  Session checked = session;
+  checked.aids = aids;
+  validate(checked), validate(raw);
+  Recording recording = compensate(calibration.model, std::move(raw)).recording;
+  if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
+  return aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
 }
 
 Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {

@@ -26,13 +26,15 @@ struct AidedOptions {
   int passes = 5;                    // of the smoother, at most
 };
 
-/// An estimated constant [SI] beside its standard deviation before the data.
+/// An estimated constant [SI] beside its standard deviation before the data. Offsets, which wander, are those in the middle of the recording.
 struct AidedConstant {
   std::string name;  // "gnss.lever_arm.right", or a coefficient's "gyro.offset.x": the error of the calibrated output
   double value = 0, sigma = 0, prior = 0;
   /// The data say less than the prior.
   bool undetermined() const { return sigma > 0.7 * prior; }
 };
+/// The manoeuvre that would show a constant of this name; empty where no motion does.
+std::string showing_manoeuvre(const std::string& constant);
 
 /// The size of a source of noise: its variance over the stated or declared one.
 struct AidedFactor {
@@ -71,6 +73,7 @@ struct AidedNavigation {
   std::vector<AidedCovariance> covariance;  // at the epochs
   std::vector<std::string> aids;            // names, with which those of their constants and factors begin: "gnss", "gnss2"
   std::vector<AidedConstant> constants;
+  Eigen::MatrixXd constants_covariance;  // of all of them
   std::vector<AidedFactor> factors;
   std::vector<OutageResult> outages;
   std::vector<AidedInnovation> innovations;  // of the filter
@@ -79,7 +82,8 @@ struct AidedNavigation {
   int passes = 0, headings = 1;              // of the smoother; candidates at the start
   bool converged = false, causal = false;
   std::vector<std::string> warnings;
-  bool doubtful = false;
+  std::vector<std::string> doubts;  // among the warnings
+  bool doubtful() const { return !doubts.empty(); }
 };
 
 /// `recording` is raw, the aids have their records on its clock. Throws Error where no aid has an observation during the recording, or nothing gives

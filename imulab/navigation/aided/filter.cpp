@@ -1,5 +1,7 @@
 #include "imulab/navigation/aided/filter.hpp"
 
+#include "imulab/stop.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -56,7 +58,7 @@ struct Filter {
     for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
       const VectorXd h = e.rows.derivative.row(k);
       const VectorXd Ph = node.covariance * h;
-      const double spread = h.dot(Ph), noise = p.sources[e.rows.source[static_cast<std::size_t>(k)]].factor * e.rows.variance[k];
+      const double spread = h.dot(Ph), noise = row_variance(p, e.rows, k);
       const double innovation = e.rows.residual[k] - h.dot(node.error);
       e.innovation[k] = innovation, e.innovation_variance[k] = spread + noise;
       e.weight[k] = weight_of(at, e.observation, k, innovation, spread + noise);
@@ -74,8 +76,7 @@ struct Filter {
     const Eigen::Index n = e.rows.residual.size();
     e.weight = VectorXd::Ones(n), e.innovation = e.rows.residual - e.rows.derivative * node.error;
     e.innovation_variance = (e.rows.derivative * node.covariance * e.rows.derivative.transpose()).diagonal();
-    for (Eigen::Index i = 0; i < n; ++i)
-      e.innovation_variance[i] += p.sources[e.rows.source[static_cast<std::size_t>(i)]].factor * e.rows.variance[i];
+    for (Eigen::Index i = 0; i < n; ++i) e.innovation_variance[i] += row_variance(p, e.rows, i);
     return e;
   }
 
@@ -136,6 +137,7 @@ struct Filter {
     const std::size_t end = std::min(options.end, p.samples.size());
     const auto epochs = schedule(p, start, options.about ? options.about->x : start.mean.x, end);
     for (const auto& [samples, observations] : epochs) {
+      stop_point();
       Node node = out.nodes.empty() ? first() : next(out.nodes.back(), samples);
       observe_all(node, observations);
       if (options.each) options.each(out.nodes.empty() ? nullptr : &out.nodes.back().next, node);

@@ -15,6 +15,14 @@ namespace imulab::aided {
 
 /// Tails of the observations' noise: Student's t with this number of degrees of freedom.
 inline constexpr double student_freedom = 5;
+/// What such a value tells of its mean, over what a Gaussian one of the same scale would: Fisher's information (Lange 1989). The weights alone would
+/// count it whole.
+inline constexpr double student_information = (student_freedom + 1) / (student_freedom + 3);
+
+/// The variance of a row's noise that tells as much.
+inline double row_variance(const Problem& problem, const ObservedRows& rows, Eigen::Index k) {
+  return problem.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k] / student_information;
+}
 
 /// Observations at one epoch, linearized, with the weight of each row (1: within its noise).
 struct EpochRows {
@@ -82,7 +90,8 @@ struct SmootherPass {
   std::vector<NoiseEvidence> evidence;   // by source
   std::vector<Eigen::VectorXd> weights;  // by observation
   std::vector<SmoothedWithheld> withheld;
-  Eigen::MatrixXd first_covariance;  // of all states at the first node
+  std::size_t middle = 0;             // the node in the middle of the time
+  Eigen::MatrixXd middle_covariance;  // of all states there
 };
 SmootherPass smooth(const Problem& problem, const FilterPass& pass);
 

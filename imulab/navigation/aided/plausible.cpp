@@ -103,12 +103,12 @@ void widen_by_levels(const Problem& p, const FilterPass& pass, const SmootherPas
         covariance.value(At::position + axis, At::position + axis) += level(k) * level(k);
       }
       const std::size_t samples = pass.nodes[worst].samples;
-      out.doubtful = true;
-      out.warnings.push_back(fmt::format(
+      out.doubts.push_back(fmt::format(
           "{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size: another datum or geoid, a jump, "
           "or "
           "aids that contradict each other; the sigmas of the position contain it",
           place_of(c), level(worst), axis_names[static_cast<std::size_t>(axis)], samples > 0 ? p.time[samples - 1] : p.begin, level(worst) / size));
+      out.warnings.push_back(out.doubts.back());
     }
   }
 }

@@ -5,6 +5,7 @@
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/navigation/aided/aided.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/rests.hpp"
@@ -52,5 +53,9 @@ struct Prior {
   Eigen::VectorXd mean, sigma;
 };
 Prior prior_of(const Problem& problem);
+
+/// The navigation of a recording in SI whose sensors' errors have these priors. Throws Error as navigate_aided does.
+AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
+                               const AidedOptions& options);
 
 }  // namespace imulab::aided

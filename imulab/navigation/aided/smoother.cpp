@@ -1,4 +1,5 @@
 #include "imulab/navigation/aided/filter.hpp"
+#include "imulab/stop.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -60,7 +61,7 @@ struct Smoother {
     for (std::size_t i = 0; i < node.withheld.size(); ++i) {
       const ObservedRows& rows = node.withheld[i].rows;
       VectorXd variance = (rows.derivative * s.covariance * rows.derivative.transpose()).diagonal();
-      for (Index k = 0; k < variance.size(); ++k) variance[k] += p.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k];
+      for (Index k = 0; k < variance.size(); ++k) variance[k] += row_variance(p, rows, k);
       out.withheld.push_back({index, i, rows.residual - rows.derivative * total, variance});
     }
   }
@@ -118,6 +119,7 @@ struct Smoother {
   }
 
   void keep(const Node& node, std::size_t index, const Smoothed& s) {
+    if (index == out.middle) out.middle_covariance = s.covariance;
     out.nodes[index] = {plus(node.reference, s.error), s.error, s.covariance.topLeftCorner<9, 9>(), s.covariance.diagonal()};
     judge_rows(node, s);
     judge_withheld(node, index, s);
@@ -135,13 +137,16 @@ SmootherPass smooth(const Problem& problem, const FilterPass& pass) {
   s.out.nodes.resize(pass.nodes.size());
   s.out.evidence.resize(problem.sources.size());
   s.out.weights.resize(problem.observations.size());
+  const auto before_middle = [&](const Node& node) { return node.samples == 0 || problem.time[node.samples - 1] < problem.middle(); };
+  s.out.middle = static_cast<std::size_t>(std::ranges::find_if_not(pass.nodes, before_middle) - pass.nodes.begin());
+  s.out.middle = std::min(s.out.middle, pass.nodes.size() - 1);
   Smoothed now{pass.nodes.back().error, pass.nodes.back().covariance};
   s.keep(pass.nodes.back(), pass.nodes.size() - 1, now);
   for (std::size_t k = pass.nodes.size() - 1; k-- > 0;) {
     now = s.step(pass.nodes[k], pass.nodes[k + 1], now);
+    stop_point();
     s.keep(pass.nodes[k], k, now);
   }
-  s.out.first_covariance = now.covariance;
   std::ranges::reverse(s.out.withheld);
   return std::move(s.out);
 }

@@ -32,7 +32,7 @@ void SplitCovariance::update(const Node& node) {
     for (Index k = 0; k < e.rows.residual.size(); ++k) {
       const std::size_t source = e.rows.source[static_cast<std::size_t>(k)];
       const VectorXd h = e.rows.derivative.row(k), Ph = total_ * h;
-      const double noise = p_.sources[source].factor * e.rows.variance[k] / e.weight[k];
+      const double noise = row_variance(p_, e.rows, k) / e.weight[k];
       const VectorXd gain = Ph / (h.dot(Ph) + noise);
       update_covariance(total_, h, gain, noise);
       for (std::size_t s = 0; s < noises_.size(); ++s) update_covariance(noises_[s].covariance, h, gain, s == source ? noise : 0);

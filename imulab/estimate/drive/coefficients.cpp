@@ -1,0 +1,141 @@
+#include "imulab/estimate/drive/coefficients.hpp"
+
+#include "imulab/coefficient.hpp"
+#include "imulab/estimate/kernel/slow_noise.hpp"
+#include "imulab/model/frame_axes.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace imulab::drive {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::vector<CoefficientIndex> drive_coefficients() {
+  std::vector<CoefficientIndex> out = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
+  std::erase_if(out, zero_by_frame);
+  return out;
+}
+
+kernel::PriorSizes optional_sizes(const ImuDeclaration& imu) {
+  ImuDeclaration of_grade = imu;
+  of_grade.grade = imu.grade.value_or("mems");
+  return kernel::optional_priors(of_grade, Vector3d::Zero(), Vector3d::Zero());
+}
+
+aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<CoefficientIndex>& chosen) {
+  aided::SensorPriors out = aided::sensor_priors({}, imu);
+  const Grade& g = grade(imu.grade.value_or("mems"));
+  out.gyro_offset.setConstant(std::hypot(g.gyro_bias, g.gyro_noise.turn_on.value));
+  out.accel_offset.setConstant(std::hypot(g.accel_bias, g.accel_noise.turn_on.value));
+  out.g_sensitivity.setConstant(optional_sizes(imu).g_sensitivity);
+  // The misalignments that a grade draws from ranges are those in the case: the accelerometers' own are then the gyros', too.
+  if (g.ranges)
+    out.gyro_matrix += (std::hypot(g.gyro_misalignment, g.accel_misalignment) - g.gyro_misalignment) * (Matrix3d::Ones() - Matrix3d::Identity());
+  for (const CoefficientIndex index : coefficient_indices()) {
+    if (contains(chosen, index)) continue;
+    const Coefficient& c = coefficient(index);
+    const bool accel = c.triad == Triad::accel;
+    if (c.term == Term::offset) (accel ? out.accel_offset : out.gyro_offset)[c.row] = 0;
+    if (c.term == Term::matrix) (accel ? out.accel_matrix : out.gyro_matrix)(c.row, c.column) = 0;
+    if (c.term == Term::g_sensitivity) out.g_sensitivity(c.row, c.column) = 0;
+  }
+  return out;
+}
+
+namespace {
+
+/// The model with C and W0 where `constants` has G and bg, and back.
+SensorModel model_of(SensorModel constants) {
+  constants.g_sensitivity = constants.g_sensitivity * constants.accel.matrix.inverse();
+  constants.gyro.offset -= constants.g_sensitivity * constants.accel.offset;
+  return constants;
+}
+
+/// Place of a coefficient among the estimated ones; -1: not there.
+Index place_of(const Calibration& c, Triad triad, Term term, int axis) {
+  const auto at = std::ranges::find(c.estimated, coefficient_index(triad, term, axis, axis));
+  return at == c.estimated.end() ? -1 : at - c.estimated.begin();
+}
+
+constexpr std::array triads{Triad::accel, Triad::gyro};
+
+}  // namespace
+
+Calibration calibration_of(const AidedNavigation& n) {
+  Calibration out;
+  out.method = "drive";
+  out.frame = "accelerometers";
+  out.model.accel.raw_unit = "m/s^2", out.model.gyro.raw_unit = "rad/s";
+  std::vector<Index> places;
+  SensorModel constants = out.model;
+  for (std::size_t k = 0; k < n.constants.size(); ++k) {
+    const AidedConstant& c = n.constants[k];
+    if (!c.name.starts_with("accel.") && !c.name.starts_with("gyro.")) continue;
+    const CoefficientIndex index = coefficient_index(c.name);
+    set_coefficient(constants, index, coefficient_value(constants, index) + c.value);
+    out.estimated.push_back(index), places.push_back(static_cast<Index>(k));
+  }
+  out.model = model_of(constants);
+  // Differences over one sigma either way: exact but for the third derivatives.
+  MatrixXd by_constants(std::ssize(out.estimated), std::ssize(out.estimated));
+  for (Index k = 0; k < by_constants.cols(); ++k) {
+    const CoefficientIndex index = out.estimated[static_cast<std::size_t>(k)];
+    const double value = coefficient_value(constants, index), step = n.constants[static_cast<std::size_t>(places[static_cast<std::size_t>(k)])].sigma;
+    const auto at = [&](double moved) {
+      SensorModel other = constants;
+      set_coefficient(other, index, moved);
+      return coefficient_values(model_of(other), out.estimated);
+    };
+    by_constants.col(k) = (at(value + step) - at(value - step)) / (2 * step);
+  }
+  out.covariance = by_constants * n.constants_covariance(places, places) * by_constants.transpose();
+  return out;
+}
+
+void consider_curvature(Calibration& c, const Recording& recording, const ImuDeclaration& imu) {
+  const kernel::PriorSizes sizes = optional_sizes(imu);
+  const std::size_t every = 1 + recording.size() / 20000;
+  for (const Triad triad : triads)
+    for (int axis = 0; axis < 3; ++axis) {
+      const Index offset = place_of(c, triad, Term::offset, axis), scale = place_of(c, triad, Term::matrix, axis);
+      if (offset < 0 || scale < 0) continue;
+      const std::vector<double>& readings = (triad == Triad::accel ? recording.accel : recording.gyro)[static_cast<std::size_t>(axis)];
+      for (const Term term : {Term::quadratic, Term::cubic}) {
+        const CoefficientIndex index = coefficient_index(triad, term, axis, axis);
+        // The line a + b V nearest to V^2 or V^3 over the readings.
+        double n = 0, v = 0, h = 0, vv = 0, vh = 0;
+        for (std::size_t i = 0; i < readings.size(); i += every) {
+          const double V = readings[i], H = term == Term::quadratic ? V * V : V * V * V;
+          n += 1, v += V, h += H, vv += V * V, vh += V * H;
+        }
+        const double slope = (n * vh - v * h) / (n * vv - v * v), variance = std::pow(kernel::prior_sigma(sizes, coefficient(index), 1), 2);
+        if (!std::isfinite(slope) || variance == 0) continue;
+        VectorXd moved = VectorXd::Zero(c.covariance.rows() + 1);
+        moved[offset] = (h - slope * v) / n, moved[scale] = slope, moved[c.covariance.rows()] = -1;
+        c.covariance.conservativeResizeLike(MatrixXd::Zero(moved.size(), moved.size()));
+        c.covariance += variance * moved * moved.transpose();
+        c.estimated.push_back(index);
+        c.quality.considered.emplace_back(coefficient(index).name);
+      }
+    }
+}
+
+void add_wander(Calibration& c, const Recording& recording, const ImuDeclaration& imu) {
+  const NoiseModels noise = declared_terms(imu);
+  constexpr double resolved = 100;  // s: the time over which a drive shows an offset
+  const double length = recording.time_s(recording.size() - 1) - recording.time_s(0), part = std::min(resolved, length);
+  for (const Triad triad : triads) {
+    const MatrixXd wander =
+        kernel::slow_noise({{(length - part) / 2, (length + part) / 2}}, triad == Triad::accel ? noise.accel : noise.gyro, recording.interval_s);
+    for (int axis = 0; axis < 3 && wander.size() > 0; ++axis)
+      if (const Index at = place_of(c, triad, Term::offset, axis); at >= 0) c.covariance(at, at) += wander(0, 0);
+  }
+}
+
+}  // namespace imulab::drive

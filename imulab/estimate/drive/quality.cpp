@@ -1,0 +1,135 @@
+#include "imulab/estimate/drive/quality.hpp"
+
+#include "imulab/coefficient.hpp"
+#include "imulab/estimate/kernel/information.hpp"
+#include "imulab/units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace imulab::drive {
+
+namespace {
+
+bool of_sensors(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro."); }
+
+/// Names what the drive did not show, by the manoeuvre that would.
+void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
+  std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
+  for (const AidedConstant& c : n.constants) {
+    if (!c.undetermined()) continue;
+    if (of_sensors(c)) quality.considered.push_back(c.name);
+    const std::string shown_by = showing_manoeuvre(c.name);
+    auto group = std::ranges::find(groups, shown_by, &std::pair<std::string, std::string>::first);
+    if (group == groups.end()) group = groups.insert(groups.end(), {shown_by, ""});
+    group->second += (group->second.empty() ? "" : ", ") + c.name;
+  }
+  for (const auto& [shown_by, names] : groups)
+    findings.warn(fmt::format("not determined, so still as uncertain as its prior: {}{}", names, shown_by.empty() ? "" : "; shown by " + shown_by));
+}
+
+/// "gnss.lever_arm.up 0.512 m (u = 0.03)"
+std::string constant_text(const AidedConstant& c) {
+  const bool angle = c.name.find("mounting") != std::string::npos, relative = c.name.ends_with("drift") || c.name.ends_with("scale");
+  const double size = angle ? unit::deg : relative ? unit::ppm : 1;
+  return fmt::format("{} {:.4g} {} (u = {:.2g})", c.name, c.value / size,
+                     angle                       ? "deg"
+                     : relative                  ? "ppm"
+                     : c.name.ends_with("delay") ? "s"
+                                                 : "m",
+                     c.sigma / size);
+}
+
+void add_aids(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
+  for (const AidedConstant& c : n.constants) {
+    if (of_sensors(c)) continue;
+    quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
+    findings.note(constant_text(c));
+  }
+  for (const AidedFactor& f : n.factors)
+    findings.note(fmt::format("noise of {}: {:.3g} times the declared sigma, from {:.0f} values", f.name, std::sqrt(f.factor), f.resolved));
+}
+
+/// A unit that is not of its grade: the prior then pulls the estimates.
+void doubt_grade(const AidedNavigation& n, const Session& session, kernel::Findings& findings) {
+  constexpr double many = 4;  // sigma of the prior
+  const AidedConstant* worst = nullptr;
+  for (const AidedConstant& c : n.constants)
+    if (of_sensors(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
+  if (worst && std::abs(worst->value) > many * worst->prior)
+    findings.doubt(fmt::format("{} is {:.1f} times what an IMU of grade {} has; declare its grade, unit and axes", worst->name,
+                               std::abs(worst->value / worst->prior), session.imu.grade.value_or("mems, which is assumed,")));
+}
+
+/// The part of it that the drive determined.
+Calibration determined_part(const Calibration& c) {
+  Calibration out = c;
+  out.estimated.clear();
+  std::vector<Eigen::Index> places;
+  for (std::size_t k = 0; k < c.estimated.size(); ++k)
+    if (std::ranges::find(c.quality.considered, coefficient(c.estimated[k]).name) == c.quality.considered.end())
+      out.estimated.push_back(c.estimated[k]), places.push_back(static_cast<Eigen::Index>(k));
+  out.covariance = c.covariance(places, places).eval();
+  return out;
+}
+
+}  // namespace
+
+SerialCorrelation serial_correlation(const AidedNavigation& n) {
+  struct Series {
+    double last = 0, squares = 0, products = 0;
+    std::size_t count = 0;
+  };
+  std::map<std::pair<std::size_t, std::size_t>, Series> all;  // by source and component
+  std::size_t component = 0;
+  constexpr double largest = 5;  // sigma: an outlier says nothing of the others
+  for (std::size_t k = 0; k < n.innovations.size(); ++k) {
+    const AidedInnovation& now = n.innovations[k];
+    const bool same = k > 0 && n.innovations[k - 1].time == now.time && n.innovations[k - 1].source == now.source;
+    component = same ? component + 1 : 0;
+    Series& s = all[{now.source, component}];
+    const double value = std::clamp(now.sigmas, -largest, largest);
+    if (s.count > 0) s.products += value * s.last;
+    s.squares += value * value, s.last = value, ++s.count;
+  }
+  SerialCorrelation out;
+  constexpr double improbable = 5;  // standard deviations of white ones
+  for (const auto& [key, s] : all) {
+    const double correlation = s.products / s.squares, count = static_cast<double>(s.count);
+    if (s.count > 30 && correlation > std::max(out.value, improbable / std::sqrt(count))) out = {n.factors[key.first].name, correlation};
+  }
+  return out;
+}
+
+kernel::Findings judged(const AidedNavigation& n, const Session& session, Calibration& calibration) {
+  kernel::Findings findings;
+  Quality& quality = calibration.quality;
+  quality.converged = n.converged;
+  quality.chi2_per_dof = n.innovation_rms * n.innovation_rms;
+  quality.degrees_of_freedom = static_cast<int>(n.innovations.size()) - static_cast<int>(n.constants.size());
+  if (!calibration.estimated.empty()) quality.condition = kernel::condition_number(calibration.covariance);
+  quality.sources.push_back(kernel::gravity_source(session.site));
+  findings.note(fmt::format("{} passes over {:.0f} s with {}; {} values of aids, innovations {:.2f} times their stated size (RMS)", n.passes,
+                            n.solution.time.back() - n.solution.time.front(), fmt::join(n.aids, ", "), n.innovations.size(), n.innovation_rms));
+  if (!session.imu.grade) findings.note("priors: of grade mems, since the session declares none");
+  name_undetermined(n, quality, findings);
+  add_aids(n, quality, findings);
+  for (const std::string& reason : n.doubts) findings.doubt(reason);
+  constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
+  if (const SerialCorrelation serial = serial_correlation(n); serial.value > much)
+    findings.doubt(fmt::format("innovations of {} are alike from one to the next (correlation {:.2f}); its errors last: declare correlation_s",
+                               serial.source, serial.value));
+  doubt_grade(n, session, findings);
+  const Calibration determined = determined_part(calibration);
+  if (determined.estimated.empty()) findings.doubt("the motion shows no coefficient");
+  kernel::add_common_doubts(findings, determined, session.site);
+  return findings;
+}
+
+}  // namespace imulab::drive
