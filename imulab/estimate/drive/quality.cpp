@@ -56,12 +56,15 @@ void add_aids(const AidedNavigation& n, Quality& quality, kernel::Findings& find
     findings.note(fmt::format("noise of {}: {:.3g} times the declared sigma, from {:.0f} values", f.name, std::sqrt(f.factor), f.resolved));
 }
 
-/// A unit that is not of its grade: the prior then pulls the estimates.
-void doubt_grade(const AidedNavigation& n, const Session& session, kernel::Findings& findings) {
-  constexpr double many = 4;  // sigma of the prior
+/// A unit that is not of its grade, or not mounted as its axes say: the prior then pulls the estimates.
+void doubt_priors(const AidedNavigation& n, const Session& session, kernel::Findings& findings) {
+  constexpr double many = 4, far = 2;  // sigma of the prior; mounting angles are linear to some 30 deg
   const AidedConstant* worst = nullptr;
-  for (const AidedConstant& c : n.constants)
+  for (const AidedConstant& c : n.constants) {
     if (of_sensors(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
+    if (c.name.find("mounting") != std::string::npos && std::abs(c.value) > far * c.prior)
+      findings.doubt(fmt::format("{} is {:.0f} deg; declare the columns' axes (right, forward, up)", c.name, c.value / unit::deg));
+  }
   if (worst && std::abs(worst->value) > many * worst->prior)
     findings.doubt(fmt::format("{} is {:.1f} times what an IMU of grade {} has; declare its grade, unit and axes", worst->name,
                                std::abs(worst->value / worst->prior), session.imu.grade.value_or("mems, which is assumed,")));
@@ -123,9 +126,10 @@ kernel::Findings judged(const AidedNavigation& n, const Session& session, Calibr
   for (const std::string& reason : n.doubts) findings.doubt(reason);
   constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
   if (const SerialCorrelation serial = serial_correlation(n); serial.value > much)
-    findings.doubt(fmt::format("innovations of {} are alike from one to the next (correlation {:.2f}); its errors last: declare correlation_s",
-                               serial.source, serial.value));
-  doubt_grade(n, session, findings);
+    findings.doubt(
+        fmt::format("innovations of {} are alike from one to the next (correlation {:.2f}): its errors last, and the uncertainties are too small",
+                    serial.source, serial.value));
+  doubt_priors(n, session, findings);
   const Calibration determined = determined_part(calibration);
   if (determined.estimated.empty()) findings.doubt("the motion shows no coefficient");
   kernel::add_common_doubts(findings, determined, session.site);
