@@ -1,4 +1,4 @@
-// Inside of emscripten's module: the standard streams as Module.streams has them, and files of a browser mapped into memory.
+// Inside of emscripten's module: the standard streams as Module.streams has them, files of a browser mapped into memory, and memory that runs out.
 Module["preRun"] = [].concat(Module["preRun"] || [], () => {
   const streams = Module["streams"];
   const device = (number, terminal) => ({
@@ -18,10 +18,21 @@ Module["preRun"] = [].concat(Module["preRun"] || [], () => {
   const isTerminal = (number) => (streams.isTerminal(number) ? { ops: {} } : undefined);
   FS.registerDevice(FS.makedev(5, 0), device(1, (stream) => isTerminal(stream.flags & 3 ? 1 : 0))); // /dev/stdin and /dev/stdout
   FS.registerDevice(FS.makedev(6, 0), device(2, () => isTerminal(2))); // /dev/stderr
+  const noMemory = 48;
   WORKERFS.stream_ops.mmap = (stream, length, position) => {
     const place = mmapAlloc(length);
-    if (!place) throw new FS.ErrnoError(48); // no memory
-    WORKERFS.stream_ops.read(stream, HEAP8, place, length, position);
+    if (!place) throw new FS.ErrnoError(noMemory);
+    const piece = 1 << 26; // the browser holds each once more
+    for (let at = 0; at < length; at += piece) WORKERFS.stream_ops.read(stream, HEAP8, place + at, Math.min(piece, length - at), position + at);
     return { ptr: place, allocated: true };
+  };
+  const expand = MEMFS.expandFileStorage; // files in memory are the browser's: an error of the system, which the command puts into words
+  MEMFS.expandFileStorage = (node, size) => {
+    try {
+      return expand(node, size);
+    } catch (error) {
+      if (error instanceof RangeError) throw new FS.ErrnoError(noMemory);
+      throw error;
+    }
   };
 });

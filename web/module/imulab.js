@@ -15,7 +15,7 @@ let compiled;
 export function prepare(source) {
   compiled ??= (async () => {
     const place = new URL("./imulab.wasm", import.meta.url);
-    if (underNode && !source) return WebAssembly.compile(await (await import("node:fs/promises")).readFile(place));
+    if (underNode && !source) return WebAssembly.compile(new Uint8Array(await (await import("node:fs/promises")).readFile(place)));
     return WebAssembly.compileStreaming(source ?? fetch(place));
   })();
   return compiled;

@@ -6,7 +6,7 @@ import createEngine from "./engine.js";
 const folder = "/session"; // of the instance's own file system
 
 /**
- * @param {object} settings of the engine
+ * @param {{ module?: WebAssembly.Module, bytes?: Uint8Array, streams: object, environment?: object }} settings of the engine
  * @returns {Promise<any>} an instance of WebAssembly with its file system
  */
 export function makeInstance({ module, bytes, streams, environment = {} }) {
@@ -22,12 +22,13 @@ export function makeInstance({ module, bytes, streams, environment = {} }) {
     },
   };
   if (bytes) return createEngine({ ...given, wasmBinary: bytes });
-  return createEngine({
-    ...given,
-    instantiateWasm(/** @type {any} */ imports, /** @type {(i: WebAssembly.Instance, m: WebAssembly.Module) => void} */ ready) {
-      WebAssembly.instantiate(module, imports).then((instance) => ready(instance, module));
+  const compiled = /** @type {WebAssembly.Module} */ (module);
+  return new Promise((resolve, reject) => {
+    const instantiateWasm = (/** @type {any} */ imports, /** @type {(i: WebAssembly.Instance, m: WebAssembly.Module) => void} */ ready) => {
+      WebAssembly.instantiate(compiled, imports).then((instance) => ready(instance, compiled), reject);
       return {};
-    },
+    };
+    createEngine({ ...given, instantiateWasm }).then(resolve, reject);
   });
 }
 
@@ -78,7 +79,7 @@ async function putFiles({ FS, WORKERFS }, files) {
     present.add(path);
     FS.mkdirTree(path.slice(0, path.lastIndexOf("/")));
     if (typeof content === "string" || content instanceof Uint8Array) FS.writeFile(path, content);
-    else if (typeof FileReaderSync === "undefined") FS.writeFile(path, new Uint8Array(await content.arrayBuffer()));
+    else if (!("FileReaderSync" in globalThis)) FS.writeFile(path, new Uint8Array(await content.arrayBuffer()));
     else large.push({ name, data: content });
   }
   if (large.length > 0) {

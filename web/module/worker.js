@@ -1,6 +1,7 @@
 // The worker of one run, in browsers and in node.
 import { run } from "./run.js";
 
+/** @type {any} */
 const port = typeof self !== "undefined" && "postMessage" in self ? self : (await import("node:worker_threads")).parentPort;
 
 /** @param {import("./imulab.js").RunRequest} request */
@@ -9,7 +10,7 @@ async function answer(request) {
     const result = await run(request, (progress) => port.postMessage({ progress }));
     port.postMessage({ result });
   } catch (/** @type {any} */ error) {
-    port.postMessage({ failure: String(error?.message ?? error) });
+    port.postMessage({ failure: `the calculation broke off: ${error?.message ?? error}; expected less data, or the installed command for it` });
   }
 }
 

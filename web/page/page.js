@@ -15,13 +15,15 @@ const state = {
   /** @type {Record<string, Content>} */ files: {},
   /** @type {Record<string, string>} */ declared: {},
   /** @type {Answer | null} */ inspection: null,
+  inspected: "", // with which declarations
+  /** @type {string | null} */ session: null, // of the last result
   /** @type {Content | null} */ calibration: null,
   /** @type {AbortController | null} */ running: null,
 };
 
 // The work that runs
 
-/** @template T @param {string} label @param {(options: object) => Promise<T>} work @returns {Promise<T | undefined>} */
+/** @template T @param {string} label @param {(options: import("./module/imulab.js").VerbOptions) => Promise<T>} work @returns {Promise<T | undefined>} */
 async function runs(label, work) {
   state.running?.abort();
   const running = (state.running = new AbortController());
@@ -88,8 +90,13 @@ async function openExample(kind) {
 async function inspectAgain() {
   const answer = await runs("Inspecting", (options) => inspect(state.files, { ...options, set: state.declared }));
   if (!answer) return;
-  state.inspection = answer;
+  takeInspection(answer, state.declared);
   showInspection(answer);
+}
+
+/** @param {Answer} answer @param {Record<string, string>} declared */
+function takeInspection(answer, declared) {
+  Object.assign(state, { inspection: answer, inspected: JSON.stringify(declared) });
 }
 
 /** @param {Answer} answer */
@@ -148,13 +155,23 @@ async function compute() {
   const calibration = form.calibration.files[0] ?? state.calibration;
   if (verb === "compensate" && !calibration) return showProblem("Choose the calibration to apply.");
   at("result").hidden = true;
-  const answer = await runs(`Computing`, (options) => {
+  const answer = await runs("Computing", async (options) => {
     const all = { ...options, set };
-    if (verb === "noise") return noise(state.files, all);
-    if (verb === "compensate") return compensate(calibration, state.files, all);
-    return calibrate(state.files, { ...all, method });
+    if (state.inspected !== JSON.stringify(set)) takeInspection(await inspect(state.files, all), set);
+    state.session = graded(state.inspection?.files["session.toml"], form.grade.value);
+    const [files, more] = form.grade.value && state.session ? [{ ...state.files, "session.toml": state.session }, options] : [state.files, all];
+    if (verb === "noise") return noise(files, more);
+    if (verb === "compensate") return compensate(calibration, files, more);
+    return calibrate(files, { ...more, method });
   });
   if (answer) showResult(answer);
+}
+
+/** A session that declares the grade. @param {Uint8Array | undefined} session @param {string} grade @returns {string | null} */
+function graded(session, grade) {
+  if (!session) return null;
+  const text = new TextDecoder().decode(session);
+  return grade ? text.replace(/^\[imu\]$/m, `[imu]\ngrade = "${grade}"`) : text;
 }
 
 // 4. The result
@@ -162,7 +179,7 @@ async function compute() {
 /** @param {string} name @param {Content} content */
 function saveButton(name, content) {
   const save = () => {
-    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([content])), download: name });
+    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([/** @type {BlobPart} */ (content)])), download: name });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   };
@@ -174,23 +191,21 @@ function showResult(answer) {
   const { data, page, files, messages } = answer;
   at("result-headline").textContent = [data?.verdict ?? data?.quality?.verdict, data?.headline].filter(Boolean).join(": ");
   at("result-messages").replaceChildren(...messages.map((text) => made("li", text)));
-  const session = state.inspection?.files["session.toml"];
-  const saved = { ...(page ? { "report.html": page } : {}), ...files, ...(session ? { "session.toml": session } : {}) };
+  const saved = { ...(page ? { "report.html": page } : {}), ...files, ...(state.session ? { "session.toml": state.session } : {}) };
   at("saves").replaceChildren(...Object.entries(saved).map(([name, content]) => saveButton(name, content)));
   state.calibration = files["calibration.json"] ?? state.calibration;
   at("export-form").hidden = !("calibration.json" in files);
-  if ("calibration.json" in files) offerExports();
+  if ("calibration.json" in files && at("export-target").length === 0) offerChoices("export", /\[(c-header,[^\]]*)\]/, at("export-target"));
   showReport(at("result-page"), page);
   at("result").hidden = false;
   at("result-title").scrollIntoView({ behavior: "smooth" });
 }
 
-/** The targets are those that the command's help names. */
-async function offerExports() {
-  if (at("export-target").options.length > 0) return;
-  const help = new TextDecoder().decode((await command(["help", "export"])).output).replace(/\s+/g, " ");
-  const targets = /\[(c-header,[^\]]*)\]/.exec(help)?.[1].split(", ") ?? [];
-  at("export-target").replaceChildren(...targets.filter((name) => name !== "all").map((name) => made("option", name)));
+/** Choices are those that the command's help names. @param {string} verb @param {RegExp} list @param {any} select */
+async function offerChoices(verb, list, select) {
+  const help = new TextDecoder().decode((await command(["help", verb])).output).replace(/\s+/g, " ");
+  const names = list.exec(help)?.[1].split(", ") ?? [];
+  select.append(...names.filter((name) => name !== "all").map((name) => made("option", name)));
 }
 
 async function saveExport() {
@@ -244,9 +259,12 @@ async function startModule() {
   await prepare(new Response(packed.body.pipeThrough(new DecompressionStream("gzip")), { headers }));
   const { output } = await command(["--version"]);
   at("version").textContent = new TextDecoder().decode(output).split("\n")[0];
+  await offerChoices("plan", /grade of the IMU's noise: ([a-z0-9, -]*[a-z0-9])/, at("work-form").elements.grade);
   document.documentElement.dataset.ready = "true";
 }
 
 listen();
 startModule().catch((error) => showProblem(error.message));
-navigator.serviceWorker?.register("offline.js").catch(() => {}); // without storage the page works all the same, online
+try {
+  navigator.serviceWorker?.register("offline.js").catch(() => {});
+} catch {} // without storage the page works all the same, online

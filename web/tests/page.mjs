@@ -114,6 +114,50 @@ async function wrongFiles() {
   }
 }
 
+/** A grade changes what is assumed of the noise, and is in the session that can be saved. */
+async function grade() {
+  await tab.choose("#files", [recording]);
+  await shown("work");
+  for (const [name, value] of Object.entries({ grade: "mems", latitude_deg: "45", height_m: "" })) await set(`[name=${name}]`, value);
+  await tab.click("#work-form [type=submit]");
+  await shown("result");
+  const session = await saved("session.toml");
+  assert.match(session, /^grade = "mems"$/m);
+  assert.match(session, /^latitude_deg = 45$/m);
+  fs.writeFileSync(file("recording.csv"), fs.readFileSync(recording));
+  fs.writeFileSync(file("graded.toml"), session);
+  assertSameModel(JSON.parse(await saved("calibration.json")).model, JSON.parse(native("calibrate", "graded.toml", "--method", "handheld", "--json")).model);
+  await set("[name=grade]", "");
+}
+
+/** What a browser refuses in a private window. */
+async function withoutStorage() {
+  const refused = await browser.page();
+  const names = JSON.stringify(["localStorage", "sessionStorage", "indexedDB", "caches"]);
+  const source = `{
+    const refuse = { get() { throw new DOMException("denied", "SecurityError"); } };
+    for (const name of ${names}) Object.defineProperty(globalThis, name, refuse);
+    Object.defineProperty(Navigator.prototype, "serviceWorker", refuse);
+  }`;
+  await refused.send("Page.addScriptToEvaluateOnNewDocument", { source });
+  await refused.open(server.address);
+  await refused.choose("#files", [recording]);
+  await refused.until("!document.getElementById('work').hidden");
+  assert.deepEqual(refused.problems(), []);
+}
+
+/** Memory that runs out is an error in words, and the page goes on. */
+async function outOfMemory() {
+  const large = fs.openSync(file("large.csv"), "w");
+  fs.ftruncateSync(large, 5_000_000_000);
+  fs.closeSync(large);
+  await tab.choose("#files", [file("large.csv")]);
+  await tab.until("!document.getElementById('problem').hidden", 120);
+  assert.match(await text("problem"), /^large\.csv: /);
+  await tab.choose("#files", [recording]);
+  await shown("work");
+}
+
 async function cancel() {
   const head = fs.readFileSync(recording, "utf8").split("\n");
   const rows = head.slice(1, -1).map((row) => row.slice(row.indexOf(",")));
@@ -127,9 +171,14 @@ async function cancel() {
   await tab.until("document.getElementById('progress').innerText === 'Cancelled.'", 2);
 }
 
+/** A recording of 10 MB: three times the turns. The same rows three times over would not do: that they repeat is a fault, which a fit searches for. */
 async function speed() {
-  const lines = fs.readFileSync(file("long.csv"), "utf8");
-  fs.writeFileSync(file("ten.csv"), lines.slice(0, lines.lastIndexOf("\n", 10_000_000) + 1));
+  const [head, first, ...steps] = fs.readFileSync(file("hand.toml"), "utf8").split("[[step]]");
+  const again = [first.replace(/move_s = 0\b/, "move_s = 2"), ...steps];
+  fs.writeFileSync(file("thrice.toml"), [head, first, ...steps, "\n", ...again, "\n", ...again].join("[[step]]").replaceAll("[[step]]\n[[step]]", "\n[[step]]"));
+  native("simulate", "thrice.toml", "-o", "thrice");
+  fs.renameSync(file("thrice/recording.csv"), file("ten.csv"));
+  figures["10 MB"] = fs.statSync(file("ten.csv")).size;
   await tab.choose("#files", [file("ten.csv")]);
   figures["10 MB inspected, s"] = await shown("work");
   await set("[name=latitude_deg]", "45");
@@ -197,7 +246,7 @@ function expectOwnRequests() {
 }
 
 try {
-  for (const step of [firstVisit, calibrateAFile, exportAndCompensate, noiseOfTheExample, questions, wrongFiles, cancel, speed, live, serial, offline]) {
+  for (const step of [firstVisit, calibrateAFile, exportAndCompensate, noiseOfTheExample, questions, grade, wrongFiles, withoutStorage, outOfMemory, cancel, speed, live, serial, offline]) {
     const begin = Date.now();
     await step();
     console.log(`page: ${step.name} ${((Date.now() - begin) / 1000).toFixed(1)} s`);

@@ -24,7 +24,8 @@ std::vector<std::size_t> order_of(const std::vector<double>& values) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < values.size(); ++k)
     if (std::isfinite(values[k])) order.push_back(k);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  const auto place = [&](std::size_t k) { return grid_place(std::log(values[k])); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
   return order;
 }
 
@@ -118,7 +119,8 @@ QuarterPath polished(const PathJudge& judge, QuarterPath path, const std::vector
 
 /// The best of both kinds, within the limits and not, which are examined further.
 std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size_t of_each) {
-  std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.merit < b.merit; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Candidate& a, const Candidate& b) { return grid_place(std::log(a.merit)) < grid_place(std::log(b.merit)); });
   std::vector<QuarterPath> chosen;
   for (const bool within : {true, false}) {
     std::size_t count = 0;
@@ -251,7 +253,7 @@ TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& prog
   const auto better = [&](const QuarterPath& path, double now) {
     if (!q.time && (now <= 1) != (worst <= 1)) return now <= 1;
     if (!q.time && now <= 1 && judge.duration(path) != judge.duration(best)) return judge.duration(path) < judge.duration(best);
-    return now < worst;
+    return now < worst * helps;
   };
   const auto take_best = [&](std::size_t, const std::string& bytes) {
     Numbers numbers(bytes);

@@ -129,12 +129,13 @@ struct Beginning {
 std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std::size_t limits) {
   std::vector<Beginning> out;
   const auto take = [&](auto key, std::size_t count) {
-    std::stable_sort(all.begin(), all.end(), [&](const Beginning& a, const Beginning& b) { return key(a) < key(b); });
+    const auto place = [&](const Beginning& b) { return grid_place(key(b)); };
+    std::stable_sort(all.begin(), all.end(), [&](const Beginning& a, const Beginning& b) { return place(a) < place(b); });
     std::vector<Beginning> left;
     double last = -HUGE_VAL;
     for (Beginning& b : all) {
-      const double value = key(b);
-      if (value - last < 1e-7) continue;  // a mirror image of the previous one: equally good
+      const double value = place(b);
+      if (value - last < 2) continue;  // a mirror image of the previous one: equally good
       last = value;
       (out.size() < count ? out : left).push_back(std::move(b));
     }

@@ -20,6 +20,10 @@ struct Score {
   double worst = 0, sum = 0;
 };
 
+/// The place of a logarithm on a grid of 1e-7: what differs by rounding alone, as mirror images of a path do, is equal, so that the search takes the
+/// same path on every processor.
+inline double grid_place(double logarithm) { return std::round(1e7 * logarithm); }
+
 class PathJudge {
  public:
   explicit PathJudge(const PathQuestion& question);
