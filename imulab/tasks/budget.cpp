@@ -29,8 +29,9 @@ std::optional<std::string> hopeless_alignment(const ErrorBudget& b, const StartE
   const double sigma = std::hypot(b.mean(heading, 0), std::sqrt(b.covariance.front()(heading, heading)));
   if (sigma <= largest_heading_sigma) return std::nullopt;
   return fmt::format(
-      "a rest does not show the heading to these gyros (error {:.2g} rad): what follows from it means nothing; give start = {{ heading_arcmin = ..., "
-      "tilt_arcmin = ... }} in place of aligned_over_s, and navigate with heading_deg",
+      "a rest does not show the heading to these gyros (error {:.2g} rad): what follows from it means nothing; give it, start = {{ aligned_over_s = "
+      "..., "
+      "heading_arcmin = ... }}, and use imulab navigate --heading",
       sigma);
 }
 

@@ -1,6 +1,7 @@
 // Several grades of sensors on one mission, side by side.
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/results/compare_results.hpp"
 #include "imulab/tasks/budget.hpp"
@@ -28,18 +29,32 @@ std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
   return "{\n\"budgets\": [\n" + out + "\n]\n}\n";
 }
 
-/// The worst of all.
+/// The worst of all; the headline says which grade is good enough.
 Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std::string& headline) {
   constexpr std::array worst_last{"", "met", "not met", "doubtful"};
   const auto rank = [&](const std::string& verdict) { return std::find(worst_last.begin(), worst_last.end(), verdict); };
-  Conclusion out{"", headline};
-  for (const auto& each : budgets) {
-    const std::string& verdict = each.conclusion.verdict;
-    if (verdict.empty()) continue;
-    if (rank(verdict) > rank(out.verdict)) out.verdict = verdict;
-    out.headline += fmt::format("; {}: {}", each.data->grade, each.conclusion.headline);
+  Conclusion out{"", ""};
+  for (const char* verdict : worst_last) {
+    std::string names;
+    for (const auto& each : budgets)
+      if (each.conclusion.verdict == verdict) names += (names.empty() ? "" : ", ") + each.data->grade;
+    if (names.empty() || *verdict == '\0') continue;
+    out.headline +=
+        fmt::format("{}{} {}", out.headline.empty() ? "" : "; ", verdict == std::string_view("met") ? "met by" : std::string(verdict) + ":", names);
   }
+  out.headline += (out.headline.empty() ? "" : "; ") + headline;
+  for (const auto& each : budgets)
+    if (rank(each.conclusion.verdict) > rank(out.verdict)) out.verdict = each.conclusion.verdict;
   return out;
+}
+
+/// A line each, where there is a verdict.
+std::string verdicts_by_grade(const std::vector<AnswerOf<MissionBudget>>& budgets) {
+  std::string out;
+  for (const auto& each : budgets)
+    if (!each.conclusion.verdict.empty())
+      out += text::wrapped(fmt::format("  {:<12} {:<9} ", each.data->grade, each.conclusion.verdict), each.conclusion.headline);
+  return out.empty() ? "" : out + "\n";
 }
 
 }  // namespace
@@ -87,7 +102,7 @@ Answer grades_answer(const MissionFile& file, const BudgetVerbOptions& o, const 
   const std::shared_ptr<const ResultComparison> comparison = made;
   const Conclusion conclusion = joint(*budgets, comparison->headline);
   return {.json = [budgets] { return budgets_text(*budgets); },
-          .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },
+          .table = [comparison, budgets](bool details) { return verdicts_by_grade(*budgets) + result_comparison_table(*comparison, details); },
           .page = [comparison, conclusion, warnings] { return result_comparison_page(*comparison, conclusion, warnings); },
           .warnings = warnings,
           .shortcomings = missed,

@@ -264,8 +264,8 @@ void read_start(TomlFields& f, StartErrors& s) {
   s.velocity.fill(velocity);
   s.position.fill(position);
   f.number("aligned_over_s", s.aligned_over, Number{1, 0, 1e5, true});  // a day
-  f.check(!s.aligned_over || (s.attitude[0].value == 0 && s.attitude[2].value == 0), "aligned_over_s",
-          "cannot be combined with tilt_arcmin or heading_arcmin; expected an alignment or given errors");
+  f.check(!s.aligned_over || s.attitude[0].value == 0, "aligned_over_s",
+          "cannot be combined with tilt_arcmin; expected an alignment or a given level (heading_arcmin beside it: a given heading)");
 }
 
 }  // namespace

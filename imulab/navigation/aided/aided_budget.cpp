@@ -119,7 +119,9 @@ Vector3d attitude_at_start(const NavigationState& start, const ErrorSources& s, 
   const double T = *e.aligned_over;
   variance << priors.gyro_offset.cwiseAbs2() + priors.gyro_noise.cwiseAbs2() / T,
       priors.accel_offset.cwiseAbs2() + priors.accel_noise.cwiseAbs2() / T;
-  return (budget::alignment_effect(start, {}).cwiseAbs2() * variance).cwiseSqrt();
+  Vector3d out = (budget::alignment_effect(start, e, {}).cwiseAbs2() * variance).cwiseSqrt();
+  if (e.heading_given()) out.z() = e.attitude[2].value;
+  return out;
 }
 
 /// The times of the loss, and the aids with that outage.

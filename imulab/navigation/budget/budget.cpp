@@ -58,7 +58,7 @@ Parameters parameters_of(const ErrorSources& sources, const SourceColumns& colum
   for (const Spread& s : sources.start.position) add(s, "start position");
   for (const Spread& s : sources.start.velocity) add(s, "start velocity");
   for (std::size_t k = 0; k < 3; ++k)
-    add(sources.start.aligned_over ? Spread{} : sources.start.attitude[k], k < 2 ? "start attitude: level" : "start attitude: heading");
+    add(sources.start.aligned_over && k < 2 ? Spread{} : sources.start.attitude[k], k < 2 ? "start attitude: level" : "start attitude: heading");
   add(sources.barometer.bias, "barometer");
   return p;
 }

@@ -23,8 +23,9 @@ namespace imulab {
 struct StartErrors {
   std::array<Spread, 3> attitude{}, velocity{}, position{};
   /// In place of `attitude`: that of an alignment at rest over this time [s], which the sensors' own errors cause (levels: accelerometers;
-  /// heading: gyros).
+  /// heading: gyros, unless `attitude` has a size of it: then it is given).
   std::optional<double> aligned_over;
+  bool heading_given() const { return aligned_over && attitude[2].value != 0; }
 };
 
 /// Height reads true height + bias + a first-order Markov process.

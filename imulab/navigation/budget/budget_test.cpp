@@ -226,6 +226,12 @@ TEST(ErrorBudget, AnAlignmentsTiltHidesTheBiasThatCausedIt) {
   EXPECT_LT(std::abs(row(0, 0)), 0.002 * 0.5e-3 * 600 * 600);  // alone it would be b t^2/2
   EXPECT_NEAR(row(1, 8), -1e-7 / horizontal, 0.002 * 1e-7 / horizontal);
   EXPECT_LT(std::abs(row(1, 1)), 0.002 * 1e-7 * g * 600 * 600 * 600 / 6);
+  // A given heading has its own error in place of the gyro's, and the level stays that of the accelerometers.
+  s.start.attitude[2] = {2e-3, true};
+  const ErrorBudget given = error_budget(motion, s, {.strapdown = {.vertical = VerticalChannel::fixed}});
+  EXPECT_NEAR(given.coefficients[0].fixed.rightCols<1>()[7], 1e-3 / g, 0.002 * 1e-3 / g);
+  EXPECT_LT(std::abs(given.coefficients[1].fixed.rightCols<1>()[8]), 0.05 * 600 * 1e-7);  // it tilts; the Earth turns 4 % of that into heading
+  EXPECT_NEAR(std::abs(given.mean.rightCols<1>()[8] - given.coefficients[1].fixed.rightCols<1>()[8]), 2e-3, 0.02 * 2e-3);
 }
 
 TEST(ErrorBudget, GroupsAndTheirCorrelationMakeUpTheWhole) {

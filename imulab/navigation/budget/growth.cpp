@@ -118,9 +118,9 @@ ErrorGrowth::ErrorGrowth(double begin, double interval, const NavigationState& s
   check_sources(start_, sources, options);
   noises_ = noise_sources(sources, interval);
   start();
-  if (sources.start.aligned_over) align(*sources.start.aligned_over);
+  if (sources.start.aligned_over) align(sources.start);
   for (NoiseSource& n : noises_)
-    if (n.quantization != 0) quantize(n, sources.start.aligned_over);
+    if (n.quantization != 0) quantize(n, sources.start);
 }
 
 ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options)
@@ -187,9 +187,10 @@ void ErrorGrowth::start() {
 }
 
 /// The mean errors of the sensors over the alignment turn the start.
-void ErrorGrowth::align(double duration) {
+void ErrorGrowth::align(const StartErrors& errors) {
+  const double duration = *errors.aligned_over;
   const NavigationState& s = start_;
-  const Eigen::Matrix<double, 3, 6> tilt = alignment_effect(s, options_);
+  const Eigen::Matrix<double, 3, 6> tilt = alignment_effect(s, errors, options_);
   const Matrix3d C_nb = s.q_nb.toRotationMatrix();
   const LocalEarth earth = integration::earth_at(s.latitude, s.height, options_);
   ErrorColumns by_rate = ErrorColumns::Zero(At::count, 3), by_force = by_rate;
@@ -207,11 +208,12 @@ void ErrorGrowth::align(double duration) {
 
 /// The integral of a triad's output errs by an independent n_k of size Q at each reading k: over the motion by n_k - n_0, in the mean of an alignment
 /// before it by (n_0 - n_-m) / duration. What it does through the n_k between does not add up and is left out.
-void ErrorGrowth::quantize(NoiseSource& noise, std::optional<double> aligned) {
+void ErrorGrowth::quantize(NoiseSource& noise, const StartErrors& errors) {
   const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
   ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
   by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
-  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(start_, options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  if (errors.aligned_over)
+    by_alignment.middleRows<3>(At::attitude) = alignment_effect(start_, errors, options_).middleCols<3>(gyro ? 0 : 3) / *errors.aligned_over;
   if (fixed(options_)) by_first.row(At::velocity + 2).setZero();
   by_first += by_alignment;
   noise.growth.add(noise.quantization * noise.quantization * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
@@ -252,12 +254,13 @@ std::vector<std::size_t> output_samples(const NominalMotion& motion, double inte
   return out;
 }
 
-Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options) {
+Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StartErrors& errors, const StrapdownOptions& options) {
   const LocalEarth earth = local_earth(start.latitude, start.height);
   const double g = options.gravity.value_or(earth.gravity.norm()), horizontal = earth.rate.y();
   Eigen::Matrix<double, 3, 6> out = Eigen::Matrix<double, 3, 6>::Zero();
   out(1, 3) = 1 / g;   // phi_N = df_E / g
   out(0, 4) = -1 / g;  // phi_E = -df_N / g
+  if (errors.heading_given()) return out;
   out.row(2) = earth.sin_latitude / earth.cos_latitude * out.row(1);
   out(2, 0) = -1 / horizontal;  // phi_U = phi_N tan L - dw_E / (w_ie cos L)
   return out;

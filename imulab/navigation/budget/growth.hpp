@@ -60,8 +60,8 @@ class ErrorGrowth {
 
  private:
   void start();
-  void align(double duration);
-  void quantize(NoiseSource& noise, std::optional<double> aligned);
+  void align(const StartErrors& errors);
+  void quantize(NoiseSource& noise, const StartErrors& errors);
   void add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time);
   void end_block();
 
@@ -93,6 +93,6 @@ std::vector<std::size_t> output_samples(const motion::NominalMotion& motion, dou
 
 /// The effect of an alignment at rest: derivative of the attitude error at the start by errors of rate and force in east-north-up axes, [d phi / d
 /// rate, d phi / d force].
-Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options);
+Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StartErrors& errors, const StrapdownOptions& options);
 
 }  // namespace imulab::budget

@@ -140,15 +140,21 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
     const auto i = static_cast<Eigen::Index>(k);
     error[ErrorIndex::position + i] = drawn(s.position[k], stream, k);
     error[ErrorIndex::velocity + i] = drawn(s.velocity[k], stream, 3 + k);
-    if (!s.aligned_over) error[ErrorIndex::attitude + i] = drawn(s.attitude[k], stream, 6 + k);
+    if (!s.aligned_over || k == 2) error[ErrorIndex::attitude + i] = drawn(s.attitude[k], stream, 6 + k);
   }
   NavigationState start = with_error(truth, error);
-  if (s.aligned_over) {  // gravity gives the level, the Earth's rate the heading
+  if (s.aligned_over) {  // gravity gives the level, the Earth's rate the heading, unless that is given
     Eigen::Matrix<double, 6, 1> mean;
     for (std::size_t axis = 0; axis < 6; ++axis)
       mean[static_cast<Eigen::Index>(axis)] = Eigen::Map<const VectorXd>(seen[axis].data(), static_cast<Eigen::Index>(plan.rest)).mean();
     const LocalEarth earth = earth_at(truth.latitude, truth.height, plan.options.strapdown);
-    start.q_nb = Eigen::Quaterniond(rotation_from_directions(-earth.gravity, earth.rate, mean.tail<3>(), mean.head<3>()));
+    NavigationState level = truth;
+    const Vector3d east = Vector3d::UnitX(), seen_east = truth.q_nb.conjugate() * east;
+    const bool given = s.heading_given();
+    level.q_nb = Eigen::Quaterniond(
+        rotation_from_directions(-earth.gravity, given ? east : earth.rate, mean.tail<3>(), given ? seen_east : Vector3d(mean.head<3>())));
+    error.head<6>().setZero();
+    start.q_nb = given ? with_error(level, error).q_nb : level.q_nb;
   }
   return start;
 }

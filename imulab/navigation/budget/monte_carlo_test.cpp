@@ -83,6 +83,8 @@ TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughAnHoursDriveAfterAnAlig
   ErrorSources sources = navigation_grade();
   sources.start.aligned_over = 300;
   expect_as_linear(motion, sources, {.vertical = VerticalChannel::aided}, 500);
+  sources.start.attitude[2] = {1e-3};  // given
+  expect_as_linear(motion, sources, {.vertical = VerticalChannel::aided}, 500);
 }
 
 TEST(ErrorMonteCarlo, EachNoiseTermSpreadsAsItsCovariance) {
