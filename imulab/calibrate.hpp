@@ -1,4 +1,4 @@
-// Calibration by any method: "handheld", "static", "hybrid", "turntable" or "whole-unit".
+// Calibration by any method: "handheld", "static", "hybrid", "turntable", "whole-unit" or "drive".
 //
 // Example:
 //   const CalibrationResult result = calibrate("handheld", {session, {&recording, 1}});
@@ -31,7 +31,7 @@ namespace imulab {
 /// The input of a method. Values in SI, or in counts where the recording says so. It has a copy of the session, but not of the recordings, which can
 /// be large: they have to outlive it.
 struct CalibrationInput {
-  Session session;                               ///< the declarations: IMU, site, rigs, steps
+  Session session;                               ///< the declarations: IMU, site, rigs, steps; aids with their records
   std::span<const Recording> recordings;         ///< one for each of the session's, in its order; any where the session declares none
   std::optional<std::vector<Range>> rests = {};  ///< of the only recording, in time order; absent: the session's holds, or found in the data
 };

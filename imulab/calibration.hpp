@@ -98,7 +98,8 @@ struct PartResidual {
   bool operator==(const PartResidual&) const = default;
 };
 
-/// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI.
+/// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI. Of a drive's aids the lever arms,
+/// delays and mounting angles themselves.
 struct RigErrorEstimate {
   std::string name = {};  ///< "centrifuge: radius.+z+x"
   double declared_sigma = 0;
@@ -130,14 +131,14 @@ struct Quality {
   std::vector<std::string> warnings = {};
   std::string verdict = {};  ///< "good", or "doubtful" for the reasons in `because`
   std::vector<std::string> because = {};
-  std::vector<std::string> considered = {};          ///< coefficients that keep their prior value; its uncertainty enters that of the others
+  std::vector<std::string> considered = {};          ///< coefficients that the data hardly show: their prior enters the uncertainty of the others
   std::optional<double> rotation_residual_deg = {};  ///< cross-validated, RMS over rotations left out of the fit (handheld)
   std::vector<TermTest> term_tests = {};
   std::optional<SecondOpinion> second_opinion = {};
   std::vector<EffectEstimate> effects = {};
   std::optional<std::string> cause = {};          ///< of a doubt: the effect, or those that the data do not tell apart
   std::vector<FitResidual> fit_residuals = {};    ///< whole-unit
-  std::vector<RigErrorEstimate> rig_errors = {};  ///< whole-unit
+  std::vector<RigErrorEstimate> rig_errors = {};  ///< whole-unit, drive
   std::vector<UncertaintySource> sources = {};
   std::vector<std::string> notes = {};  ///< data and settings used: rests, thresholds, spreads
   std::vector<PartResidual> rests, rotations;

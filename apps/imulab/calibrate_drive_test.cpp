@@ -64,12 +64,12 @@ duration_s = 4
 )";
 
 /// Session `drive` with readings of the MEMS unit of unit/truth.json, without the state at its start, which no car knows.
-void write_drive(const TemporaryFolder& folder, const std::string& segments, const std::string& imu = "grade = \"mems\"") {
+void write_drive(const TemporaryFolder& folder, const std::string& segments) {
   folder.write("drive.toml", mission_head + segments);
-  const CommandResult made = run_shell(
-      folder, "I='" + command_path() + "'; $I procedure handheld --poses 9 --grade mems -o p.toml && $I simulate p.toml -o unit --seed 5 && " +
-                  "$I trajectory drive.toml --unit unit/truth.json --seed 5 -o drive && sed -i -e '/^\\[initial\\]/,/^heading/d' -e 's/^\\[site\\]/" +
-                  "[imu]\\n" + imu + "\\n\\n&/' drive/session.toml");
+  const CommandResult made = run_shell(folder, "I='" + command_path() + R"('
+$I procedure handheld --poses 9 --grade mems -o p.toml && $I simulate p.toml -o unit --seed 5 &&
+$I trajectory drive.toml --unit unit/truth.json --seed 5 -o drive &&
+sed -i -e '/^\[initial\]/,/^heading/d' -e 's/^\[imu\]/&\ngrade = "mems"/' drive/session.toml)");
   ASSERT_EQ(made.exit_code, 0) << made.errors;
 }
 

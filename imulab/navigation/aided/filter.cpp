@@ -50,7 +50,7 @@ struct Filter {
       const VectorXd& known = options.about->weights[observation];
       if (row < known.size()) return known[row];
     }
-    return std::min(1., (student_freedom + 1) / (student_freedom + innovation * innovation / variance));
+    return tail_weight(innovation * innovation / variance);
   }
 
   /// Rows one after the other, in the form that keeps the covariance positive.

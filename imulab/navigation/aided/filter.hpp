@@ -5,6 +5,7 @@
 #include "imulab/navigation/aided/problem.hpp"
 #include "imulab/navigation/aided/transition.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -13,15 +14,16 @@
 
 namespace imulab::aided {
 
-/// Tails of the observations' noise: Student's t with this number of degrees of freedom.
-inline constexpr double student_freedom = 5;
-/// What such a value tells of its mean, over what a Gaussian one of the same scale would: Fisher's information (Lange 1989). The weights alone would
-/// count it whole.
-inline constexpr double student_information = (student_freedom + 1) / (student_freedom + 3);
+/// The weight of a value that is `square` variances off: one within 2.5 sigma, as of Gaussian noise; farther out as of Student's t with 5 degrees of
+/// freedom, so that outliers count little. (Student's weights throughout take slow errors for tails, and find them too small.)
+inline double tail_weight(double square) {
+  constexpr double freedom = 5, core = 2.5 * 2.5;
+  return std::min(1., (freedom + core) / (freedom + square));
+}
 
-/// The variance of a row's noise that tells as much.
+/// The variance of a row's noise.
 inline double row_variance(const Problem& problem, const ObservedRows& rows, Eigen::Index k) {
-  return problem.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k] / student_information;
+  return problem.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k];
 }
 
 /// Observations at one epoch, linearized, with the weight of each row (1: within its noise).

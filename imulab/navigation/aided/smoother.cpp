@@ -51,7 +51,7 @@ struct Smoother {
         const double noise = p.sources[source].factor * e.rows.variance[k], residual = e.rows.residual[k] - h.dot(total);
         const double spread = h.dot(s.covariance * h);
         add(source, residual * residual * e.weight[k] / noise, spread * e.weight[k] / noise);
-        weight[k] = (student_freedom + 1) / (student_freedom + (residual * residual + spread) / noise);
+        weight[k] = tail_weight((residual * residual + spread) / noise);
       }
     }
   }
