@@ -88,7 +88,7 @@ std::string loss_section(const BudgetReport& r) {
   std::vector<double> x, y;
   for (const LossCurve& c : r.curves) {
     for (std::size_t i = 0; i < c.seconds.size(); ++i)
-      if (c.seconds[i] >= 1) x.push_back(c.seconds[i]), y.push_back(c.meters[i]);
+      if (c.seconds[i] > 1.5) x.push_back(c.seconds[i]), y.push_back(c.meters[i]);
     if (c.limit) y.push_back(*c.limit);
   }
   const std::string aids = lost_aids(*b.loss);
