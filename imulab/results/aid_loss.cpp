@@ -50,6 +50,21 @@ std::vector<ErrorsAfterLoss> errors_after_loss(const ErrorBudget& b) {
   return out;
 }
 
+JsonValue after_loss_json(const ErrorBudget& b) {
+  std::vector<JsonValue> out;
+  for (const ErrorsAfterLoss& e : errors_after_loss(b)) {
+    JsonFields sources;
+    for (const auto& [name, size] : e.sources) sources.fields.emplace_back(name, size);
+    out.emplace_back(JsonFields{{{"seconds", e.seconds},
+                                 {"horizontal_m", e.horizontal},
+                                 {"vertical_m", e.vertical},
+                                 {"velocity_mps", e.velocity},
+                                 {"heading_deg", e.heading / unit::deg},
+                                 {"sources_m", std::move(sources)}}});
+  }
+  return out;
+}
+
 std::string lost_aids(const AidLoss& loss) {
   std::string text;
   for (const std::string& name : loss.aids) text += (text.empty() ? "" : ", ") + name;

@@ -243,6 +243,21 @@ std::string range(const std::array<double, 2>& r, double unit) {
 
 }  // namespace
 
+namespace result_io {
+
+std::vector<std::pair<std::string, NamedNumbers>> shares_at_end(const ErrorBudget& b) {
+  std::vector<std::pair<std::string, NamedNumbers>> out;
+  for (const Contribution& group : b.groups) out.emplace_back(group.name, NamedNumbers());
+  out.emplace_back("correlation between groups", NamedNumbers());
+  for (int q = 0; q < budget_quantities; ++q) {
+    const std::vector<double> shares = b.shares(q, b.time.size() - 1);
+    for (std::size_t k = 0; k < shares.size(); ++k) out[k].second.emplace_back(quantity_names[static_cast<std::size_t>(q)], shares[k]);
+  }
+  return out;
+}
+
+}  // namespace result_io
+
 std::string grade_catalogue() {
   std::string text = "Grades as published (Xu 2024, table 1)\n\n";
   text += fmt::format("  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", "", "rate nmi/h", "gyro deg/h", "accel ug", "misal. arcsec", "scale ppm");

@@ -153,19 +153,6 @@ void describe_history(Fields& f, BudgetSummary& s, BudgetRows& sigma) {
   if (Fields::reads) b.time = time;
 }
 
-using NamedNumbers = std::vector<std::pair<std::string, double>>;
-
-std::vector<std::pair<std::string, NamedNumbers>> shares_at_end(const ErrorBudget& b) {
-  std::vector<std::pair<std::string, NamedNumbers>> out;
-  for (const Contribution& group : b.groups) out.emplace_back(group.name, NamedNumbers());
-  out.emplace_back("correlation between groups", NamedNumbers());
-  for (int q = 0; q < budget_quantities; ++q) {
-    const std::vector<double> shares = b.shares(q, b.time.size() - 1);
-    for (std::size_t k = 0; k < shares.size(); ++k) out[k].second.emplace_back(quantity_names[static_cast<std::size_t>(q)], shares[k]);
-  }
-  return out;
-}
-
 }  // namespace
 
 template <class Fields>
@@ -177,26 +164,6 @@ template <class Fields>
 void describe(Fields& f, AidLoss& loss) {
   f("begin_s", loss.begin), f("aids", loss.aids);
 }
-
-namespace {
-
-/// What `loss` and the history say, for readers of the JSON.
-JsonValue after_loss_json(const ErrorBudget& b) {
-  std::vector<JsonValue> out;
-  for (const ErrorsAfterLoss& e : errors_after_loss(b)) {
-    JsonFields sources;
-    for (const auto& [name, size] : e.sources) sources.fields.emplace_back(name, size);
-    out.emplace_back(JsonFields{{{"seconds", e.seconds},
-                                 {"horizontal_m", e.horizontal},
-                                 {"vertical_m", e.vertical},
-                                 {"velocity_mps", e.velocity},
-                                 {"heading_deg", e.heading / unit::deg},
-                                 {"sources_m", std::move(sources)}}});
-  }
-  return out;
-}
-
-}  // namespace
 
 template <class Fields>
 void describe(Fields& f, BudgetSummary& s) {

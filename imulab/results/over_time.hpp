@@ -6,7 +6,10 @@
 #include "imulab/units.hpp"
 
 #include <array>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace imulab::result_io {
 
@@ -22,6 +25,10 @@ inline BudgetRows total_sigma(const ErrorBudget& b) {
   for (std::size_t i = 0; i < b.time.size(); ++i) sigma.col(static_cast<Eigen::Index>(i)) = b.covariance[i].diagonal().cwiseMax(0.0).cwiseSqrt();
   return sigma;
 }
+
+/// Shares of each group, then of the correlation between groups, in the mean square of each quantity at the end.
+using NamedNumbers = std::vector<std::pair<std::string, double>>;
+std::vector<std::pair<std::string, NamedNumbers>> shares_at_end(const ErrorBudget& b);
 
 NavigationSummary navigation_of(const json_io::Field& root);
 BudgetSummary budget_of(const json_io::Field& root);
