@@ -34,12 +34,13 @@ std::size_t words_of(const std::string& text) {
 /// Without blocks of code, which a test compares with what they show.
 std::string prose_of(const std::string& page) {
   std::istringstream lines(page);
-  std::string prose;
-  bool code = false;
-  for (std::string line; std::getline(lines, line);) {
+  std::string prose, before;
+  bool fenced = false, indented = false;
+  for (std::string line; std::getline(lines, line); before = line) {
+    indented = line.starts_with("    ") && (indented || before.empty());  // as Markdown has it: after an empty line
     if (line.starts_with("```"))
-      code = !code;
-    else if (!code)
+      fenced = !fenced;
+    else if (!fenced && !indented)
       prose += line + "\n";
   }
   return prose;
