@@ -1,9 +1,5 @@
 #include "imulab/core/statistics.hpp"
 
-#include <cfloat>
-#if LDBL_MANT_DIG > 64  // Boost computes in long doubles, which are software where they have 128 bits (ARM64, WebAssembly)
-#define BOOST_MATH_PROMOTE_DOUBLE_POLICY false
-#endif
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>

@@ -208,7 +208,7 @@ async function live() {
   assert.match(await text("live-state"), /rests in \d+ s\. .*Resolution: gyros/s);
   await tab.picture(path.join(pictures, "live-1280.png"), "#live");
   await tab.value("window.feed(4000, window.rows.length)");
-  await tab.until("document.getElementById('live-stop').disabled", 60); // every requirement is met
+  await tab.until("document.getElementById('live-stop').disabled", 300); // every requirement is met
   assert.match(await text("live-state"), /^\d+ rests in \d+ s\. Done/);
   await shown("work");
 }
@@ -223,7 +223,7 @@ async function serial() {
     Object.defineProperty(navigator, "serial", { value: { requestPort: async () => ({ open: async () => {}, close: async () => {}, readable }) } });
   }`);
   await tab.click("#live-serial");
-  await tab.until("/Done/.test(document.getElementById('live-state').innerText)", 60);
+  await tab.until("/Done/.test(document.getElementById('live-state').innerText)", 300);
 }
 
 async function offline() {

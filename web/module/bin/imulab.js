@@ -34,11 +34,11 @@ const asPath = (word) => (/^[A-Za-z]:[\\/]/.test(word) ? `/${word.replaceAll("\\
 /** Folders of this system under the same names. @param {any} instance */
 function mountFolders({ FS, NODEFS }) {
   const windows = process.platform === "win32";
-  const tops = windows ? [process.cwd().slice(0, 2)] : fs.readdirSync("/").filter((name) => name !== "dev" && name !== "proc");
+  const tops = windows ? [process.cwd().slice(0, 2)] : [...fs.readdirSync("/").filter((name) => name !== "dev" && name !== "proc"), "dev/shm"];
   for (const name of tops) {
     const root = windows ? `${name}\\` : `/${name}`;
     if (!fs.statSync(root, { throwIfNoEntry: false })?.isDirectory()) continue;
-    if (!FS.analyzePath(`/${name}`).exists) FS.mkdir(`/${name}`);
+    FS.mkdirTree(`/${name}`);
     FS.mount(NODEFS, { root }, `/${name}`);
   }
   FS.chdir(asPath(process.cwd()));
