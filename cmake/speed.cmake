@@ -10,15 +10,6 @@ function(imulab_add_precompiled name)
 endfunction()
 imulab_add_precompiled(imulab_precompiled)
 
-# What reads, words and draws around the computation has options of its own in WebAssembly, which is loaded over a network: a quarter smaller.
-set(IMULAB_SHELL_PRECOMPILED imulab_precompiled)
-if(EMSCRIPTEN)
-  set(IMULAB_SHELL_OPTIONS -Os)
-  set(IMULAB_SHELL_PRECOMPILED imulab_precompiled_shell)
-  imulab_add_precompiled(imulab_precompiled_shell)
-  target_compile_options(imulab_precompiled_shell PRIVATE ${IMULAB_SHELL_OPTIONS})
-endif()
-
 # The sources of one folder are one unit, so a helper's name is unique in its folder's namespace.
 function(imulab_units_by_folder target)
   get_target_property(sources ${target} SOURCES)
