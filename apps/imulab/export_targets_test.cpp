@@ -74,7 +74,7 @@ TEST(ExportCommand, WritesANoiseLogAloneForTargetsOfNoise) {
   EXPECT_EQ(imu.exit_code, 0) << imu.errors;
   EXPECT_THAT(imu.output, testing::HasSubstr("\ngyroscope_noise_density: "));
   EXPECT_THAT(imu.errors, testing::Not(testing::HasSubstr("whole calibration")));
-  for (const char* words : {"--to kalibr-imu", "--noise noise.json --to px4", "--noise noise.json --to all -o out"})
+  for (const char* words : {"--to kalibr-imu", "--noise noise.json --to csv", "--noise noise.json --to all -o out"})
     EXPECT_THAT(run_imulab(folder, std::string("export none ") + words).errors, testing::HasSubstr("there are only targets of noise"));
 }
 

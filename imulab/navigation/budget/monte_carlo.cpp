@@ -153,8 +153,9 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
     const bool given = s.heading_given();
     level.q_nb = Eigen::Quaterniond(
         rotation_from_directions(-earth.gravity, given ? east : earth.rate, mean.tail<3>(), given ? seen_east : Vector3d(mean.head<3>())));
-    error.head<6>().setZero();
-    start.q_nb = given ? with_error(level, error).q_nb : level.q_nb;
+    ErrorState heading = ErrorState::Zero();
+    heading[ErrorIndex::attitude + 2] = error[ErrorIndex::attitude + 2];
+    start.q_nb = given ? with_error(level, heading).q_nb : level.q_nb;
   }
   return start;
 }
