@@ -201,7 +201,8 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
     (q15 ? options.q15 : options.fixed_point) = true;
     Ranges ranges{};
     for (TriadModel* t : {&c.model.accel, &c.model.gyro}) {
-      const double range = std::floor(decades(100, q15 ? 32767 : 1e9)), full = decades(1, 300), scale = full / range;  // counts, SI
+      const double range = std::floor(decades(100, q15 ? 32767 : 1e9)), full = decades(t == &c.model.accel ? 60 : 1, 300),
+                   scale = full / range;  // counts, SI; accelerometers have room for gravity
       t->raw_unit = "count";
       t->matrix.setIdentity();
       for (Eigen::Index i = 0; i < 9; ++i) t->matrix(i) = scale * (t->matrix(i) * decades(0.3, 3) + 0.1 * any());
