@@ -163,7 +163,7 @@ TEST_F(Report, SavedNoiseHasAPage) {
       EXPECT_TRUE(says(file, "<section id=\"" + std::string(id) + "\">")) << file << id;
   EXPECT_TRUE(says("saved_noise.html", "noise.json keeps no readings"));
   EXPECT_FALSE(says("fresh_noise.html", "Not on this page"));
-  EXPECT_TRUE(says("fresh_noise.html", "<strong id=\"verdict\">gyro N known to "));
+  EXPECT_TRUE(says("fresh_noise.html", "<strong id=\"verdict\">gyro u(N) "));
   EXPECT_TRUE(says("fresh_noise.html", "rad/s/√Hz")) << "SI beside the user's unit";
   ASSERT_EQ(run("noise still still -o two.json").exit_code, 0);
   EXPECT_EQ(run("report two.json -o two.html").exit_code, 0);
