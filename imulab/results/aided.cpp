@@ -1,6 +1,7 @@
 #include "imulab/results/aided.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"
@@ -170,8 +171,9 @@ std::string aided_json(const std::string& session, const AidedNavigation& n) {
 }
 
 std::string aided_table(const std::string& session, const AidedNavigation& n) {
-  std::string text = fmt::format("{}: {} from {:.3f} s to {:.3f} s, {} passes, {} headings tried at the start\n", one_line(session),
-                                 n.causal ? "filtered" : "smoothed", n.solution.time.front(), n.solution.time.back(), n.passes, n.headings);
+  std::string text =
+      fmt::format("{}: {} from {:.3f} s to {:.3f} s, {} passes, {} tried at the start\n", one_line(session), n.causal ? "filtered" : "smoothed",
+                  n.solution.time.front(), n.solution.time.back(), n.passes, text::plural(static_cast<std::size_t>(n.headings), "heading"));
   text += fmt::format("innovations {:.2f} times their stated size; {:.1f} % of the rows are suspects\n", n.innovation_rms, 100 * n.suspects);
   if (!n.outages.empty()) {
     text += fmt::format("\n{:>22} {:>12} {:>8} {:>8} {:>12} {:>8} {:>8}\n", "withheld, s", "predicted, m", "sigma", "/sigma", "smoothed, m", "sigma",

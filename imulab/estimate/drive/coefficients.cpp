@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace imulab::drive {
 
@@ -136,6 +137,14 @@ void add_wander(Calibration& c, const Recording& recording, const ImuDeclaration
     for (int axis = 0; axis < 3 && wander.size() > 0; ++axis)
       if (const Index at = place_of(c, triad, Term::offset, axis); at >= 0) c.covariance(at, at) += wander(0, 0);
   }
+}
+
+void sort_by_table(Calibration& c) {
+  std::vector<Index> order(c.estimated.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::sort(order, {}, [&](Index k) { return c.estimated[static_cast<std::size_t>(k)]; });
+  c.covariance = c.covariance(order, order).eval();
+  std::ranges::sort(c.estimated);
 }
 
 }  // namespace imulab::drive

@@ -34,4 +34,7 @@ void consider_curvature(Calibration& calibration, const Recording& recording, co
 /// Adds what the offsets in the middle of the recording may differ from those of the unit: declared bias instability, walk and ramp.
 void add_wander(Calibration& calibration, const Recording& recording, const ImuDeclaration& imu);
 
+/// The estimated coefficients in the order of the table, as all methods have them.
+void sort_by_table(Calibration& calibration);
+
 }  // namespace imulab::drive

@@ -65,6 +65,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   add_wander(calibration, recording, session.imu);
   const kernel::Findings findings = judged(n, session, calibration);
   if (options.effects && options.terms.empty()) consider_curvature(calibration, recording, session.imu);
+  sort_by_table(calibration);
   kernel::conclude(calibration, findings);
   return result;
 }
