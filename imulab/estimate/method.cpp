@@ -57,7 +57,7 @@ constexpr std::array all{
            .reference = "Rauch 1965",
            .needs = "a receiver or other aids as [[aid]], and motion that shows the coefficients",
            .equipment = 5,
-           .takes_several = true,
+           .takes_several = true,  // never joined: it refuses a second one, whose aids it cannot tell apart
            .takes_aids = true,
            .test = "aided navigation: the motion against a satellite receiver and other aids",
            .angle_source = "the turns of the vehicle against the aids' velocities",

@@ -7,6 +7,7 @@
 #include "imulab/report/certificate_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/start.hpp"
+#include "imulab/results/calibration.hpp"
 
 #include <fmt/format.h>
 
@@ -57,7 +58,7 @@ std::string fit_part(const Calibration& c) {
   s.add_known("clock", clock_text(c.clock));
   s.add_known("evaluated with", c.software);
   std::vector<std::string> assumed;
-  std::ranges::copy_if(q.notes, std::back_inserter(assumed), [](const std::string& note) { return note.starts_with("assumed:"); });
+  std::ranges::copy_if(q.notes, std::back_inserter(assumed), is_assumption);
   return "<h2>Fit</h2>\n" + s.html() + list(q.warnings) +
          (assumed.empty() ? "" : "<h3>Assumed, and not confirmed by the data</h3>\n" + list(assumed));
 }

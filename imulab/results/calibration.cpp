@@ -121,9 +121,6 @@ std::string requirements_text(const Calibration& calibration) {
   return text;
 }
 
-/// What the result depends on and the data do not confirm: stated with it.
-bool is_assumption(const std::string& note) { return note.starts_with("assumed:"); }
-
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
   if (quality.degrees_of_freedom == 0) return "  fit             no degrees of freedom: nothing checks it\n";
@@ -144,6 +141,8 @@ std::size_t clearest_axis(const EffectEstimate& effect) {
     if (std::abs(effect.values[k]) * effect.sigma[best] > std::abs(effect.values[best]) * effect.sigma[k]) best = k;
   return best;
 }
+
+bool is_assumption(const std::string& note) { return note.starts_with("assumed:"); }
 
 std::string curves_csv(const CalibrationResult& result) {
   std::string text = "t";

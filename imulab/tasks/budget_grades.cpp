@@ -2,6 +2,7 @@
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/results/compare_results.hpp"
 #include "imulab/tasks/budget.hpp"
@@ -67,6 +68,9 @@ std::vector<std::string> several_grades(const BudgetVerbOptions& o) {
   for (std::size_t k = 0; k < out.size(); ++k)
     if (std::find(out.begin() + static_cast<std::ptrdiff_t>(k) + 1, out.end(), out[k]) != out.end())
       throw OptionError("grade", out[k] + " is named twice; expected each grade once");
+  errors_of_option("grade", [&] {
+    for (const std::string& name : out) grade(name);
+  });
   return out;
 }
 

@@ -20,8 +20,8 @@ struct Score {
   double worst = 0, sum = 0;
 };
 
-/// The place of a logarithm on a grid of 1e-7: what differs by rounding alone, as mirror images of a path do, is equal, so that the search takes the
-/// same path on every processor.
+/// The place of a logarithm on a grid of 1e-7: what differs by rounding alone, as mirror images of a path do, is equal, so that the search does not
+/// depend on it.
 inline double grid_place(double logarithm) { return std::round(1e7 * logarithm); }
 
 class PathJudge {

@@ -271,6 +271,15 @@ TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
   EXPECT_LT(worst_ratio(d, n), falsely_sure);
 }
 
+// Straight on at a constant speed an IMU without vibration reads what it reads at rest.
+TEST(Aided, ASteadyMotionIsNoRest) {
+  Drive d = drive_of(3);
+  d.aids.push_back({.kind = AidKind::zero_velocity});
+  const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
+  EXPECT_FALSE(n.doubtful()) << testing::PrintToString(n.warnings);
+  EXPECT_LT(worst_ratio(d, n), falsely_sure);
+}
+
 TEST(Aided, AnotherDatumHalfwayIsNamed) {
   Drive d = drive_of(3);
   AidRecord& r = d.aids[0].record;
