@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/navigate.hpp"
+#include "imulab/tasks/aided.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/navigate.hpp"
 #include "imulab/tasks/trajectory.hpp"
@@ -68,11 +69,44 @@ py::tuple flown(const std::string& mission, const py::dict& keywords, const std:
   return py::make_tuple(session, std::make_shared<Recording>(answer.data->recording), std::make_shared<Solution>(answer.data->truth), warnings);
 }
 
+/// Each row: t [s], then one sigma of the position east, north, up [m], of the velocity [m/s], of phi about east, north, up [rad].
+Array sigma_rows_of(const AidedNavigation& n) {
+  Array rows({static_cast<py::ssize_t>(n.solution.size()), py::ssize_t{10}});
+  auto values = rows.mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    const double time = n.solution.time[static_cast<std::size_t>(i)];
+    const Eigen::Matrix<double, 9, 1> sigma = sigmas_at(n, time);
+    values(i, 0) = time;
+    for (py::ssize_t k = 0; k < 3; ++k) values(i, 1 + k) = sigma[6 + k], values(i, 4 + k) = sigma[3 + k], values(i, 7 + k) = sigma[k];
+  }
+  return rows;
+}
+
+std::pair<Outcome, std::shared_ptr<Solution>> navigated_with_aids(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,
+                                                                  const std::string& calibration_name, const std::shared_ptr<Session>& session,
+                                                                  const std::shared_ptr<Recording>& recording, const NavigateVerbOptions& o,
+                                                                  const std::shared_ptr<Solution>& truth) {
+  const auto answer = run(py::none(), [=](const auto&) {
+    check_aided(o);
+    std::vector<std::string> told;
+    if (calibration) told = expect_usable(calibration->calibration(), calibration_name, o.allow_undetermined, "allow_undetermined=True");
+    return aided_answer(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, o, told);
+  });
+  Outcome out{answer};
+  out.arrays["sigmas"] = sigma_rows_of(*answer.data);
+  if (truth) out.arrays["errors"] = rows_of(navigation_errors(answer.data->solution, *truth));
+  const auto aided = std::const_pointer_cast<AidedNavigation>(answer.data);  // Python reads alone
+  return {std::move(out), std::shared_ptr<Solution>(aided, &aided->solution)};
+}
+
 std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,
                                                         const std::string& calibration_name, std::shared_ptr<Session> session,
                                                         std::shared_ptr<Recording> recording, const py::dict& keywords,
                                                         std::shared_ptr<Solution> truth) {
-  const auto answer = run(py::none(), [=, o = options_from<NavigateVerbOptions>(keywords)](const auto&) {
+  const auto o = options_from<NavigateVerbOptions>(keywords);
+  if (o.aided) return navigated_with_aids(name, calibration, calibration_name, session, recording, o, truth);
+  const auto answer = run(py::none(), [=](const auto&) {
+    check_aided(o);
     std::vector<std::string> told;
     if (calibration) told = expect_usable(calibration->calibration(), calibration_name, o.allow_undetermined, "allow_undetermined=True");
     const NavigateOptions options = navigate_options(o, *session);

@@ -253,7 +253,7 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   const auto is_verbose = [](const VerbOption& row) { return row.names.ends_with("--verbose"); };
   if (std::none_of(verb.options.begin(), verb.options.end(), is_verbose))
     inherit("-v,--verbose", o.verbose, "print also why a recording is taken as it is");
-  inherit("--memory MB", o.memory_mb, "refuse work that would take more memory (default: physical memory)");
+  inherit("--memory MB", o.memory_mb, "refuse recordings that would take more memory (default: physical memory)");
   for (Verb& own : verb.verbs) add_common(own, o, false);
 }
 

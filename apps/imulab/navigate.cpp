@@ -45,21 +45,6 @@ Session session_of_one(const std::string& name, const RecordingWords& words) {
   return session;
 }
 
-/// Options of a pure-inertial solution are refused.
-void check_aided(const NavigateVerbOptions& o) {
-  if (!o.aided) {
-    if (o.filter) throw OptionError("filter", "belongs to --aided; expected both");
-    if (!o.outages.empty()) throw OptionError("outages", "belongs to --aided; expected both");
-    return;
-  }
-  if (o.sessions.size() > 1) throw OptionError("aided", "takes a single SESSION");
-  for (const auto& [name, given] :
-       {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
-        std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()), std::pair("require", o.require.has_value())})
-    if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
-  if (o.output == "-") throw OptionError("output", "with --aided expected a file");
-}
-
 void run_aided(const NavigateVerbOptions& o, const UsableCalibration& usable) {
   const Session session = session_of_one(o.sessions.front(), {o.declarations, o.topics});
   Recording recording = read_for(usable.calibration, session, session.recordings[0]);
@@ -82,6 +67,7 @@ NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& 
 
 void run(const NavigateVerbOptions& o) {
   check_aided(o), check_inertial(o);
+  if (o.aided && o.output == "-") throw OptionError("output", "with --aided expected a file");
   if (o.json && o.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
   const auto [calibration, warnings] = calibration_of(o.calibration, o.allow_undetermined);
   if (o.aided) return run_aided(o, {calibration, warnings});

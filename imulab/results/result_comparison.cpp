@@ -76,7 +76,9 @@ namespace {
 std::string figure_rows(const ResultComparison& c, std::size_t shown, std::size_t from, std::size_t to) {
   std::size_t name = 6, unit = 4;
   for (const ComparedFigure& f : c.figures) name = std::max(name, f.name.size()), unit = std::max(unit, f.unit.size());
-  const bool changes = c.names.size() <= 3;  // of more, a line would not fit a terminal
+  constexpr std::size_t figure = 10, change = 8, in_sigmas = 8, terminal = 80;  // widths, with the space before
+  const std::size_t values = name + 1 + unit + figure * c.names.size();
+  const bool changes = values + change * (c.names.size() - 1) + (c.in_sigmas() ? in_sigmas : 0) <= terminal;
   std::string out = fmt::format("\n{:<{}} {:<{}}", "figure", name, "unit", unit);
   for (std::size_t k = from; k < to; ++k) out += fmt::format(" {:>9}", letter_of(k));
   for (std::size_t k = 1; k < to && changes; ++k) out += fmt::format(" {:>7}", letter_of(k) + (c.in_sigmas() ? " - A" : " / A"));

@@ -28,6 +28,19 @@ std::vector<Outage> regular_outages(const std::string& text, double begin, doubl
   return out;
 }
 
+void check_aided(const NavigateVerbOptions& o) {
+  if (!o.aided) {
+    if (o.filter) throw OptionError("filter", "belongs to --aided; expected both");
+    if (!o.outages.empty()) throw OptionError("outages", "belongs to --aided; expected both");
+    return;
+  }
+  if (o.sessions.size() > 1) throw OptionError("aided", "takes a single SESSION");
+  for (const auto& [name, given] :
+       {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
+        std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()), std::pair("require", o.require.has_value())})
+    if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
+}
+
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                        const NavigateVerbOptions& o, const std::vector<std::string>& told) {
   if (session.aids.empty())

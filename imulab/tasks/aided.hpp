@@ -15,7 +15,10 @@ namespace imulab {
 /// before `end`. Throws OptionError for another form.
 std::vector<Outage> regular_outages(const std::string& text, double begin, double end);
 
-/// Throws OptionError for options that do not go with --aided. Reads the files of the session's aids; throws as read_aids and navigate_aided do, and
+/// Throws OptionError for options that do not go with --aided, or without.
+void check_aided(const NavigateVerbOptions& o);
+
+/// Reads the files of the session's aids; throws as read_aids and navigate_aided do, and
 /// Error where the session has no aids.
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                        const NavigateVerbOptions& o, const std::vector<std::string>& told);

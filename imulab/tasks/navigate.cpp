@@ -38,18 +38,17 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
       .in_range(0., 180.)
       .called("heading_sigma_deg");
   verb.option("--gaps HOW", o.gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
-  verb.option("--aided", o.aided, "correct the solution with the session's aids ([[aid]]), and smooth it: docs/theory/aided.md").of_command();
-  verb.option("--filter", o.filter, "with --aided: the filter's solution, from the data before each time alone").of_command();
+  verb.option("--aided", o.aided, "correct the solution with the session's aids ([[aid]]), and smooth it: docs/theory/aided.md");
+  verb.option("--filter", o.filter, "with --aided: the filter's solution, from the data before each time alone");
   verb.option("--outages EVERY,LENGTH", o.outages,
-              "with --aided: withhold the aids for LENGTH s every EVERY s, and compare (a third number: s until the first time)")
-      .of_command();
+              "with --aided: withhold the aids for LENGTH s every EVERY s, and compare (a third number: s until the first time)");
   verb.option("--truth FILE", o.truth, "reference solution; the session's [truth] if absent").reads();
   verb.option(
       "--require LIMITS", o.require,
       "what the errors may be, against the truth: \"horizontal <= 100 m at 300 s\", \"horizontal <= 1 nmi/h\", also vertical, velocity, heading; "
       "of several sessions each, or CEP and RMS of all; exit code 1 where it is not met");
   verb.option("-o,--output FILE", o.output,
-              "write the whole solution to this CSV file; - for standard output in place of the table; with --aided also .geojson, .kml, .pos")
+              "write the whole solution to this CSV file; - for standard output in place of the table; with --aided also .geojson, .kml, .pos, .mcap")
       .writes()
       .of_command();
   report_option(verb, o.report);

@@ -88,18 +88,23 @@ def recording(t: FloatArray, gyro: FloatArray, accel: FloatArray, units: tuple[s
     return figure
 
 
-def track(latitude: FloatArray, longitude: FloatArray, errors: FloatArray | None) -> Any:
-    """The track; beside it the horizontal error over time where there is a reference."""
-    figure, places = pyplot().subplots(1, 1 if errors is None else 2, layout="constrained", squeeze=False, figsize=(5 if errors is None else 10, 4))
+def track(latitude: FloatArray, longitude: FloatArray, errors: FloatArray | None, sigmas: FloatArray | None = None) -> Any:
+    """The track; beside it over time the horizontal error where there is a reference, and its sigma where it is known."""
+    alone = errors is None and sigmas is None
+    figure, places = pyplot().subplots(1, 1 if alone else 2, layout="constrained", squeeze=False, figsize=(5 if alone else 10, 4))
     place = places[0][0]
     place.plot(longitude, latitude, color=COLORS[0])
     place.set_xlabel("longitude, deg")
     place.set_ylabel("latitude, deg")
-    if errors is not None:
-        place = places[0][1]
-        place.plot(errors[:, 0] - errors[0, 0], np.hypot(errors[:, 1], errors[:, 2]), color=COLORS[0])
-        place.set_xlabel(time_label(float(errors[0, 0])))
-        place.set_ylabel("horizontal error, m")
+    for color, rows, what in ((COLORS[1], sigmas, "sigma"), (COLORS[0], errors, "error")):
+        if rows is None:
+            continue
+        shown = places[0][1]
+        shown.plot(rows[:, 0] - rows[0, 0], np.hypot(rows[:, 1], rows[:, 2]), color=color, label=what)
+        shown.set_xlabel(time_label(float(rows[0, 0])))
+        shown.set_ylabel("horizontal error, m")
+    if errors is not None and sigmas is not None:
+        places[0][1].legend()
     return figure
 
 

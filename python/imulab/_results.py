@@ -296,7 +296,17 @@ class Navigation(Result):
         """(N, 10): t [s]; position east, north, up [m]; velocity [m/s]; attitude [rad]. None without a reference."""
         return self._answer.arrays.get("errors")
 
+    @property
+    def sigmas(self) -> FloatArray | None:
+        """(N, 10), with aids: t [s]; one sigma of the position east, north, up [m], the velocity [m/s], the attitude [rad]."""
+        return self._answer.arrays.get("sigmas")
+
     def _tables(self) -> list[str]:
+        if "outages" in self.data:
+            withheld = [(f"{o['begin_s']:g} to {o['end_s']:g}", o["horizontal_error_m"], o["sigma_m"]) for o in self["outages"]]
+            known = [(name, c["value"], c["standard_uncertainty"]) for name, c in self["constants"].items()]
+            tables = [_tables.table(("constant, SI", "value", "u"), known)]
+            return [_tables.table(("withheld, s", "horizontal error, m", "its sigma"), withheld), *tables] if withheld else tables
         if "position_error" not in self.data:
             return []
         position, velocity, attitude = self["position_error"], self["velocity_error_mps"], self["attitude_error_arcsec"]
@@ -304,8 +314,8 @@ class Navigation(Result):
         return [_tables.table(("error at the end", "east", "north", "up"), rows)]
 
     def plot(self) -> Any:
-        """The track, and the horizontal error where there is a reference, as a figure of matplotlib."""
-        return _plots.track(self.solution.latitude_deg, self.solution.longitude_deg, self.errors)
+        """The track, and the horizontal error where there is a reference, with aids also its sigma, as a figure of matplotlib."""
+        return _plots.track(self.solution.latitude_deg, self.solution.longitude_deg, self.errors, self.sigmas)
 
 
 class Budget(Result):

@@ -322,7 +322,7 @@ def navigate(
 ) -> Navigation:
     """Aligns, and integrates a session to position, velocity and attitude; with the errors against its truth.
 
-    calibration: None for recordings that are in SI already.
+    calibration: None for recordings that are in SI already. aided=True corrects the solution with the session's aids, and smooths it.
     """
     _expect("calibration", calibration, Calibration, type(None))
     if isinstance(data, Flight):

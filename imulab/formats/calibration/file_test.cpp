@@ -170,6 +170,8 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       {"/model/gyro/temperature/unit", "\"F\"", "calibration.json: model.gyro.temperature.unit: expected degC, K or raw, found \"F\""},
       {"/model/gyro/temperature/range", "[70, 0]", "calibration.json: model.gyro.temperature.range: expected [lowest, highest]"},
       {"/covariance", "", "calibration.json: standard_uncertainty.accel.offset[0]: expected null: the covariance does not hold accel.offset.x"},
+      {"/model/accel/matrix", "[[0, 0, 0], [0, 0, 0], [0, 0, 0]]", "calibration.json: model.accel.matrix: expected three rows that are not zero"},
+      {"/model/gyro/matrix", "[[1, 0, 0], [2, 0, 0], [0, 0, 1]]", "calibration.json: model.gyro.matrix: expected three rows"},
       {"/covariance/matrix", "", "calibration.json: covariance.matrix: is missing"},
       {"/covariance/coefficients/1", "\"accel.ofset.x\"", "calibration.json: covariance.coefficients[1]: unknown coefficient \"accel.ofset.x\""},
       {"/covariance/coefficients/1", "\"gyro.matrix.xy\"", "calibration.json: covariance.coefficients[1]: gyro.matrix.xy is listed twice"},
@@ -182,6 +184,7 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       {"/standard_uncertainty/gyro/matrix/0/1", "null", "calibration.json: standard_uncertainty.gyro.matrix[0][1]: expected a number, found null"},
       {"/standard_uncertainty/gyro/matrix/0/0", "1", "calibration.json: standard_uncertainty.gyro.matrix[0][0]: expected null"},
       {"/quality/verdict", "1", "calibration.json: quality.verdict: expected a text, found 1"},
+      {"/quality/verdict", "\"fine\"", "calibration.json: quality.verdict: expected good or doubtful, found \"fine\""},
       {"/quality/unobservable", "{}", "calibration.json: quality.unobservable: expected a list, found {}"},
       {"/quality/term_tests/0/kept", "1", "calibration.json: quality.term_tests[0].kept: expected true or false, found 1"},
   };

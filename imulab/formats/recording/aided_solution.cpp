@@ -1,5 +1,6 @@
 #include "imulab/formats/recording/aided_solution.hpp"
 
+#include "imulab/formats/recording/odometry.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/units.hpp"
 
@@ -88,6 +89,7 @@ constexpr std::array texts{
 
 void write_aided_solution(const std::filesystem::path& path, const AidedNavigation& n) {
   const std::string ending = path.extension().string();
+  if (ending == ".mcap") return write_odometry(path, n);
   auto form = std::ranges::find(texts, std::string_view(ending), &SolutionText::ending);
   if (form == texts.end()) form = texts.begin();
   WholeFile file(path);

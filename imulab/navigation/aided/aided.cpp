@@ -220,13 +220,17 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   return aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
 }
 
-Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {
+Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time) {
   auto after = std::lower_bound(n.covariance.begin(), n.covariance.end(), time, [](const AidedCovariance& c, double t) { return c.time < t; });
   if (after == n.covariance.end()) --after;
-  if (after == n.covariance.begin()) return after->value.diagonal().cwiseMax(0).cwiseSqrt();
+  if (after == n.covariance.begin()) return after->value;
   const AidedCovariance& before = *std::prev(after);
   const double part = std::clamp((time - before.time) / (after->time - before.time), 0., 1.);
-  return ((1 - part) * before.value.diagonal() + part * after->value.diagonal()).cwiseMax(0).cwiseSqrt();
+  return (1 - part) * before.value + part * after->value;
+}
+
+Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {
+  return covariance_at(n, time).diagonal().cwiseMax(0).cwiseSqrt();
 }
 
 }  // namespace imulab

@@ -91,7 +91,9 @@ struct AidedNavigation {
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording recording, const std::vector<Aid>& aids,
                                const AidedOptions& options = {});
 
-/// Root of the variances between the epochs, linear in time: of phi, velocity, position.
+/// Between the epochs, linear in time: of phi, velocity, position.
+Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& navigation, double time);
+/// Roots of its diagonal.
 Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& navigation, double time);
 
 }  // namespace imulab
