@@ -4,6 +4,7 @@
 #include "imulab/exchange.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/session/mission.hpp"
+#include "imulab/report/aided_page.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/report/navigation_page.hpp"
@@ -48,6 +49,7 @@ std::string page_of(const ResultComparison& c) { return result_comparison_page(c
 std::string page_of(const PredictionSummary& s) { return prediction_page({.procedure = "fuzzed", .summary = s}); }
 std::string page_of(const PlanSummary& s) { return plan_page(s); }
 std::string page_of(const BudgetSummary& s) { return budget_page({.mission = "fuzzed", .summary = s}); }
+std::string page_of(const AidedSummary& s) { return aided_page(s.session, s.navigation, {}, {}); }
 std::string page_of(const NavigationSummary& s) { return navigation_page({.sessions = s}); }
 std::string page_of(const NoiseAnalysis& noise) { return noise_page(noise); }
 std::string page_of(const NoiseBatch& noise) { return noise_page(noise); }

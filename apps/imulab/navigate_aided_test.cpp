@@ -7,6 +7,7 @@
 
 #include "tests/flight_session.hpp"
 #include "tests/run_command.hpp"
+#include <fstream>
 
 namespace imulab {
 namespace {
@@ -36,7 +37,15 @@ TEST(NavigateAidedCommand, SmoothsComparesAndWrites) {
   EXPECT_LT(json["aids"][0]["sigma_factor"].get<double>(), 0.2);  // the receiver is exact, and the stated 1 m is not
   EXPECT_THAT(read_text(folder / "nav.csv"), StartsWith("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg,sigma_e_m,"));
   EXPECT_EQ(read_solution(folder / "nav.csv").size(), 5001u);  // 100 s at 50 Hz, and the start
-  EXPECT_THAT(read_text(folder / "page.html"), HasSubstr("Withheld times"));
+  const std::string page = read_text(folder / "page.html");
+  for (const char* name : {"result.json", "second.json"}) std::ofstream(folder / name) << result.output;
+  ASSERT_EQ(run_imulab(folder, "report result.json -o again.html").exit_code, 0);
+  EXPECT_THAT(run_imulab(folder, "compare result.json second.json").output, HasSubstr("withheld, predicted: median"));
+  const std::string again = read_text(folder / "again.html");
+  for (const char* part : {"Withheld times", "good", "Position, one sigma", "innovation over sigma", "gnss", "plain grid"}) {
+    EXPECT_THAT(page, HasSubstr(part));
+    EXPECT_THAT(again, HasSubstr(part));
+  }
 }
 
 TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {

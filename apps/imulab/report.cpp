@@ -11,6 +11,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/report/aided_page.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/certificate.hpp"
 #include "imulab/report/comparison_page.hpp"
@@ -147,6 +148,7 @@ std::string page_of(SavedAnswer saved, const Options& o) {
         if constexpr (std::is_same_v<Result, PlanSummary>) return plan_page(result, conclusion);
         if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result), saved);
         if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result), saved);
+        if constexpr (std::is_same_v<Result, AidedSummary>) return aided_page(result.session, result.navigation, conclusion, saved.warnings);
         if constexpr (std::is_same_v<Result, CompensationSummary>) return saved_compensation(result);
         if constexpr (std::is_same_v<Result, NoiseAnalysis> || std::is_same_v<Result, NoiseBatch>) return noise_page(result, conclusion);
       },

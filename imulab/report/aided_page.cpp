@@ -19,7 +19,8 @@ namespace report {
 namespace {
 
 /// Sigmas at about a thousand epochs.
-std::string sigma_charts(const AidedNavigation& n) {
+std::string sigmas_section(const AidedNavigation& n) {
+  if (n.covariance.size() < 2) return "";
   const std::size_t step = std::max<std::size_t>(1, n.covariance.size() / 1000);
   TimeChart place{
       .title = "Position, one sigma", .y_label = "m", .start = n.solution.time.front(), .x = {}, .names = {"east", "north", "up"}, .y = {}};
@@ -35,11 +36,12 @@ std::string sigma_charts(const AidedNavigation& n) {
       attitude.y[static_cast<std::size_t>(k)].push_back(std::sqrt(std::max(0., c.value(k, k))) / unit::deg);
     }
   }
-  return time_chart(place) + time_chart(attitude);
+  return section("sigmas", "Uncertainty over time", "", time_chart(place) + time_chart(attitude));
 }
 
 /// East, north of the start over one grid, the withheld parts apart.
 std::string track_section(const AidedNavigation& n) {
+  if (n.solution.states.size() < 2) return "";
   return section("track", "Track", "",
                  beside({track_figure(thinned_track(n.solution.states, 3000), "The solution on a plain grid, east and north of the start.")}));
 }
@@ -122,7 +124,7 @@ std::string aided_page(const std::string& session, const AidedNavigation& n, con
   take_conclusion(page.verdict, conclusion);
   page.verdict.because = n.warnings;
   if (!warnings.empty()) page.body += section("warnings", "Warnings", "", list(warnings));
-  page.body += track_section(n) + section("sigmas", "Uncertainty over time", "", sigma_charts(n)) + outages_section(n) + innovations_section(n);
+  page.body += track_section(n) + sigmas_section(n) + outages_section(n) + innovations_section(n);
   page.body += aids_section(n) + constants_section(n);
   return page_text(page);
 }

@@ -2,14 +2,12 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -79,38 +77,7 @@ std::string aided_headline(const AidedNavigation& n) {
          fmt::format("; in {} withheld times off by {:.2g} m (median of the largest), {:.2g} times sigma", n.outages.size(), s.median, s.ratio);
 }
 
-// ---- fields of --json
-
-template <class Fields>
-void describe(Fields& f, OutageErrors& e) {
-  f("horizontal_error_m", e.horizontal), f("sigma_m", e.sigma), f("vertical_error_m", e.vertical), f("error_over_sigma", e.ratio);
-}
-
-template <class Fields>
-void describe(Fields& f, AidedConstant& c) {
-  f("value", c.value), f("standard_uncertainty", c.sigma), f("prior", c.prior);
-  fields::derived(f, "determined", !c.undetermined());
-}
-
-template <class Fields>
-void describe(Fields& f, AidedAid& a) {
-  f("kind", a.kind);
-  if (!a.lever_arm.empty()) f("lever_arm_m", a.lever_arm), f("lever_arm_sigma_m", a.lever_arm_sigma);
-  if (!a.mounting.empty()) f("mounting_deg", a.mounting, fields::in(unit::deg)), f("mounting_sigma_deg", a.mounting_sigma, fields::in(unit::deg));
-  f("delay_s", a.delay, fields::if_any), f("delay_sigma_s", a.delay_sigma, fields::if_any),
-      f("drift_ppm", a.drift, fields::How{fields::Presence::optional, fields::Null::none, true, 1e-6});
-  f("sigma_factor", a.sigma_factor);
-}
-
 namespace {
-
-JsonValue outage_json(const OutageResult& o, bool causal) {
-  JsonValue shown = written(causal ? o.predicted : o.smoothed);
-  JsonFields out{{{"begin_s", o.begin}, {"end_s", o.end}, {"fixes", o.fixes}}};
-  for (auto& field : std::get<JsonFields>(shown.is).fields) out.fields.push_back(std::move(field));
-  out.fields.emplace_back("predicted", written(o.predicted));
-  return out;
-}
 
 std::string constant_row(const AidedConstant& c) {
   struct Shown {
@@ -147,28 +114,6 @@ std::string not_shown(const AidedNavigation& n) {
 }
 
 }  // namespace
-
-std::string aided_json(const std::string& session, const AidedNavigation& n) {
-  std::vector<JsonValue> outages;
-  for (const OutageResult& o : n.outages) outages.push_back(outage_json(o, n.causal));
-  JsonFields constants, factors;
-  for (const AidedConstant& c : n.constants) constants.fields.emplace_back(c.name, written(c));
-  for (const AidedFactor& f : n.factors) factors.fields.emplace_back(f.name, JsonFields{{{"variance_factor", f.factor}, {"resolved", f.resolved}}});
-  return json_text(JsonFields{{{"session", session},
-                               {"kind", n.causal ? "filtered" : "smoothed"},
-                               {"begin_s", n.solution.time.front()},
-                               {"end_s", n.solution.time.back()},
-                               {"largest_sigma_m", largest_sigma(n)},
-                               {"outages", std::move(outages)},
-                               {"aids", written(aided_aids(n))},
-                               {"constants", std::move(constants)},
-                               {"noise", std::move(factors)},
-                               {"innovation_rms", n.innovation_rms},
-                               {"suspects", n.suspects},
-                               {"passes", n.passes},
-                               {"converged", n.converged}}},
-                   JsonLayout::long_lists);
-}
 
 std::string aided_table(const std::string& session, const AidedNavigation& n) {
   std::string text =

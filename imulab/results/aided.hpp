@@ -9,6 +9,15 @@
 
 namespace imulab {
 
+/// A session navigated with its aids. From JSON: the solution has begin and end as times and a thinned track as states; covariances have their
+/// diagonals alone, of position and attitude.
+struct AidedSummary {
+  std::string session;
+  AidedNavigation navigation;
+  double largest_sigma = 0;  // m, horizontal
+};
+std::string aided_json(const std::string& session, const AidedNavigation& navigation);
+
 /// What an aid turned out to be: absent values are not states of its kind.
 struct AidedAid {
   std::string name, kind;
@@ -29,7 +38,13 @@ OutageSummary outage_summary(const std::vector<OutageResult>& outages, OutageErr
 double largest_sigma(const AidedNavigation& navigation);
 
 std::string aided_headline(const AidedNavigation& navigation);
-std::string aided_json(const std::string& session, const AidedNavigation& navigation);
+namespace json_io {
+class Field;
+}
+namespace result_io {
+/// Throws Error that names the file and the field.
+AidedSummary aided_of(const json_io::Field& root);
+}  // namespace result_io
 std::string aided_table(const std::string& session, const AidedNavigation& navigation);
 
 }  // namespace imulab

@@ -110,6 +110,17 @@ void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const Na
   out.x_label = "time [s]";
 }
 
+void add_result(ResultComparison&, FigureRows& rows, std::size_t k, const AidedSummary& s) {
+  const AidedNavigation& n = s.navigation;
+  rows.add(k, "largest position sigma", "m", s.largest_sigma);
+  if (n.outages.empty()) return;
+  for (const auto& [what, part] : {std::pair("predicted", &OutageResult::predicted), std::pair("smoothed", &OutageResult::smoothed)}) {
+    const OutageSummary withheld = outage_summary(n.outages, part);
+    rows.add(k, fmt::format("withheld, {}: median", what), "m", withheld.median);
+    rows.add(k, fmt::format("withheld, {}: error/sigma", what), "1", withheld.ratio);
+  }
+}
+
 void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const NoiseAnalysis& analysis) {
   constexpr std::size_t rate = 1;  // a deviation has the unit of B
   for (const NoiseAxis& axis : analysis.axes) {
@@ -159,16 +170,10 @@ std::string note_of(const SavedResult& result) {
 }  // namespace
 
 std::string kind_name(const SavedResult& result) {
-  static constexpr std::array<const char*, 10> names{"calibration",
-                                                     "comparison",
-                                                     "prediction",
-                                                     "plan",
-                                                     "navigation",
-                                                     "budget",
-                                                     "compensation",
-                                                     "noise analysis",
-                                                     "noise analysis of several logs",
-                                                     "comparison of results"};
+  static constexpr std::array<const char*, 11> names{
+      "calibration",          "comparison", "prediction",   "plan",           "navigation",
+      "aided navigation",     "budget",     "compensation", "noise analysis", "noise analysis of several logs",
+      "comparison of results"};
   return names.at(result.index());
 }
 

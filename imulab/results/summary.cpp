@@ -162,8 +162,7 @@ SavedResult result_of(const Field& root, std::string_view text, const std::strin
     return plan;
   }
   if (root.has("coefficients") && root.has("undetermined")) return checked(read_summary<PredictionSummary>(root), root);
-  if (root.has("innovation_rms") && root.has("aids"))
-    throw Error(file + ": an aided navigation, whose JSON lacks its track; expected navigate --aided --report, which draws its page");
+  if (root.has("innovation_rms") && root.has("aids")) return result_io::aided_of(root);
   throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
 }
 

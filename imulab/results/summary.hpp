@@ -8,6 +8,7 @@
 #include "imulab/noise.hpp"
 #include "imulab/plan.hpp"
 #include "imulab/predict.hpp"
+#include "imulab/results/aided.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/results/navigation.hpp"
@@ -75,7 +76,7 @@ struct BudgetSummary {
 /// The sessions of one command. From JSON: begin and end in `solution.time`, track and errors thinned.
 using NavigationSummary = std::vector<NavigatedSession>;
 
-using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, BudgetSummary,
+using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, AidedSummary, BudgetSummary,
                                  CompensationSummary, NoiseAnalysis, NoiseBatch, ResultComparison>;
 
 struct SavedAnswer {

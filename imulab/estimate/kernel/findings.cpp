@@ -82,7 +82,8 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
                                                                     : fmt::format("{} coefficients are", quality.unobservable.size())));
   // Below about six degrees of freedom the residuals, and effects by their priors, can hardly contradict the model or the noise.
   if (const double degrees = std::round(quality.degrees_of_freedom + in_effects); degrees < 6)
-    findings.doubt(fmt::format("only {} degrees of freedom remain to check the result", degrees));
+    findings.doubt(fmt::format("only {} to check the result",
+                               degrees == 1 ? "1 degree of freedom remains" : fmt::format("{} degrees of freedom remain", degrees)));
   // Real sensors in a hand show 1 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25)
     findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));

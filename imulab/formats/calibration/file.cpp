@@ -102,7 +102,7 @@ void check_recorded(const Field& f, const RecordedAs& r, Quantity quantity, cons
 void expect_invertible(const Field& field, const Matrix3d& matrix) {
   constexpr double least = 1e-6;  // of axes that share all but 0.2 arcsec
   if (std::abs(matrix.determinant()) <= least * matrix.row(0).norm() * matrix.row(1).norm() * matrix.row(2).norm())
-    field.expected("three rows that are not zero and not of one plane");
+    field.fail("has no inverse; expected three rows that are not zero and not of one plane");
 }
 
 void check_format(const Field& root) {
