@@ -179,6 +179,10 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
   out.derivative.block<3, 3>(3, At::attitude) = -C_bn * skew<double>(earth);
   out.derivative.block<3, 3>(3, p.gyro_offset).setIdentity();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    if (p.gyro_matrix >= 0) out.derivative.block<3, 3>(3, p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
+    if (p.g_sensitivity >= 0) out.derivative.block<3, 3>(3, p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
+  }
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
   out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
@@ -233,11 +237,12 @@ Matrix3d mounting(const Problem&, const Channel& c, const Eigen::VectorXd& x) {
 Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
   constexpr double half = 0.05;  // s: shorter means are noise of the sensors
   const auto margin = static_cast<std::size_t>(std::max(1., std::round(half / p.interval)));
-  Increment sum;
+  Increment sum, raw;
   double length = 0;
   for (std::size_t i = end > margin ? end - margin : 0; i < std::min(end + margin, p.samples.size()); ++i) {
     const Increment sample = corrected(p, p.samples[i], state.x);
     sum.angle += sample.angle, sum.velocity += sample.velocity, length += p.samples[i].interval;
+    raw.angle += p.samples[i].increment.angle, raw.velocity += p.samples[i].increment.velocity;
   }
   const LocalEarth earth = local_earth(state.motion.latitude, state.motion.height);
   const Matrix3d C = state.motion.q_nb.toRotationMatrix();
@@ -247,7 +252,9 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
           .time = end > 0 ? p.time[end - 1] : p.begin,
           .rate_ib = rate,
           .rate_eb = rate - C.transpose() * earth.rate,
-          .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v)};
+          .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v),
+          .raw_rate = raw.angle / length,
+          .raw_force = raw.velocity / length};
 }
 
 }  // namespace imulab::aided

@@ -23,10 +23,11 @@ namespace imulab::aided {
 /// The computed motion at an epoch, as the aids need it.
 struct Instant {
   FullState state;
-  double time = 0;        // s
-  Vector3d rate_ib;       // corrected, body axes [rad/s], a mean over a tenth of a second
-  Vector3d rate_eb;       // against the Earth
-  Vector3d acceleration;  // east-north-up [m/s^2]
+  double time = 0;               // s
+  Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over a tenth of a second
+  Vector3d rate_eb;              // against the Earth
+  Vector3d acceleration;         // east-north-up [m/s^2]
+  Vector3d raw_rate, raw_force;  // with the sensors' errors
 };
 
 /// Rows of one observation: measured less computed, derivatives of the computed by the error state, variances with a factor of 1.

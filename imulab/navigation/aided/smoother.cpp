@@ -81,6 +81,7 @@ struct Smoother {
     for (const StateBlock& b : p.blocks)
       if (b.noise)
         for (Index k = b.first; k < b.first + b.size; ++k) {
+          if (q[k] == 0) continue;  // declared as constant
           const double a = t.decay[k], both = gain.row(k).dot(next.covariance.col(k));
           const double variance = next.covariance(k, k) - 2 * a * both + a * a * here.covariance(k, k);
           add(*b.noise, noise[k] * noise[k] / q[k], variance / q[k]);
