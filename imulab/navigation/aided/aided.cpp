@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -24,22 +23,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double vibration = 100;                  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
-constexpr double believed = 4;                     // values that the declared noise counts for
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
-constexpr double settled = 0.1;                    // of a factor: a further pass changes sigmas by less than half of it
-
-/// New factors, the means of what they may be: n values leave a variance n / (n - 2) of the size that they show. The largest relative change of those
-/// that the data resolve.
-double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
-  double change = 0;
-  for (std::size_t k = 0; k < p.sources.size(); ++k) {
-    const double before = p.sources[k].factor, resolved = evidence[k].resolved;
-    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed - 2);
-    if (resolved > 50 && !first) change = std::max(change, std::abs(p.sources[k].factor / before - 1));
-  }
-  return change;
-}
 
 /// The smoothed trajectory as the next point of linearization: constants and offsets by their means, slow errors of aids at zero, in which all is
 /// linear.
@@ -57,44 +41,6 @@ AboutTrajectory about(const Problem& p, const FilterPass& pass, SmootherPass& sm
   out.x = mean;
   out.weights = std::move(smoothed.weights);
   return out;
-}
-
-/// Names of a block's elements.
-std::vector<std::string> elements_of(const StateBlock& b) {
-  constexpr std::array<const char*, 3> axes{"x", "y", "z"}, body{"right", "forward", "up"};
-  std::vector<std::string> out;
-  for (Index k = 0; k < b.size; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (b.name.ends_with("matrix") || b.name.ends_with("g_sensitivity"))
-      out.push_back(fmt::format("{}.{}{}", b.name, axes[i % 3], axes[i / 3]));
-    else if (b.name.ends_with("offset"))
-      out.push_back(fmt::format("{}.{}", b.name, axes[i]));
-    else if (b.name.ends_with("lever_arm"))
-      out.push_back(fmt::format("{}.{}", b.name, body[i]));
-    else if (b.name.ends_with("mounting"))
-      out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
-    else if (b.name.ends_with("delay"))
-      out.push_back(i == 0 ? b.name : b.name + ".drift");
-    else
-      out.push_back(b.name);
-  }
-  return out;
-}
-
-void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigation& out) {
-  const VectorXd& x = smoothed.nodes[smoothed.middle].state.x;
-  const Eigen::MatrixXd& P = smoothed.middle_covariance;
-  std::vector<Index> states;
-  for (const StateBlock& b : p.blocks) {
-    if (std::isfinite(b.time)) continue;
-    const std::vector<std::string> names = elements_of(b);
-    for (Index k = 0; k < b.size; ++k)
-      if (const Index at = b.first + k; b.prior[k] > 0) {
-        out.constants.push_back({names[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
-        states.push_back(at);
-      }
-  }
-  out.constants_covariance = P(states, states);
 }
 
 void add_innovations(const Problem& p, const FilterPass& pass, AidedNavigation& out) {
@@ -144,8 +90,7 @@ void judge(AidedNavigation& out, const std::string& name) {
     out.warnings.push_back(name + ": " + text);
     out.doubts.push_back(std::move(text));
   };
-  if (out.covariance.back().value(2, 2) > largest_heading_sigma * largest_heading_sigma)
-    doubt("the motion does not show the heading; expected accelerations or turns while the aids measure");
+  if (const std::string text = hidden_heading(out); !text.empty()) doubt(text);
   if (out.innovation_rms > 1.5)
     doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
   if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
@@ -157,6 +102,17 @@ void judge(AidedNavigation& out, const std::string& name) {
 }
 
 }  // namespace
+
+double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
+  constexpr double believed = 4;  // values that the declared noise counts for
+  double change = 0;
+  for (std::size_t k = 0; k < p.sources.size(); ++k) {
+    const double before = p.sources[k].factor, resolved = evidence[k].resolved;
+    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed - 2);
+    if (resolved > 50 && !first) change = std::max(change, std::abs(p.sources[k].factor / before - 1));
+  }
+  return change;
+}
 
 AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
                                const AidedOptions& options) {

@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/filter.hpp"
+#include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/split_covariance.hpp"
 #include "imulab/navigation/budget/growth.hpp"
@@ -169,18 +170,6 @@ AidLoss withhold_lost(Problem& p, const Outage& loss) {
   return out;
 }
 
-Recording ideal_recording(const NominalMotion& motion) {
-  std::vector<double> time(motion.time.begin() + 1, motion.time.end());
-  Columns3 gyro, accel;
-  for (std::size_t i = 0; i < motion.increments.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double T = motion.time[i + 1] - motion.time[i];
-      gyro[k].push_back(motion.increments[i].angle[static_cast<Index>(k)] / T);
-      accel[k].push_back(motion.increments[i].velocity[static_cast<Index>(k)] / T);
-    }
-  return make_recording(time, std::move(gyro), std::move(accel));
-}
-
 /// Collects the outputs of a budget.
 struct AidedOutputs {
   const std::vector<CovariancePart>& parts;
@@ -246,7 +235,7 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   session.site.latitude = motion.states.front().latitude, session.site.height = motion.states.front().height;
   const SensorPriors priors = priors_of(sources);
   const bool matrices = !priors.gyro_matrix.isZero(0) || !priors.accel_matrix.isZero(0) || !priors.g_sensitivity.isZero(0);
-  Problem p = make_problem(ideal_recording(motion), priors, aids, session, {.matrices = matrices, .outages = {}});
+  Problem p = make_problem(ideal_readings(motion), priors, aids, session, {.matrices = matrices, .outages = {}});
   set_sizes(p);
   const AidLoss lost = withhold_lost(p, loss);
   const FilterStart start = start_of(p, motion, sources, priors);

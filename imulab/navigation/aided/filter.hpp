@@ -76,6 +76,11 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
 struct NoiseEvidence {
   double squares = 0, resolved = 0;
 };
+inline constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
+inline constexpr double settled = 0.1;    // of a factor: a further pass changes sigmas by less than half of it
+/// New factors, the means of what they may be: n values leave a variance n / (n - 2) of the size that they show. The largest relative change of those
+/// that the data resolve.
+double update_factors(Problem& problem, const std::vector<NoiseEvidence>& evidence, bool first);
 
 struct SmoothedNode {
   FullState state;

@@ -54,6 +54,12 @@ struct Prior {
 };
 Prior prior_of(const Problem& problem);
 
+/// The constants as the smoother has them in the middle of the time, with their covariance and their standard deviations before the data.
+void add_constants(const Problem& problem, const SmootherPass& smoothed, AidedNavigation& out);
+
+/// Why the heading at the end is not known; empty: it is.
+std::string hidden_heading(const AidedNavigation& navigation);
+
 /// The navigation of a recording in SI whose sensors' errors have these priors. Throws Error as navigate_aided does.
 AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
                                const AidedOptions& options);

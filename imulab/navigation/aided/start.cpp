@@ -5,6 +5,8 @@
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/units.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,13 +26,13 @@ struct Fixes {
   std::optional<Vector3d> position, velocity, acceleration;
   double time = 0;
 };
-Fixes first_fixes(const Problem& p) {
+Fixes first_fixes(const Problem& p, double begin) {
   Fixes out;
   constexpr double span = 2;  // s: of a mean acceleration
   std::optional<double> first_velocity;
   for (const Observation& o : p.observations) {
     const AidRecord& r = p.channels[o.channel].aid.record;
-    if (o.withheld || p.channels[o.channel].aid.kind != AidKind::gnss || o.stamp < p.begin) continue;
+    if (o.withheld || p.channels[o.channel].aid.kind != AidKind::gnss || o.stamp < begin) continue;
     if (!out.position && !r.position.empty() && r.position[o.row].allFinite()) out.position = r.position[o.row], out.time = o.stamp;
     if (r.velocity.empty() || !r.velocity[o.row].allFinite()) continue;
     if (!out.velocity) out.velocity = r.velocity[o.row], first_velocity = o.stamp;
@@ -57,15 +59,12 @@ Vector3d mean_force(const Problem& p, std::size_t from, double span) {
 }
 
 FilterStart candidate(const Problem& p, const Fixes& fixes, const NavigationState& at, double heading, std::size_t sample) {
-  const Prior prior = prior_of(p);
-  FilterStart out{.mean = {at, prior.mean}, .sigma = prior.sigma, .sample = sample};
+  FilterStart out = start_near(p, at);
+  out.sample = sample;
   const Vector3d force = mean_force(p, sample, 2), gravity(0, 0, local_earth(at.latitude, at.height).gravity.norm());
   const Vector3d forward(std::sin(heading), std::cos(heading), 0);
   const Matrix3d C = rotation_from_directions(gravity + fixes.acceleration.value_or(Vector3d::Zero()), forward, force, Vector3d::UnitY());
   out.mean.motion.q_nb = Eigen::Quaterniond(C);
-  out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
-  out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
-  out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
   return out;
 }
 
@@ -89,13 +88,31 @@ NavigationState known_state(const Fixes& fixes, const Session& session) {
   return s;
 }
 
+/// The first sample after a time.
+std::size_t sample_after(const Problem& p, double time) {
+  if (time < p.begin - p.interval / 2 || time >= p.time.back())
+    throw Error(fmt::format("start of navigation: the initial state is at {:.6f} s; expected inside the recording, {:.6f} s to {:.6f} s", time,
+                            p.begin, p.time.back()));
+  return static_cast<std::size_t>(std::ranges::upper_bound(p.time, time + p.interval / 2) - p.time.begin());
+}
+
 }  // namespace
 
+FilterStart start_near(const Problem& p, const NavigationState& state) {
+  const Prior prior = prior_of(p);
+  FilterStart out{.mean = {state, prior.mean}, .sigma = prior.sigma, .sample = 0};
+  out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
+  out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
+  out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
+  return out;
+}
+
 FoundStart find_start(const Problem& p, const Session& session) {
-  const Fixes fixes = first_fixes(p);
+  const std::size_t sample = session.initial ? sample_after(p, session.initial->time) : 0;
+  const Fixes fixes = first_fixes(p, sample > 0 ? p.time[sample - 1] : p.begin);
   const NavigationState state = known_state(fixes, session);
   if (session.initial) {
-    FilterStart start = candidate(p, fixes, state, session.initial->heading, 0);
+    FilterStart start = candidate(p, fixes, state, session.initial->heading, sample);
     start.mean.motion.q_nb = Eigen::Quaterniond(attitude_matrix({session.initial->roll, session.initial->pitch, session.initial->heading}));
     start.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, tilt_sigma;
     return {std::move(start)};

@@ -1,0 +1,74 @@
+// Where an aided navigation starts that is given an initial state.
+#include "imulab/navigation/aided/start.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
+#include "imulab/navigation/aided/foreseen.hpp"
+#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace imulab::aided {
+namespace {
+
+/// A drive without errors, with the state in the middle of it.
+struct StartedLate {
+  motion::NominalMotion motion;
+  Session session;
+  std::vector<Aid> aids;
+};
+StartedLate started_late(std::size_t sample, double rest = 0, double interval = 0.1) {
+  StartedLate out;
+  std::vector<motion::Segment> segments{motion::accelerate(10, 10), motion::turn(90 * unit::deg, 0.2, 2), motion::straight(30)};
+  if (rest > 0) segments.insert(segments.begin(), motion::rest(rest));
+  out.motion = motion::nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, segments, {.banks = false}), interval);
+  Aid& aid = out.aids.emplace_back(Aid{.scale = TimeScale::recording, .lever_arm_sigma = 0, .delay_sigma = 0});
+  for (std::size_t i = 0; i < out.motion.time.size(); i += 10) {
+    const NavigationState& s = out.motion.states[i];
+    aid.record.time.push_back(std::llround(1e9 * out.motion.time[i]));
+    aid.record.position.emplace_back(s.latitude, s.longitude, s.height);
+    aid.record.position_sigma.push_back(Eigen::Vector3d::Constant(0.1));
+  }
+  const NavigationState& s = out.motion.states[sample];
+  const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
+  out.session.initial = InitialState{.time = out.motion.time[sample],
+                                     .latitude = s.latitude,
+                                     .longitude = s.longitude,
+                                     .height = s.height,
+                                     .velocity_enu = {s.velocity.x(), s.velocity.y(), s.velocity.z()},
+                                     .roll = angles.roll,
+                                     .pitch = angles.pitch,
+                                     .heading = angles.heading};
+  return out;
+}
+
+TEST(AidedStart, AnInitialStateIsThatOfItsTime) {
+  const std::size_t sample = 153;
+  StartedLate d = started_late(sample);
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {});
+  ASSERT_NEAR(n.solution.time.front(), d.motion.time[sample], 1e-9);
+  ASSERT_EQ(n.solution.size(), d.motion.states.size() - sample);
+  const NavigationState &first = n.solution.states.front(), &truth = d.motion.states[sample];
+  EXPECT_LT((first.velocity - truth.velocity).norm(), 0.5);  // m/s: fixes of 0.1 m each second
+  EXPECT_LT(std::abs(first.latitude - truth.latitude) * 6.4e6, 0.5);
+  d.session.initial->time = 1000;
+  EXPECT_THAT([&] { navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {}); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("the initial state is at 1000.000000 s; expected inside the recording")));
+}
+
+// On a level road a gyro's offset and what gravity makes of it are one number, at rest as well.
+TEST(AidedStart, ARestDoesNotTellAnOffsetFromGSensitivity) {
+  const StartedLate d = started_late(0, 20, 0.02);
+  const AidedNavigation n = foresee(sensor_priors({}, {}), {}, d.motion, d.aids, 3);
+  EXPECT_EQ(std::ranges::count(n.factors, "zero_velocity.rate", &AidedFactor::name), 1);
+  for (const char* name : {"gyro.g_sensitivity.xz", "gyro.g_sensitivity.yz", "gyro.g_sensitivity.zz"})
+    EXPECT_TRUE(std::ranges::find(n.constants, name, &AidedConstant::name)->undetermined()) << name;
+}
+
+}  // namespace
+}  // namespace imulab::aided
