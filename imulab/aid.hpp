@@ -61,6 +61,7 @@ struct Outage {
 struct Aid {
   AidKind kind = AidKind::gnss;
   std::string file = {};                               ///< or topic of the recording's log; empty without one
+  std::string recording = {};                          ///< file of the one among the session's recordings that it goes with; empty: all
   AidRecord record = {};                               ///< empty in a mission, and for the kinds without a file
   TimeScale scale = TimeScale::own;                    ///< of the record's stamps
   std::optional<Eigen::Vector3d> lever_arm = {};       ///< from the IMU, body axes [m]

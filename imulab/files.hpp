@@ -107,7 +107,7 @@ void write_solution(const std::filesystem::path& path, const Solution& solution)
 HeightRecord read_heights(const std::filesystem::path& path);
 
 struct AidsReading {
-  std::vector<Aid> aids;              ///< all of the session, their records on the recording's clock
+  std::vector<Aid> aids;              ///< that go with the recording, their records on its clock
   std::vector<std::string> warnings;  ///< what was left out; a clock whose offset has to be estimated
 };
 

@@ -27,6 +27,10 @@
 
 namespace imulab {
 
+namespace motion {
+struct NominalMotion;
+}
+
 /// A requirement that is not met, by one of its coefficients.
 struct Shortfall {
   Requirement requirement;
@@ -44,11 +48,12 @@ struct PredictionOptions {
   bool effects = true;                         ///< as CalibrationOptions has it
   std::uint64_t runs = 0;                      ///< of the Monte Carlo; 0: none
   std::uint64_t seed = 1;
-  bool advice = true;                         ///< where a requirement is missed, or a coefficient is not determined
-  bool classical = false;                     ///< by the weights and the model of the paper that the method follows
-  std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, from any thread
-  std::shared_ptr<Sharing> sharing = {};      ///< of the Monte Carlo among processes, as the command does it; programs leave it empty
-  std::stop_token stop = {};                  ///< as CalibrationOptions has it
+  bool advice = true;                                        ///< where a requirement is missed, or a coefficient is not determined
+  bool classical = false;                                    ///< by the weights and the model of the paper that the method follows
+  std::function<void(double)> progress = {};                 ///< called with the fraction done, 0 to 1, from any thread
+  std::shared_ptr<Sharing> sharing = {};                     ///< of the Monte Carlo among processes, as the command does it; programs leave it empty
+  std::stop_token stop = {};                                 ///< as CalibrationOptions has it
+  std::shared_ptr<const motion::NominalMotion> motion = {};  ///< true: for a method whose procedure is a mission
 };
 
 /// Whole procedures with drawn errors, each calibrated.
@@ -118,6 +123,7 @@ struct Prediction {
   std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated
   std::vector<std::string> warnings = {};         ///< about the procedure
+  std::vector<RigErrorEstimate> rig_errors = {};  ///< lever arms, delays and mounting angles of aids, at their declared values
   std::string frame = "accelerometers";           ///< of the calibration to come: that, or "rig"
 
   // The share of every error source, for methods that tell the sources apart; a row a coefficient.

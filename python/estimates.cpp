@@ -9,6 +9,7 @@
 #include "python/module.hpp"
 #include <pybind11/stl.h>
 #include <utility>
+#include <variant>
 
 namespace imulab::python {
 namespace {
@@ -42,14 +43,19 @@ Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<Calibr
   return {comparison_answer(std::move(inputs), o.different_imus, o.tolerance)};
 }
 
-/// `parts`: those of the Monte Carlo, where it was done before.
-Outcome predicted(std::shared_ptr<Session> procedure, const py::dict& keywords, const py::object& progress, const std::vector<std::string>& parts) {
+/// `procedure`: a session, or its file, or that of a mission. `parts`: those of the Monte Carlo, where it was done before.
+Outcome predicted(std::variant<std::shared_ptr<Session>, std::string> procedure, const py::dict& keywords, const py::object& progress,
+                  const std::vector<std::string>& parts) {
   auto o = options_from<PredictOptions>(keywords);
   o.shared.sources = parts_in_memory(parts);
   return {run(progress, [=](const std::function<void(double)>& report) {
     PredictionOptions task = task_of(o);
-    task.progress = report;
-    return prediction_answer(o.method, *procedure, procedure->file, std::move(task));
+    const auto* file = std::get_if<std::string>(&procedure);
+    const ReadProcedure read = file ? read_procedure(*file, o.method) : ReadProcedure{*std::get<std::shared_ptr<Session>>(procedure)};
+    task.progress = report, task.motion = read.motion;
+    auto answer = prediction_answer(o.method, read.session, read.session.file, std::move(task));
+    answer.warnings.insert(answer.warnings.begin(), read.warnings.begin(), read.warnings.end());
+    return answer;
   })};
 }
 

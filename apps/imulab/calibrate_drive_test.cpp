@@ -6,13 +6,21 @@
 
 #include "tests/calibration_input.hpp"
 #include "tests/run_command.hpp"
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
 
 namespace imulab {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::Gt;
 using ::testing::HasSubstr;
+using ::testing::Lt;
 using ::testing::Not;
 using Json = nlohmann::json;
 
@@ -63,13 +71,13 @@ kind = "brake"
 duration_s = 4
 )";
 
-/// Session `drive` with readings of the MEMS unit of unit/truth.json, without the state at its start, which no car knows.
-void write_drive(const TemporaryFolder& folder, const std::string& segments) {
-  folder.write("drive.toml", mission_head + segments);
-  const CommandResult made = run_shell(folder, "I='" + command_path() + R"('
-$I procedure handheld --poses 9 --grade mems -o p.toml && $I simulate p.toml -o unit --seed 5 &&
-$I trajectory drive.toml --unit unit/truth.json --seed 5 -o drive &&
-sed -i -e '/^\[initial\]/,/^heading/d' -e 's/^\[imu\]/&\ngrade = "mems"/' drive/session.toml)");
+/// Session `name` with readings of the MEMS unit of unit/truth.json, without the state at its start, which no car knows.
+void write_drive(const TemporaryFolder& folder, const std::string& segments, const std::string& name = "drive", int seed = 5) {
+  folder.write(name + ".toml", mission_head + segments);
+  const CommandResult made = run_shell(folder, "I='" + command_path() + "' D=" + name + " S=" + std::to_string(seed) + R"(
+[ -d unit ] || { $I procedure handheld --poses 9 --grade mems -o p.toml && $I simulate p.toml -o unit --seed 5; } &&
+$I trajectory $D.toml --unit unit/truth.json --seed $S -o $D &&
+sed -i -e '/^\[initial\]/,/^heading/d' $D/session.toml)");
   ASSERT_EQ(made.exit_code, 0) << made.errors;
 }
 
@@ -91,6 +99,94 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   for (const RigErrorEstimate& e : c.quality.rig_errors) arm = arm || (e.name == "gnss.lever_arm.right" && e.uncertainty < 0.2);
   EXPECT_TRUE(arm);
   EXPECT_THAT(read_text(folder / "page.html"), HasSubstr("gnss.lever_arm.right"));
+}
+
+/// Predicted over stated sigma of what both have.
+std::map<std::string, double> foreseen_over_stated(const Json& predicted, const Calibration& c) {
+  std::map<std::string, double> out;
+  for (const CoefficientIndex index : c.estimated)
+    out[std::string(coefficient(index).name)] =
+        predicted["coefficients"][std::string(coefficient(index).name)]["closed_form"].get<double>() / *standard_uncertainty(c, index);
+  for (std::size_t k = 0; k < c.quality.rig_errors.size(); ++k) {
+    EXPECT_EQ(predicted["rig_errors"][k]["name"], c.quality.rig_errors[k].name);
+    out[c.quality.rig_errors[k].name] = predicted["rig_errors"][k]["standard_uncertainty"].get<double>() / c.quality.rig_errors[k].uncertainty;
+  }
+  return out;
+}
+
+// The estimator on simulated data against the covariance about the true motion, of other draws of the noise: the size that a drive shows of each
+// noise, and what follows from it, scatters by a tenth.
+TEST(PredictDriveCommand, ForeseesWhatCalibrateStates) {
+  const TemporaryFolder folder;
+  write_drive(folder, eight);
+  ASSERT_EQ(run_imulab(folder, "calibrate drive --method drive -o c.json").exit_code, 0);
+  const Calibration c = read_calibration(folder / "c.json");
+  const CommandResult result = run_imulab(folder, "predict drive.toml --method drive --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const Json predicted = Json::parse(result.output);
+  for (const auto& [name, ratio] : foreseen_over_stated(predicted, c)) EXPECT_THAT(ratio, AllOf(Gt(0.85), Lt(1.15))) << name;
+}
+
+TEST(PredictDriveCommand, ManoeuvresMatter) {
+  const TemporaryFolder folder;
+  const std::string straight = R"([[segment]]
+kind = "accelerate"
+to_mps = 8
+duration_s = 5
+[[segment]]
+kind = "straight"
+duration_s = 40
+)";
+  folder.write("straight.toml", std::string(mission_head) + straight);
+  folder.write("eight.toml", std::string(mission_head) + eight);
+  const CommandResult result = run_imulab(folder, "predict straight.toml --method drive --require 'gyro.matrix.zz <= 2000 ppm'");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(on_one_line(result.output),
+              AllOf(HasSubstr("not met: gyro.matrix.zz"), HasSubstr("gyro.matrix.zz; shown by turns in both directions")));
+  EXPECT_EQ(run_imulab(folder, "predict eight.toml --method drive --require 'gyro.matrix.zz <= 2000 ppm'").exit_code, 0);
+}
+
+TEST(PlanDriveCommand, AddsManoeuvresUntilTheRequirementIsMet) {
+  const TemporaryFolder folder;
+  folder.write("drive.toml", std::string(mission_head) + eight);
+  const std::string require = " --require 'gyro.matrix.zz <= 1150 ppm'";
+  EXPECT_EQ(run_imulab(folder, "predict drive.toml --method drive" + require).exit_code, 1);
+  const CommandResult planned = run_imulab(folder, "plan --mission drive.toml -o longer.toml --margin 1" + require);
+  EXPECT_EQ(planned.exit_code, 0) << planned.errors;
+  EXPECT_THAT(planned.output, AllOf(HasSubstr("met: "), HasSubstr("figure eight")));
+  EXPECT_EQ(run_imulab(folder, "predict longer.toml --method drive" + require).exit_code, 0);
+  const CommandResult never = run_imulab(folder, "plan --mission drive.toml --require 'gyro.matrix.yy <= 10 ppm'");
+  EXPECT_EQ(never.exit_code, 1);
+  EXPECT_THAT(on_one_line(never.errors), HasSubstr("no maneuver of the table brings the drive to the requirements: gyro.matrix.yy"));
+  folder.write("flight.toml", std::regex_replace(mission_head + std::string(eight), std::regex("vehicle"), "aircraft"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "plan --mission flight.toml" + require).errors), HasSubstr("imulab predict --method drive judges"));
+}
+
+// Each drive adds its information on the scales, but for what coefficients that neither shows do to both alike: a tenth.
+TEST(CalibrateDriveCommand, SeveralDrivesAreOneCalibration) {
+  const TemporaryFolder folder;
+  write_drive(folder, eight);
+  write_drive(folder, eight, "again", 6);
+  const auto calibrated = [&](const std::string& sessions) {
+    const CommandResult result = run_imulab(folder, "calibrate " + sessions + " --method drive -o c.json --force");
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    return read_calibration(folder / "c.json");
+  };
+  const Calibration one = calibrated("drive"), other = calibrated("again"), both = calibrated("drive again");
+  EXPECT_EQ(both.quality.verdict, "good") << testing::PrintToString(both.quality.because);
+  EXPECT_LT(largest_sigmas(both, read_calibration(folder / "unit/truth.json").model), 4.2);
+  const auto sigma = [](const Calibration& c, const char* name) { return *standard_uncertainty(c, coefficient_index(name)); };
+  for (const char* shown : {"accel.matrix.xx", "accel.matrix.yy"})
+    EXPECT_NEAR(std::hypot(sigma(both, shown) / sigma(one, shown), sigma(both, shown) / sigma(other, shown)), 1, 0.1) << shown;
+  for (const CoefficientIndex index : both.estimated)
+    if (coefficient(index).term == Term::matrix)
+      EXPECT_LT(*standard_uncertainty(both, index), 1.001 * std::min(*standard_uncertainty(one, index), *standard_uncertainty(other, index)));
+  EXPECT_THAT(testing::PrintToString(both.quality.notes),
+              AllOf(HasSubstr("recording.csv: gnss.delay"), HasSubstr("again/recording.csv: gnss.delay")));
+  // Readings of gyros about z that are 3 % off are another unit's.
+  run_shell(folder, "awk -F, -v OFS=, 'NR > 1 {$4 *= 1.03} 1' again/recording.csv > x && mv x again/recording.csv");
+  const CommandResult mixed = run_imulab(folder, "calibrate drive again --method drive");
+  EXPECT_THAT(on_one_line(mixed.output), AllOf(HasSubstr("doubtful"), HasSubstr("contradicts the other drive"), HasSubstr("most in gyro.matrix.zz")));
 }
 
 TEST(CalibrateDriveCommand, AParkedCarIsDoubtful) {
@@ -116,7 +212,11 @@ TEST(CalibrateDriveCommand, SaysWhatADriveLacks) {
   refused("sed -i '/^\\[\\[aid/,$d' other/session.toml", "has no aids, which the method drive needs; expected [[aid]]");
   refused("sed -i 's/^\\([0-9]\\)/9\\1/' other/gnss_1.csv", "overlap");
   refused("sed -i 's,unit = \"rad/s\",unit = \"count\",' other/session.toml", "gyro in counts, whose size a drive does not tell");
-  refused("true", "the method drive takes one recording; got 2", "drive");
+  refused("true", "other: recording.csv was given before", "other");
+  refused(
+      "sed -n '/^\\[\\[rec/,/^accel/p' other/session.toml | sed s/recording.csv/other.csv/ >> other/session.toml; cp other/recording.csv "
+      "other/other.csv",
+      "gnss_1.csv: goes with which of the 2 recordings? expected recording = \"recording.csv\"");
   refused("true", "gyro.cubic.x is not a coefficient that the method drive estimates", "--terms gyro.cubic.x");
 }
 

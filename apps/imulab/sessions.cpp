@@ -152,26 +152,60 @@ Session open_session(const std::filesystem::path& named, const RecordingWords& w
   return session_at(path);
 }
 
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path folder_of(const Session& session) { return fs::absolute(session.file).parent_path().lexically_normal(); }
+
+/// Each aid goes with its session's only recording.
+void assign_aids(Session& session) {
+  if (session.recordings.size() != 1) return;
+  for (Aid& aid : session.aids) aid.recording = session.recordings.front().file;
+}
+
+/// A file of one session as another names it; a topic stays.
+std::string moved_name(const std::string& file, const Session& from, const Session& to) {
+  std::error_code none;
+  if (const fs::path path = folder_of(from) / file; fs::exists(path, none) || fs::exists(folder_of(from) / file.substr(0, file.find(':')), none))
+    return path.lexically_normal().lexically_relative(folder_of(to)).string();
+  return file;
+}
+
+/// What two sessions of one IMU have to share. Receivers tell the place of a drive.
+void expect_same_unit(const Session& all, const Session& more, const std::string& path, const std::string& first) {
+  const bool drives = !all.aids.empty() && !more.aids.empty();
+  const bool same_place = drives ? more.site.given_gravity == all.site.given_gravity : more.site == all.site;
+  const char* const other = !(more.imu == all.imu) ? "[imu]" : !same_place ? "[site]" : !(more.rigs == all.rigs) ? "[rig]" : nullptr;
+  if (other) throw Error(fmt::format("{}: its {} is not that of {}; expected recordings of one IMU, at one place, with one rig", path, other, first));
+}
+
+}  // namespace
+
 Session open_sessions(const std::vector<std::string>& paths, const RecordingWords& words) {
   Session all = open_session(paths.front(), words);
   if (paths.size() == 1) return all;
-  const auto folder_of = [](const Session& session) { return std::filesystem::absolute(session.file).parent_path(); };
+  assign_aids(all);
   for (std::size_t k = 1; k < paths.size(); ++k) {
     Session more = open_session(paths[k], words);
     more.imu.name = all.imu.name;  // of a recording that was inspected, its file's
-    const char* const other = !(more.imu == all.imu) ? "[imu]" : !(more.site == all.site) ? "[site]" : !(more.rigs == all.rigs) ? "[rig]" : nullptr;
-    if (other)
-      throw Error(fmt::format("{}: its {} is not that of {}; expected recordings of one IMU, at one place, with one rig", paths[k], other, paths[0]));
+    expect_same_unit(all, more, paths[k], paths[0]);
+    assign_aids(more);
     for (RecordingSource& recording : more.recordings) {
-      const std::string name = (folder_of(more) / recording.file).lexically_normal().lexically_relative(folder_of(all).lexically_normal()).string();
+      const std::string name = (folder_of(more) / recording.file).lexically_normal().lexically_relative(folder_of(all)).string();
       for (Step& step : more.steps)
         if (step.recording == recording.file) step.recording = name;
+      for (Aid& aid : more.aids)
+        if (aid.recording == recording.file) aid.recording = name;
       recording.file = name;
-      const auto named = [&](const RecordingSource& r) { return std::filesystem::path(r.file).lexically_normal() == name; };
+      const auto named = [&](const RecordingSource& r) { return fs::path(r.file).lexically_normal() == name; };
       if (std::any_of(all.recordings.begin(), all.recordings.end(), named)) throw Error(fmt::format("{}: {} was given before", paths[k], name));
       all.recordings.push_back(std::move(recording));
     }
+    for (Aid& aid : more.aids)
+      if (!aid.file.empty()) aid.file = moved_name(aid.file, more, all);
     all.steps.insert(all.steps.end(), std::make_move_iterator(more.steps.begin()), std::make_move_iterator(more.steps.end()));
+    all.aids.insert(all.aids.end(), std::make_move_iterator(more.aids.begin()), std::make_move_iterator(more.aids.end()));
   }
   return all;
 }

@@ -11,6 +11,7 @@
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/compare.hpp"
+#include "imulab/tasks/drive_plan.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/predict.hpp"
@@ -144,11 +145,14 @@ void run(const SimulateOptions& o) {
 
 void run(const PredictOptions& o) {
   PredictionOptions task = task_of(o);
-  const Session procedure = session_at(o.procedure);
+  const ReadProcedure read = read_procedure(o.procedure, o.method);
+  will_read_files_of(read.session);
+  warn_each(read.warnings);
+  task.motion = read.motion;
   by_part(o.shared, o, [&] {
     const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
       task.progress = report;
-      return prediction_answer(o.method, procedure, o.procedure, task);
+      return prediction_answer(o.method, read.session, o.procedure, task);
     });
     show(answer, o);
   });
@@ -156,16 +160,23 @@ void run(const PredictOptions& o) {
 
 // imulab plan --require ...
 
+std::string written_after(const std::string& file) { return file.empty() ? "" : "\n" + written_text(file) + "\n"; }
+
 void run(const PlanOptions& o) {
-  PlanTask task = task_of(o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
+  if (o.mission) {
+    const auto answer = with_progress("planning", [&](const auto& report) { return drive_plan_answer(o, report); });
+    if (!o.output.empty()) write_whole(o.output, answer.data->mission);
+    return show(answer, o, written_after(o.output));
+  }
+  PlanTask task = task_of(o);
   by_part(o.shared, o, [&] {
     const auto answer = with_progress("planning", [&](const auto& report) {
       task.progress = report;
       return plan_answer(task, o.output == "-" ? "" : o.output);
     });
     if (!o.output.empty()) write_whole(o.output, procedure_text(answer.data->procedure));
-    show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
+    show(answer, o, written_after(o.output));
   });
 }
 

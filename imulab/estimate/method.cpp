@@ -57,11 +57,12 @@ constexpr std::array all{
            .reference = "Rauch 1965",
            .needs = "a receiver or other aids as [[aid]], and motion that shows the coefficients",
            .equipment = 5,
-           .takes_several = true,  // never joined: it refuses a second one, whose aids it cannot tell apart
+           .takes_several = true,
            .takes_aids = true,
            .test = "aided navigation: the motion against a satellite receiver and other aids",
            .angle_source = "the turns of the vehicle against the aids' velocities",
-           .calibrate = drive::calibrate},
+           .calibrate = drive::calibrate,
+           .predict = drive::predict},
     Method{.name = "handheld",
            .summary = "from rests and the rotations between them",
            .reference = "Tedaldi 2014",
@@ -307,7 +308,8 @@ Prediction predict(const Method& method, const Session& procedure, const Predict
   stop_point();
   Prediction out = CheckedMethod::call(method.predict, procedure, options);
   if (!options.terms.empty()) {
-    const Prediction whole = CheckedMethod::call(method.predict, procedure, PredictionOptions{.effects = false, .advice = false});
+    const Prediction whole =
+        CheckedMethod::call(method.predict, procedure, PredictionOptions{.effects = false, .advice = false, .motion = options.motion});
     if (std::string note = note_of_absent(out, whole); !note.empty()) out.notes.push_back(std::move(note));
   }
   return out;

@@ -88,7 +88,7 @@ struct Method {
   PathPlanner plan = {};
   /// Null: a recording alone is not enough.
   MethodSupport (*support)(const RestEvidence& evidence) = nullptr;
-  /// A procedure that the method can work on, for tests; null where there is no prediction.
+  /// A procedure that the method can work on, for tests; null where no session is one.
   Session (*example)(const ExampleSize& size) = nullptr;
 };
 

@@ -48,6 +48,7 @@ void transfer(Fields& f, Aid& aid) {
            std::vector{AidKind::gnss, AidKind::vehicle, AidKind::wheels, AidKind::barometer, AidKind::heading, AidKind::zero_velocity});
   const bool gnss = aid.kind == AidKind::gnss, zero_velocity = aid.kind == AidKind::zero_velocity;
   if (has_record(aid.kind)) transfer_name(f, "file", aid.file);
+  transfer_name(f, "recording", aid.recording);
   if (!zero_velocity && aid.kind != AidKind::heading) {
     std::optional<std::array<double, 3>> arm;
     if (aid.lever_arm) arm = {aid.lever_arm->x(), aid.lever_arm->y(), aid.lever_arm->z()};

@@ -91,10 +91,12 @@ std::string uncertainties_section(const PredictionSummary& s) {
   }
   std::string undetermined;
   for (const CoefficientIndex index : s.undetermined) undetermined += (undetermined.empty() ? "" : ", ") + std::string(coefficient(index).name);
+  std::string notes;
+  for (const std::string& note : s.notes) notes += paragraph(escaped(note));
   return section("uncertainties", "Standard uncertainties to come",
                  s.runs.value_or(0) > 0 ? fmt::format("In closed form, and from a Monte Carlo of {} whole procedures.", *s.runs)
                                         : "In closed form, before any data.",
-                 table(t) + (undetermined.empty() ? "" : paragraph("Not determined by this procedure: " + undetermined + ".")));
+                 table(t) + (undetermined.empty() ? "" : paragraph("Not determined by this procedure: " + undetermined + ".")) + notes);
 }
 
 Verdict prediction_verdict(const PredictionReport& report) {

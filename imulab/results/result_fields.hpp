@@ -4,6 +4,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/model/calibration_fields.hpp"
 #include "imulab/results/summary.hpp"
 
 #include <array>
@@ -157,7 +158,8 @@ template <class Fields>
 void describe(Fields& f, PredictionSummary& p) {
   describe_by_name(f, "coefficients", p.coefficients);
   f("undetermined", p.undetermined, fields::optional), f("considered", p.considered, fields::if_any), f("priors", p.priors, fields::if_any);
-  f("notes", p.notes, fields::if_any), f("monte_carlo_runs", p.runs, fields::if_any), f("not_met", p.missed, fields::if_any);
+  f("notes", p.notes, fields::if_any), f("rig_errors", p.rig_errors, fields::if_any);
+  f("monte_carlo_runs", p.runs, fields::if_any), f("not_met", p.missed, fields::if_any);
   if constexpr (!Fields::reads) f("tolerance", p.tolerance, fields::if_any);
   f("worst_determined", p.advice, fields::if_any);
 }

@@ -74,7 +74,7 @@ Eigen::VectorXd PredictionSummary::sigma() const {
 }
 
 PredictionSummary summary_of(const Prediction& p) {
-  PredictionSummary out{.undetermined = p.undetermined, .considered = p.considered, .notes = p.notes, .advice = p.advice};
+  PredictionSummary out{.undetermined = p.undetermined, .considered = p.considered, .notes = p.notes, .rig_errors = p.rig_errors, .advice = p.advice};
   const Eigen::VectorXd first = p.first_order();
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);

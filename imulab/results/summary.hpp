@@ -39,6 +39,7 @@ struct PredictionSummary {
   std::vector<CoefficientIndex> undetermined = {}, considered = {};
   std::vector<std::pair<std::string, double>> priors = {};  ///< of terms that the IMU may have, by name
   std::vector<std::string> notes = {};
+  std::vector<RigErrorEstimate> rig_errors = {};                           ///< lever arms, delays and mounting angles of aids
   std::optional<std::uint64_t> runs = {};                                  ///< of the Monte Carlo
   std::optional<std::vector<Shortfall>> missed = {};                       ///< requirements
   std::vector<std::pair<std::string, Tolerances::Answer>> tolerance = {};  ///< by knob; not read back

@@ -187,15 +187,28 @@ void expect_gravity(const Session& session, const Method& method) {
   if (!method.takes_aids) errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
 }
 
+namespace {
+
+/// The aids of every recording with their records; those without a file that go with all are there once.
+std::vector<Aid> aids_of_all(const SessionRecordings& data, std::vector<std::string>& warnings) {
+  std::vector<Aid> out;
+  for (std::size_t k = 0; k < data.recordings.size(); ++k) {
+    const RecordingSource source = data.session.source_of(data.recordings[k].name);
+    AidsReading reading = read_aids(data.session, source, data.recordings[k]);
+    for (Aid& aid : reading.aids)
+      if (k == 0 || !aid.recording.empty()) out.push_back(std::move(aid));
+    warnings.insert(warnings.end(), reading.warnings.begin(), reading.warnings.end());
+  }
+  return out;
+}
+
+}  // namespace
+
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task) {
   const Method& chosen = method(task.method);
   Session session = data.session;
   std::vector<std::string> warnings;
-  if (chosen.takes_aids && data.recordings.size() == 1) {
-    const RecordingSource source = session.recordings.empty() ? RecordingSource{} : session.recordings.front();
-    AidsReading reading = read_aids(session, source, data.recordings.front());
-    session.aids = std::move(reading.aids), warnings = std::move(reading.warnings);
-  }
+  if (chosen.takes_aids) session.aids = aids_of_all(data, warnings);
   CalibrationResult result = calibrate(chosen, {std::move(session), data.recordings}, options_of(task, chosen, data.recordings));
   if (task.prior) add_prior(result.calibration, *task.prior);
   Quality& quality = result.calibration.quality;

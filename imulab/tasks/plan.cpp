@@ -211,9 +211,12 @@ Verb& declare(Verb& command, PlanOptions& o) {
       .show_default();
   verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, longest_path);
   verb.option("--rest", o.rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
+  verb.option("--mission FILE", o.mission, "add maneuvers to this drive of a vehicle with [[aid]], for the method that takes aids")
+      .reads()
+      .of_command();
   effects_option(verb, o.effects);
   prior_option(verb, o.prior);
-  verb.option("-o,--output FILE", o.output, "the procedure to write; - for standard output in place of the table").writes().of_command();
+  verb.option("-o,--output FILE", o.output, "the procedure or mission to write; - for standard output in place of the table").writes().of_command();
   report_option(verb, o.report);
   sharing_options(verb, o.shared);
   json_option(verb, o.json);

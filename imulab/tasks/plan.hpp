@@ -18,6 +18,7 @@ struct PlanOptions : ShowOptions {
   std::optional<std::string> noise;  ///< file of an analysis, in place of the grade's terms
   double latitude_deg = 45, margin = 0.8;
   std::optional<double> gravity, time, rest;
+  std::optional<std::string> mission;  ///< of a drive, in place of a path: drive_plan.hpp
   SharingOptions shared;
 };
 /// The verb `plan`, which sets these.

@@ -1,10 +1,15 @@
 #include "imulab/tasks/predict.hpp"
 
+#include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/navigation/motion/mission.hpp"
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/tasks/aid_files.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
+#include "imulab/tasks/trajectory.hpp"
 
 #include <fmt/format.h>
 
@@ -41,7 +46,7 @@ std::string bad_runs(const std::string& text) {
 
 Verb& declare(Verb& command, PredictOptions& o) {
   Verb& verb = command.verb("predict", "Predict the uncertainties of a calibration and what limits them");
-  verb.option("procedure", o.procedure, "the procedure or session to predict").required().reads();
+  verb.option("procedure", o.procedure, "the procedure or session to predict; of a drive the mission, with [[aid]]").required().reads();
   verb.option("--method METHOD", o.method,
               fmt::format("the method of the calibration; Monte Carlo and tolerances are of {} alone", names_of_methods(&Method::takes_runs)))
       .one_of(offered_methods(true))
@@ -80,6 +85,24 @@ PredictionOptions task_of(const PredictOptions& o) {
   if (std::optional<Sharing> sharing = o.shared.sharing()) options.sharing = std::make_shared<Sharing>(*std::move(sharing));
   if (o.require) options.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
   return options;
+}
+
+ReadProcedure read_procedure(const std::string& name, std::string_view method_name) {
+  return method(method_name).takes_aids ? procedure_of(read_mission(name), name) : ReadProcedure{read_session(name)};
+}
+
+ReadProcedure procedure_of(const MissionFile& file, const std::string& name) {
+  ReadProcedure out;
+  const motion::Trajectory motion = errors_at(name, [&] { return trajectory_of(file.mission); });
+  out.motion = std::make_shared<const motion::NominalMotion>(nominal_motion(motion, 1 / file.mission.rate));
+  Session& session = out.session;
+  session.file = name, session.sha256 = file.sha256;
+  session.imu = declared_imu(file, name, out.warnings);
+  const NavigationState& start = out.motion->states.front();
+  session.site.latitude = start.latitude, session.site.longitude = start.longitude, session.site.height = start.height;
+  constexpr std::uint64_t any = 1;  // what the aids measure hardly matters
+  simulate_aids(session, file.mission.aids, motion, any);
+  return out;
 }
 
 std::string prediction_headline(const Prediction& p) {

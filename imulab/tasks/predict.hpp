@@ -2,11 +2,14 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/formats/session/mission.hpp"
+#include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/results/prediction.hpp"
 #include "imulab/results/summary.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +29,17 @@ Verb& declare(Verb& command, PredictOptions& o);
 
 /// The prediction that these options ask for. Throws OptionError.
 PredictionOptions task_of(const PredictOptions& o);
+
+/// What a method predicts from.
+struct ReadProcedure {
+  Session session;
+  std::shared_ptr<const motion::NominalMotion> motion = {};  ///< of a mission
+  std::vector<std::string> warnings = {};
+};
+/// The mission as the procedure of a method with aids.
+ReadProcedure procedure_of(const MissionFile& file, const std::string& name);
+/// A procedure or session; for a method with aids a mission, whose [errors] declare the IMU. Throws as read_session and read_mission.
+ReadProcedure read_procedure(const std::string& file, std::string_view method);
 
 /// Predicts as the method of that name does, and gives `options.sharing` the identity of its work. `name`: of the procedure, on the page.
 /// Throws OptionError for terms that the method does not know, and as `predict`.

@@ -141,6 +141,20 @@ std::string heights_csv(const HeightRecord& heights) {
 
 }  // namespace
 
+ImuDeclaration declared_imu(const MissionFile& file, const std::string& mission, std::vector<std::string>& warnings) {
+  ImuDeclaration imu{.name = file.mission.imu};
+  if (!file.errors) return imu;
+  imu.grade = file.errors->system ? "navigation" : file.errors->grade;
+  ErrorSources sources = mission_errors(file, mission, warnings);
+  const auto declare_noise = [](NoiseModel& noise, std::optional<double>& density, std::optional<NoiseModel>& terms) {
+    if (!(noise.N > 0)) return;  // none is declared: the grade's
+    density = std::exchange(noise.N, 0), terms = noise;
+  };
+  declare_noise(sources.gyro_noise, imu.gyro_noise_density, imu.gyro_noise);
+  declare_noise(sources.accel_noise, imu.accel_noise_density, imu.accel_noise);
+  return imu;
+}
+
 FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
   const Trajectory motion = errors_at(task.mission, [&] { return trajectory_of(file.mission); });
   FlownMission out;
@@ -148,6 +162,10 @@ FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
   out.truth = truth(motion, 1 / file.mission.rate, file.mission.truth_every);
   out.session = session_of(file.mission, out.recording, out.truth.states.front());
   add_vertical_channel(file, task, motion, out);
+  if (!file.mission.aids.empty() && (task.errors || task.unit)) {
+    std::vector<std::string> told;  // already
+    out.session.imu = declared_imu(file, task.mission, told);
+  }
   out.aids = simulate_aids(out.session, file.mission.aids, motion, task.seed);
   return out;
 }

@@ -46,6 +46,9 @@ struct FlownMission {
 /// Throws Error as trajectory_of does, where [errors] are asked for that the mission lacks, and as simulate_motion.
 FlownMission fly(const MissionFile& file, const TrajectoryTask& task);
 
+/// The IMU that the mission's [errors] describe, as a session declares it: its grade and noise.
+ImuDeclaration declared_imu(const MissionFile& file, const std::string& mission, std::vector<std::string>& warnings);
+
 /// recording.csv, truth.csv, session.toml, barometer.csv where there is one, and the files of aids, in a new folder, whole or not at all. Throws
 /// Error where it exists or cannot be written.
 void write_flown(const std::filesystem::path& folder, const FlownMission& flown);

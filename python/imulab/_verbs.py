@@ -243,11 +243,14 @@ def predict(
 
     executor: whose workers do the Monte Carlo in as many `parts` (four a worker, or a processor of this machine): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
     """
-    session = procedure if isinstance(procedure, Session) else read_session(procedure)
+    done: list[bytes] = []
+    given: Any = procedure._session if isinstance(procedure, Session) else path("procedure", procedure)
     if executor is None:
         _parts.expect_executor(parts)
-    done = [] if executor is None else _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, session, options)
-    outcome = _imulab.predict(session._session, options, None if done else _callback(progress), done)
+    else:
+        session = procedure if isinstance(procedure, Session) else read_session(procedure)
+        given, done = session._session, _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, session, options)
+    outcome = _imulab.predict(given, options, None if done else _callback(progress), done)
     warn(outcome.warnings)
     return Prediction(outcome)
 

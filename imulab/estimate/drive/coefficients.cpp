@@ -99,21 +99,25 @@ Calibration calibration_of(const AidedNavigation& n) {
   return out;
 }
 
-void consider_curvature(Calibration& c, const Recording& recording, const ImuDeclaration& imu) {
+void consider_curvature(Calibration& c, std::span<const Recording> recordings, const ImuDeclaration& imu) {
   const kernel::PriorSizes sizes = optional_sizes(imu);
-  const std::size_t every = 1 + recording.size() / 20000;
+  std::size_t samples = 0;
+  for (const Recording& recording : recordings) samples += recording.size();
+  const std::size_t every = 1 + samples / 20000;
   for (const Triad triad : triads)
     for (int axis = 0; axis < 3; ++axis) {
       const Index offset = place_of(c, triad, Term::offset, axis), scale = place_of(c, triad, Term::matrix, axis);
       if (offset < 0 || scale < 0) continue;
-      const std::vector<double>& readings = (triad == Triad::accel ? recording.accel : recording.gyro)[static_cast<std::size_t>(axis)];
       for (const Term term : {Term::quadratic, Term::cubic}) {
         const CoefficientIndex index = coefficient_index(triad, term, axis, axis);
         // The line a + b V nearest to V^2 or V^3 over the readings.
         double n = 0, v = 0, h = 0, vv = 0, vh = 0;
-        for (std::size_t i = 0; i < readings.size(); i += every) {
-          const double V = readings[i], H = term == Term::quadratic ? V * V : V * V * V;
-          n += 1, v += V, h += H, vv += V * V, vh += V * H;
+        for (const Recording& recording : recordings) {
+          const std::vector<double>& readings = (triad == Triad::accel ? recording.accel : recording.gyro)[static_cast<std::size_t>(axis)];
+          for (std::size_t i = 0; i < readings.size(); i += every) {
+            const double V = readings[i], H = term == Term::quadratic ? V * V : V * V * V;
+            n += 1, v += V, h += H, vv += V * V, vh += V * H;
+          }
         }
         const double slope = (n * vh - v * h) / (n * vv - v * v), variance = std::pow(kernel::prior_sigma(sizes, coefficient(index), 1), 2);
         if (!std::isfinite(slope) || variance == 0) continue;
@@ -127,16 +131,18 @@ void consider_curvature(Calibration& c, const Recording& recording, const ImuDec
     }
 }
 
-void add_wander(Calibration& c, const Recording& recording, const ImuDeclaration& imu) {
+double wander(Triad triad, const Recording& recording, const ImuDeclaration& imu) {
   const NoiseModels noise = declared_terms(imu);
   constexpr double resolved = 100;  // s: the time over which a drive shows an offset
   const double length = recording.time_s(recording.size() - 1) - recording.time_s(0), part = std::min(resolved, length);
-  for (const Triad triad : triads) {
-    const MatrixXd wander =
-        kernel::slow_noise({{(length - part) / 2, (length + part) / 2}}, triad == Triad::accel ? noise.accel : noise.gyro, recording.interval_s);
-    for (int axis = 0; axis < 3 && wander.size() > 0; ++axis)
-      if (const Index at = place_of(c, triad, Term::offset, axis); at >= 0) c.covariance(at, at) += wander(0, 0);
-  }
+  const MatrixXd variance =
+      kernel::slow_noise({{(length - part) / 2, (length + part) / 2}}, triad == Triad::accel ? noise.accel : noise.gyro, recording.interval_s);
+  return variance.size() > 0 ? variance(0, 0) : 0;
+}
+
+void add_to_offsets(Calibration& c, Triad triad, double variance) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (const Index at = place_of(c, triad, Term::offset, axis); at >= 0) c.covariance(at, at) += variance;
 }
 
 void sort_by_table(Calibration& c) {

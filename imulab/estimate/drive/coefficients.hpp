@@ -12,6 +12,7 @@
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
 
+#include <span>
 #include <vector>
 
 namespace imulab::drive {
@@ -28,11 +29,14 @@ aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<Coe
 /// The model and its covariance: of the estimated constants, by their joint covariance.
 Calibration calibration_of(const AidedNavigation& navigation);
 
-/// Adds what quadratic and cubic terms under their priors make of offsets and scales: over these readings they are nearly straight lines.
-void consider_curvature(Calibration& calibration, const Recording& recording, const ImuDeclaration& imu);
+/// Adds what quadratic and cubic terms under their priors make of offsets and scales: over all these readings they are nearly straight lines.
+void consider_curvature(Calibration& calibration, std::span<const Recording> recordings, const ImuDeclaration& imu);
 
-/// Adds what the offsets in the middle of the recording may differ from those of the unit: declared bias instability, walk and ramp.
-void add_wander(Calibration& calibration, const Recording& recording, const ImuDeclaration& imu);
+/// The variance of an offset in the middle of the recording about that of the unit: declared bias instability, walk and ramp.
+double wander(Triad triad, const Recording& recording, const ImuDeclaration& imu);
+
+/// Adds a variance to the offsets of a triad.
+void add_to_offsets(Calibration& calibration, Triad triad, double variance);
 
 /// The estimated coefficients in the order of the table, as all methods have them.
 void sort_by_table(Calibration& calibration);

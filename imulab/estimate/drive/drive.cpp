@@ -4,8 +4,12 @@
 #include "imulab/error.hpp"
 #include "imulab/estimate/drive/coefficients.hpp"
 #include "imulab/estimate/drive/quality.hpp"
+#include "imulab/estimate/drive/together.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/prediction.hpp"
+#include "imulab/grade.hpp"
+#include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 
 #include <fmt/format.h>
@@ -19,15 +23,33 @@ using Eigen::Index;
 
 namespace {
 
-void expect_aids(const Session& session, const Recording& recording) {
+constexpr int most_passes = 10;  // the factors of the noise settle slowly where few values show them
+
+void expect_aids(const Session& session, const std::string& name) {
   if (session.aids.empty())
     throw Error(
         fmt::format("{}: has no aids, which the method drive needs; expected [[aid]], as kind = \"gnss\" with a file "
                     "(docs/reference/aids.md)",
-                    session.file.empty() ? recording.name : session.file));
+                    session.file.empty() ? name : session.file));
+}
+
+void expect_si(const Recording& recording) {
   for (const auto& [unit, triad] : {std::pair(recording.gyro_unit, "gyro"), std::pair(recording.accel_unit, "accel")})
     if (unit == "count")
       throw Error(fmt::format("{}: {} in counts, whose size a drive does not tell; expected its unit and counts_per_unit", recording.name, triad));
+}
+
+/// What goes with a recording: its aids; an initial state is that of an only one.
+Session session_of_drive(const Session& session, const Recording& recording, std::size_t drives) {
+  Session out = session;
+  for (std::size_t k = 0; k < session.aids.size() && drives > 1; ++k)
+    if (const Aid& aid = session.aids[k]; has_record(aid.kind) && aid.recording.empty())
+      throw Error(fmt::format("aid {} ({}) goes with which of {} recordings? expected recording = \"{}\" or another", k + 1, to_string(aid.kind),
+                              drives, recording.name));
+  std::erase_if(out.aids, [&](const Aid& aid) { return !aid.recording.empty() && aid.recording != recording.name; });
+  if (out.aids.empty()) throw Error(fmt::format("{}: no aid goes with it; expected [[aid]] with recording = \"{}\"", recording.name, recording.name));
+  if (drives > 1) out.initial.reset();
+  return out;
 }
 
 /// The site with the place of the drive where the session has none: gravity follows from it.
@@ -47,27 +69,78 @@ void add_gravity(Calibration& c, const Site& site) {
   c.covariance += common * common.transpose();
 }
 
+std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen) {
+  const ImuDeclaration& imu = input.session.imu;
+  const Grade& g = grade(imu.grade.value_or("mems"));
+  std::vector<Drive> out;
+  for (const Recording& recording : input.recordings) {
+    expect_si(recording);
+    const Session session = session_of_drive(input.session, recording, input.recordings.size());
+    Drive& drive = out.emplace_back(
+        Drive{recording.name, aided::navigate_under(unit_priors(imu, chosen), session, recording, session.aids, {.passes = most_passes})});
+    drive.gyro_turn_on = std::pow(imu.gyro_noise.value_or(g.gyro_noise).turn_on.value, 2);
+    drive.accel_turn_on = std::pow(imu.accel_noise.value_or(g.accel_noise).turn_on.value, 2);
+    drive.gyro_change = drive.gyro_turn_on + wander(Triad::gyro, recording, imu);
+    drive.accel_change = drive.accel_turn_on + wander(Triad::accel, recording, imu);
+  }
+  return out;
+}
+
+/// The calibration that these constants are, with what the navigation has no states for, but for the curvature.
+Calibration stated(const AidedNavigation& constants, const Session& session) {
+  Calibration out = calibration_of(constants);
+  out.imu = session.imu.name;
+  add_gravity(out, session.site);
+  return out;
+}
+
 }  // namespace
 
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
-  const Recording& recording = kernel::only_recording(input, "drive");
-  expect_aids(input.session, recording);
+  if (input.recordings.empty()) throw Error("the method drive takes recordings; got none");
+  expect_aids(input.session, input.recordings.front().name);
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
-  constexpr int passes = 10;  // the factors of the noise settle slowly where few values show them
-  const AidedNavigation n =
-      aided::navigate_under(unit_priors(input.session.imu, chosen), input.session, recording, input.session.aids, {.passes = passes});
-  const Session session = with_place(input.session, n);
-  CalibrationResult result{.calibration = calibration_of(n)};
+  const std::vector<Drive> drives = navigated(input, chosen);
+  const Session session = with_place(input.session, drives.front().navigation);
+  const Together all = together(drives);
+  CalibrationResult result{.calibration = stated(all.navigation, session)};
   Calibration& calibration = result.calibration;
-  calibration.imu = session.imu.name;
-  result.iterations = n.passes;
-  add_gravity(calibration, session.site);
-  add_wander(calibration, recording, session.imu);
-  const kernel::Findings findings = judged(n, session, calibration);
-  if (options.effects && options.terms.empty()) consider_curvature(calibration, recording, session.imu);
+  for (const Drive& drive : drives) result.iterations = std::max(result.iterations, drive.navigation.passes);
+  if (drives.size() == 1)  // of several the change is part of each
+    for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, input.recordings.front(), session.imu));
+  const kernel::Findings findings = judged(drives, all, session, calibration);
+  if (options.effects && options.terms.empty()) consider_curvature(calibration, input.recordings, session.imu);
   sort_by_table(calibration);
   kernel::conclude(calibration, findings);
   return result;
+}
+
+Prediction predict(const Session& mission, const PredictionOptions& options) {
+  if (!options.motion)
+    throw Error(
+        fmt::format("{}: has no motion, from which the method drive predicts; expected a mission (docs/reference/trajectory.md)", mission.file));
+  expect_aids(mission, "the mission");
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
+  const AidedNavigation n = aided::foresee(unit_priors(mission.imu, chosen), mission, *options.motion, mission.aids, most_passes);
+  const Recording readings = aided::ideal_readings(*options.motion);
+  Calibration calibration = stated(n, mission);
+  for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, readings, mission.imu));
+  kernel::Findings findings;
+  name_undetermined(n, calibration.quality, findings);
+  if (options.effects && options.terms.empty()) consider_curvature(calibration, {&readings, 1}, mission.imu);
+  sort_by_table(calibration);
+  add_aids(n, calibration.quality);
+  Prediction out = prediction_of(calibration);
+  out.rig_errors = calibration.quality.rig_errors;
+  out.notes = findings.warnings;
+  std::string aids;
+  for (const AidedConstant& c : n.constants)
+    if (!of_sensors(c)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
+  if (!aids.empty()) out.notes.push_back(std::move(aids));
+  if (!mission.imu.grade) out.notes.emplace_back("priors: of grade mems, since the mission declares none");
+  for (const std::string& doubt : n.doubts) out.warnings.push_back(fmt::format("{}: {}", mission.file, doubt));
+  out.missed = shortfalls(out, options.requirements);
+  return out;
 }
 
 }  // namespace imulab::drive

@@ -1,6 +1,7 @@
 #include "imulab/estimate/drive/quality.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/units.hpp"
 
@@ -15,11 +16,6 @@
 
 namespace imulab::drive {
 
-namespace {
-
-bool of_sensors(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro."); }
-
-/// Names what the drive did not show, by the manoeuvre that would.
 void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
   std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
   for (const AidedConstant& c : n.constants) {
@@ -34,7 +30,6 @@ void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findi
     findings.warn(fmt::format("not determined, so still as uncertain as its prior: {}{}", names, shown_by.empty() ? "" : "; shown by " + shown_by));
 }
 
-/// "gnss.lever_arm.up 0.512 m (u = 0.03)"
 std::string constant_text(const AidedConstant& c) {
   const bool angle = c.name.find("mounting") != std::string::npos, relative = c.name.ends_with("drift") || c.name.ends_with("scale");
   const double size = angle ? unit::deg : relative ? unit::ppm : 1;
@@ -46,14 +41,38 @@ std::string constant_text(const AidedConstant& c) {
                      c.sigma / size);
 }
 
-void add_aids(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
-  for (const AidedConstant& c : n.constants) {
-    if (of_sensors(c)) continue;
-    quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
-    findings.note(constant_text(c));
-  }
+namespace {
+
+/// "second.csv: ", where there are several.
+std::string in_front(const std::vector<Drive>& drives, const Drive& drive) { return drives.size() > 1 ? drive.name + ": " : ""; }
+
+void note_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
+  const AidedNavigation& n = drive.navigation;
+  findings.note(fmt::format("{}{} passes over {:.0f} s with {}; {} values of aids, innovations {:.2f} times their stated size (RMS)", before,
+                            n.passes, n.solution.time.back() - n.solution.time.front(), fmt::join(n.aids, ", "), n.innovations.size(),
+                            n.innovation_rms));
   for (const AidedFactor& f : n.factors)
-    findings.note(fmt::format("noise of {}: {:.3g} times the declared sigma, from {:.0f} values", f.name, std::sqrt(f.factor), f.resolved));
+    findings.note(fmt::format("{}noise of {}: {:.3g} times the declared sigma, from {:.0f} values", before, f.name, std::sqrt(f.factor), f.resolved));
+}
+
+void doubt_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
+  for (const std::string& reason : drive.navigation.doubts) findings.doubt(before + reason);
+  constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
+  if (const SerialCorrelation serial = serial_correlation(drive.navigation); serial.value > much)
+    findings.doubt(
+        fmt::format("{}innovations of {} are alike from one to the next (correlation {:.2f}): its errors last, and the uncertainties are too small",
+                    before, serial.source, serial.value));
+}
+
+/// The drive that adds to the others what they exclude.
+void doubt_contradiction(const std::vector<Contradiction>& all, kernel::Findings& findings) {
+  const auto chance = [](const Contradiction& c) { return c.freedom > 0 ? log_chi_square_tail(c.chi2, c.freedom) : 0; };
+  const auto worst = std::ranges::min_element(all, {}, chance);
+  constexpr double improbable = 1e-4;
+  if (worst == all.end() || chance(*worst) > std::log(improbable / static_cast<double>(all.size()))) return;
+  findings.doubt(
+      fmt::format("{} contradicts the other{}: chi2 {:.3g} for {:g} differences, most in {} ({:.1f} sigmas); another unit, or one that changed",
+                  worst->drive, all.size() > 2 ? " drives" : " drive", worst->chi2, worst->freedom, worst->worst, worst->sigmas));
 }
 
 /// A unit that is not of its grade, or not mounted as its axes say: the prior then pulls the estimates.
@@ -84,6 +103,11 @@ Calibration determined_part(const Calibration& c) {
 
 }  // namespace
 
+void add_aids(const AidedNavigation& n, Quality& quality) {
+  for (const AidedConstant& c : n.constants)
+    if (!of_sensors(c)) quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
+}
+
 SerialCorrelation serial_correlation(const AidedNavigation& n) {
   struct Series {
     double last = 0, squares = 0, products = 0;
@@ -110,26 +134,29 @@ SerialCorrelation serial_correlation(const AidedNavigation& n) {
   return out;
 }
 
-kernel::Findings judged(const AidedNavigation& n, const Session& session, Calibration& calibration) {
+kernel::Findings judged(const std::vector<Drive>& drives, const Together& all, const Session& session, Calibration& calibration) {
   kernel::Findings findings;
   Quality& quality = calibration.quality;
-  quality.converged = n.converged;
-  quality.chi2_per_dof = n.innovation_rms * n.innovation_rms;
-  quality.degrees_of_freedom = static_cast<int>(n.innovations.size()) - static_cast<int>(n.constants.size());
+  quality.converged = true;
+  double values = 0, squares = 0;
+  for (const Drive& drive : drives) {
+    const AidedNavigation& n = drive.navigation;
+    quality.converged = quality.converged && n.converged;
+    values += static_cast<double>(n.innovations.size()), squares += n.innovation_rms * n.innovation_rms * static_cast<double>(n.innovations.size());
+    note_drive(drive, in_front(drives, drive), findings);
+  }
+  quality.chi2_per_dof = values > 0 ? squares / values : 0;
+  quality.degrees_of_freedom = static_cast<int>(values) - static_cast<int>(all.navigation.constants.size());
   if (!calibration.estimated.empty()) quality.condition = kernel::condition_number(calibration.covariance);
   quality.sources.push_back(kernel::gravity_source(session.site));
-  findings.note(fmt::format("{} passes over {:.0f} s with {}; {} values of aids, innovations {:.2f} times their stated size (RMS)", n.passes,
-                            n.solution.time.back() - n.solution.time.front(), fmt::join(n.aids, ", "), n.innovations.size(), n.innovation_rms));
   if (!session.imu.grade) findings.note("priors: of grade mems, since the session declares none");
-  name_undetermined(n, quality, findings);
-  add_aids(n, quality, findings);
-  for (const std::string& reason : n.doubts) findings.doubt(reason);
-  constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
-  if (const SerialCorrelation serial = serial_correlation(n); serial.value > much)
-    findings.doubt(
-        fmt::format("innovations of {} are alike from one to the next (correlation {:.2f}): its errors last, and the uncertainties are too small",
-                    serial.source, serial.value));
-  doubt_priors(n, session, findings);
+  name_undetermined(all.navigation, quality, findings);
+  add_aids(all.navigation, quality);
+  for (const AidedConstant& c : all.navigation.constants)
+    if (!of_sensors(c)) findings.note(constant_text(c));
+  for (const Drive& drive : drives) doubt_drive(drive, in_front(drives, drive), findings);
+  doubt_contradiction(all.contradictions, findings);
+  doubt_priors(all.navigation, session, findings);
   const Calibration determined = determined_part(calibration);
   if (determined.estimated.empty()) findings.doubt("the motion shows no coefficient");
   kernel::add_common_doubts(findings, determined, session.site);

@@ -2,9 +2,13 @@
 #pragma once
 
 #include "imulab/calibration.hpp"
+#include "imulab/estimate/drive/together.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/navigation/aided/aided.hpp"
 #include "imulab/session.hpp"
+
+#include <string>
+#include <vector>
 
 namespace imulab::drive {
 
@@ -15,7 +19,13 @@ struct SerialCorrelation {
 };
 SerialCorrelation serial_correlation(const AidedNavigation& navigation);
 
+/// What the drives did not show, with the manoeuvre that would, and the constants of the aids: into quality and findings.
+void name_undetermined(const AidedNavigation& navigation, Quality& quality, kernel::Findings& findings);
+void add_aids(const AidedNavigation& navigation, Quality& quality);
+/// "gnss.lever_arm.up 0.512 m (u = 0.03)"
+std::string constant_text(const AidedConstant& constant);
+
 /// Fills in the quality but for the verdict; the findings are the reasons for that.
-kernel::Findings judged(const AidedNavigation& navigation, const Session& session, Calibration& calibration);
+kernel::Findings judged(const std::vector<Drive>& drives, const Together& all, const Session& session, Calibration& calibration);
 
 }  // namespace imulab::drive

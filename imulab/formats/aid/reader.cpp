@@ -56,6 +56,13 @@ bool is_own_log(const AidRequest& request, const Session& session, const Recordi
   return fs::equivalent(request.file, session_path(session, source.file), none);
 }
 
+/// With several recordings a file that is none of theirs has to say to which it belongs.
+void expect_assigned(const Aid& aid, const AidRequest& request, const Session& session, const RecordingSource& source) {
+  if (session.recordings.size() < 2 || !aid.recording.empty() || is_own_log(request, session, source)) return;
+  throw Error(fmt::format("{}: goes with which of the {} recordings? expected recording = \"{}\" or another in its [[aid]]", aid.file,
+                          session.recordings.size(), source.file));
+}
+
 /// Throws Error for a receiver that is somewhere else than the session says, where swapping its latitude and longitude brings it there.
 void expect_at_site(const Aid& aid, const Session& session) {
   if (aid.record.position.empty()) return;
@@ -78,8 +85,10 @@ AidsReading read_aids(const Session& session, const RecordingSource& source, con
   AidsReading out;
   for (const Aid& declared : session.aids) {
     Aid aid = declared;
+    if (!aid.recording.empty() && aid.recording != source.file) continue;
     if (has_record(aid.kind) && aid.record.time.empty()) {
       const AidRequest request = request_of(aid, session, source);
+      expect_assigned(aid, request, session, source);
       const AidFormat& format = aid_format_of(request, aid);
       AidRows rows = format.read(request);
       aid.scale = rows.scale;
@@ -91,6 +100,7 @@ AidsReading read_aids(const Session& session, const RecordingSource& source, con
       aid.record = std::move(reading.record);
       out.warnings.insert(out.warnings.end(), reading.warnings.begin(), reading.warnings.end());
       expect_at_site(aid, session);
+      if (session.recordings.size() > 1) aid.recording = source.file;
     }
     out.aids.push_back(on_recording_clock(std::move(aid), recording, source, out.warnings));
   }

@@ -95,16 +95,23 @@ void read_motion(TomlFields& f, const std::filesystem::path& path, MissionFile& 
   f.check(track || !mission.segments.empty(), "segment", "is empty; expected [[segment]] tables");
   f.table("track", Presence::optional, [&](TomlFields& t) { read_track(t, path, mission, file.files); });
   read_temperature(f, mission.temperature);
-  f.tables("aid", [&](TomlFields& t) { session_fields::transfer(t, mission.aids.emplace_back()); });
+  f.tables("aid", [&](TomlFields& t) {
+    session_fields::transfer(t, mission.aids.emplace_back());
+    t.check(mission.aids.back().recording.empty(), "recording", "names a recording, of which a mission has none; expected no such key");
+  });
 }
 
 }  // namespace
 
 MissionFile read_mission(const std::filesystem::path& path) {
   const MappedFile mapped(path, Content::settings);
-  TomlFields f(input_name(path), mapped.text());
+  return parse_mission(mapped.text(), path);
+}
+
+MissionFile parse_mission(std::string_view text, const std::filesystem::path& path) {
+  TomlFields f(input_name(path), text);
   MissionFile file;
-  file.sha256 = sha256(mapped.text());
+  file.sha256 = sha256(text);
   f.format("imulab.mission/1");
   read_motion(f, path, file);
   f.table_of<ErrorSpecification>("errors", file.errors, read_errors);

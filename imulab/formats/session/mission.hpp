@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -21,6 +22,8 @@ struct MissionFile {
 /// Reads a mission, and the file of its track. Throws Error with file, line and key: for unknown keys, kinds and units, values out of range, and
 /// segments that the motion before them does not allow.
 MissionFile read_mission(const std::filesystem::path& path);
+/// Reads a mission from text; `path` is its name in messages, and files that it names are beside it.
+MissionFile parse_mission(std::string_view text, const std::filesystem::path& path);
 
 struct ErrorSourcesReading {
   ErrorSources sources;

@@ -60,6 +60,15 @@ void read_step(TomlFields& f, Session& session, StepLayout& layout) {
   session.steps.push_back(step);
 }
 
+void read_aid(TomlFields& f, Session& session) {
+  Aid& aid = session.aids.emplace_back();
+  transfer(f, aid);
+  std::vector<std::string_view> files;
+  for (const RecordingSource& recording : session.recordings) files.push_back(recording.file);
+  f.check(aid.recording.empty() || std::find(files.begin(), files.end(), aid.recording) != files.end(), "recording",
+          fmt::format("\"{}\" is not a recording of this session; expected {}", aid.recording, listed(files)));
+}
+
 }  // namespace
 
 void take_noise(ImuDeclaration& imu, const std::string& file) {
@@ -96,7 +105,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.table("navigation", Presence::optional, [&](TomlFields& t) { transfer_navigation(t, session); });
-  f.tables("aid", [&](TomlFields& t) { transfer(t, session.aids.emplace_back()); });
+  f.tables("aid", [&](TomlFields& t) { read_aid(t, session); });
   f.done();
   session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());
