@@ -107,6 +107,11 @@ std::vector<DriveRun> drives(int runs);
 /// The first seven, and the RMS of all.
 std::string describe(const std::vector<DriveRun>& runs);
 
+/// Aided navigation and the method drive on drawn drives (city with stops, motorway) and half as many flights (hover, fixed wing): MEMS and tactical
+/// grade, receivers of 1 and 10 Hz whose stated sigma is a third, one and three times the true one, lever arm, delay, and a mounting up to 30 deg.
+/// Of those that are good: coverage of what is stated, and NEES of a position.
+std::vector<Check> aided_runs(int runs);
+
 /// Position errors at the end of a flight, east-north-up [m], one per row of the table that describe_flights makes.
 using FlightRun = std::vector<Eigen::Vector3d>;
 /// IMUs, calibrations and noise of seeds 1 .. runs on docs/evidence/papers/dai2011/flight.toml, and on the same without its roll.

@@ -19,8 +19,8 @@ namespace imulab::acceptance {
 namespace {
 
 // A calibration by hand determines 39 coefficients; the test for outliers needs 43 units, and twice as many are common.
-constexpr std::uint64_t units = 86, off = 17;
-constexpr double false_alarm = 0.05;
+constexpr std::uint64_t units_by_hand = 86, off = 17;
+constexpr double false_alarm_by_hand = 0.05;
 
 struct FleetByHand {
   double calibrated = 0, named = 0, others = 0, wrongly_left = 0, means = 0, covered = 0;
@@ -29,10 +29,10 @@ struct FleetByHand {
 
 /// Sessions of all units below a folder. One has an accelerometer that is 0.5 g off.
 void write_week(const std::filesystem::path& folder, std::uint64_t seed) {
-  for (std::uint64_t unit = 0; unit < units; ++unit) {
+  for (std::uint64_t unit = 0; unit < units_by_hand; ++unit) {
     Session procedure = hand_held_procedure({}, 1);
     procedure.imu.name = "unit", procedure.imu.serial = std::to_string(unit);
-    SimulationTask task{.seed = seed * units + unit};
+    SimulationTask task{.seed = seed * units_by_hand + unit};
     if (unit == off) {
       task.unit = simulate_session(procedure, task).truth;
       task.unit->model.accel.offset.x() += 0.5 * unit::g;
@@ -64,7 +64,7 @@ FleetByHand fleet_of(std::uint64_t seed) {
   FleetByHand out;
   out.calibrated = static_cast<double>(calibrate_fleet(sessions_below({folder / "week"}), {.method = "handheld"}, store).calibrated);
   FleetOptions options;
-  options.false_alarm = false_alarm;
+  options.false_alarm = false_alarm_by_hand;
   const FleetStatistics f = fleet_statistics(store, options);
   for (const FleetOutlier& o : f.search.outliers) {
     const bool is_off = f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]) == "unit " + std::to_string(off);
@@ -94,9 +94,9 @@ std::vector<Check> fleets_by_hand(int count) {
   }
   const auto n = static_cast<double>(count);
   // Coefficients that are drawn independently: what the binomial distribution leaves in 999 of 1000 runs.
-  return {{"sessions calibrated", sum.calibrated / (n * static_cast<double>(units)), 1, 1},
+  return {{"sessions calibrated", sum.calibrated / (n * static_cast<double>(units_by_hand)), 1, 1},
           {"units 0.5 g off that are named", sum.named / n, 1, 1},
-          {"fleets with another outlier", with_others / n, 0, binomial_quantile(0.999, n, false_alarm) / n},
+          {"fleets with another outlier", with_others / n, 0, binomial_quantile(0.999, n, false_alarm_by_hand) / n},
           {"fleets that leave out others than those that kept their prior", sum.wrongly_left, 0, 0},
           {"coverage of the mean", sum.covered / sum.means, binomial_quantile(0.0005, sum.means, 0.95) / sum.means,
            binomial_quantile(0.9995, sum.means, 0.95) / sum.means}};

@@ -110,6 +110,8 @@ int run(int argc, char** argv) {
     passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), [&] { return fleets(count(600)); });
     passed &= report(fmt::format("fleet by hand: {} fleets, seeds 1..{}", by_hand, by_hand), [&] { return fleets_by_hand(by_hand); });
   }
+  if (chosen("aided"))
+    passed &= report(fmt::format("aided: {} drives and flights, seeds 1..{}", count(300), count(300)), [&] { return aided_runs(count(300)); });
   if (chosen("drives")) {
     by_part([&] {
       const std::string rates = describe(drives(count(200)));

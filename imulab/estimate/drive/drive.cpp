@@ -70,18 +70,12 @@ void add_gravity(Calibration& c, const Site& site) {
 }
 
 std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen) {
-  const ImuDeclaration& imu = input.session.imu;
-  const Grade& g = grade(imu.grade.value_or("mems"));
   std::vector<Drive> out;
   for (const Recording& recording : input.recordings) {
     expect_si(recording);
     const Session session = session_of_drive(input.session, recording, input.recordings.size());
-    Drive& drive = out.emplace_back(
-        Drive{recording.name, aided::navigate_under(unit_priors(imu, chosen), session, recording, session.aids, {.passes = most_passes})});
-    drive.gyro_turn_on = std::pow(imu.gyro_noise.value_or(g.gyro_noise).turn_on.value, 2);
-    drive.accel_turn_on = std::pow(imu.accel_noise.value_or(g.accel_noise).turn_on.value, 2);
-    drive.gyro_change = drive.gyro_turn_on + wander(Triad::gyro, recording, imu);
-    drive.accel_change = drive.accel_turn_on + wander(Triad::accel, recording, imu);
+    out.push_back(drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {.passes = most_passes}),
+                           recording, input.session.imu));
   }
   return out;
 }
@@ -96,11 +90,24 @@ Calibration stated(const AidedNavigation& constants, const Session& session) {
 
 }  // namespace
 
+Drive drive_of(AidedNavigation navigation, const Recording& recording, const ImuDeclaration& imu) {
+  const Grade& g = grade(imu.grade.value_or("mems"));
+  Drive out{recording.name, std::move(navigation)};
+  out.gyro_turn_on = std::pow(imu.gyro_noise.value_or(g.gyro_noise).turn_on.value, 2);
+  out.accel_turn_on = std::pow(imu.accel_noise.value_or(g.accel_noise).turn_on.value, 2);
+  out.gyro_change = out.gyro_turn_on + wander(Triad::gyro, recording, imu);
+  out.accel_change = out.accel_turn_on + wander(Triad::accel, recording, imu);
+  return out;
+}
+
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
   if (input.recordings.empty()) throw Error("the method drive takes recordings; got none");
   expect_aids(input.session, input.recordings.front().name);
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
-  const std::vector<Drive> drives = navigated(input, chosen);
+  return calibration_result(navigated(input, chosen), input, options);
+}
+
+CalibrationResult calibration_result(const std::vector<Drive>& drives, const CalibrationInput& input, const CalibrationOptions& options) {
   const Session session = with_place(input.session, drives.front().navigation);
   const Together all = together(drives);
   CalibrationResult result{.calibration = stated(all.navigation, session)};

@@ -128,7 +128,7 @@ SerialCorrelation serial_correlation(const AidedNavigation& n) {
   SerialCorrelation out;
   constexpr double improbable = 5;  // standard deviations of white ones
   for (const auto& [key, s] : all) {
-    const double correlation = s.products / s.squares, count = static_cast<double>(s.count);
+    const double count = static_cast<double>(s.count), correlation = s.products / std::max(s.squares, count);
     if (s.count > 30 && correlation > std::max(out.value, improbable / std::sqrt(count))) out = {n.factors[key.first].name, correlation};
   }
   return out;

@@ -12,7 +12,8 @@
 
 namespace imulab::drive {
 
-/// Correlation of neighboring innovations of one source and component, the largest of those that chance does not explain; 0: all are white.
+/// Correlation of neighboring innovations of one source and component, the largest of those that chance does not explain; 0: all are white. Those
+/// that are smaller than their stated size count by that: what they have in common is then in the sigmas.
 struct SerialCorrelation {
   std::string source;
   double value = 0;

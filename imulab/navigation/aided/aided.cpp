@@ -2,6 +2,7 @@
 
 #include "imulab/compensate.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/outages.hpp"
 #include "imulab/navigation/aided/plausible.hpp"
@@ -103,17 +104,6 @@ void judge(AidedNavigation& out, const std::string& name) {
 
 }  // namespace
 
-double update_factors(Problem& p, const std::vector<NoiseEvidence>& evidence, bool first) {
-  constexpr double believed = 4;  // values that the declared noise counts for
-  double change = 0;
-  for (std::size_t k = 0; k < p.sources.size(); ++k) {
-    const double before = p.sources[k].factor, resolved = evidence[k].resolved;
-    p.sources[k].factor = (before * evidence[k].squares + believed) / (resolved + believed - 2);
-    if (resolved > 50 && !first) change = std::max(change, std::abs(p.sources[k].factor / before - 1));
-  }
-  return change;
-}
-
 AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
                                const AidedOptions& options) {
   AidedNavigation out;
@@ -128,6 +118,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   FilterPass pass;
   SmootherPass smoothed;
   AboutTrajectory trajectory;
+  FactorSearch search;
   while (out.passes < options.passes && !out.converged) {
     count_iteration(options.passes);
     pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
@@ -137,7 +128,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     ++out.passes;
     trajectory = about(p, pass, smoothed);
     if (out.passes == options.passes) break;  // the factors remain those of the states
-    out.converged = update_factors(p, smoothed.evidence, out.passes == 1) < settled && out.passes > 2;
+    out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
   }
   add_outages(p, pass, smoothed, &OutageResult::smoothed, out.outages);
   add_constants(p, smoothed, out);
@@ -185,8 +176,6 @@ Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time)
   return (1 - part) * before.value + part * after->value;
 }
 
-Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {
-  return covariance_at(n, time).diagonal().cwiseMax(0).cwiseSqrt();
-}
+Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) { return covariance_at(n, time).diagonal().cwiseMax(0).cwiseSqrt(); }
 
 }  // namespace imulab

@@ -85,11 +85,12 @@ std::vector<CovariancePart> parts_of(const Problem& p, const FilterStart& start,
     add(budget::group_of(c), s.state, std::sqrt(std::max(0., std::pow(start.sigma[s.state], 2) - turn_on * turn_on)));
     add(c.triad == Triad::gyro ? "gyro turn-on" : "accelerometer turn-on", s.state, std::abs(turn_on));
   }
+  const Eigen::VectorXd variance = start_variance(p, start);
   for (Index k = 0; k < 3; ++k) add(k < 2 ? "start attitude: level" : "start attitude: heading", At::attitude + k, start.sigma[k]);
   for (Index k = 0; k < 3; ++k) add("start velocity", At::velocity + k, start.sigma[At::velocity + k]);
   for (Index k = 0; k < 3; ++k) add("start position", At::position + k, start.sigma[At::position + k]);
   for (const StateBlock& b : p.blocks)
-    for (Index k = 0; k < b.size && b.first >= p.sensors_end; ++k) add(in_words(b.name), b.first + k, start.sigma[b.first + k]);
+    for (Index k = 0; k < b.size && b.first >= p.sensors_end; ++k) add(in_words(b.name), b.first + k, std::sqrt(variance[b.first + k]));
   add_noise_parts(parts, p, sources);
   return parts.all;
 }
@@ -152,7 +153,7 @@ void set_sizes(Problem& p) {
     StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
     const double white = c.aid.correlation ? white_share : 1;
     slow.sigma = c.aid.kind == AidKind::gnss ? position_sigma(c.aid, 0).mean() : value_sigma(c.aid, 0);
-    slow.prior.setConstant(slow.sigma * std::sqrt(1 - white));
+    slow.prior.setConstant(slow.sigma);
     p.sources[*slow.noise].factor = 1 - white, p.sources[c.first_noise].factor = white;
   }
 }

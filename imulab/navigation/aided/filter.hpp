@@ -65,6 +65,9 @@ struct FilterOptions {
 /// A row's update of a covariance by a gain K, (I - K h) P (I - K h)^T + K r K^T: positive, and right of every gain.
 void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& h, const Eigen::VectorXd& gain, double noise);
 
+/// Of all states at the start: those of stationary errors are as large as their noise makes them.
+Eigen::VectorXd start_variance(const Problem& problem, const FilterStart& start);
+
 struct FilterPass {
   std::vector<Node> nodes;
   double log_likelihood = 0;
@@ -76,11 +79,6 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
 struct NoiseEvidence {
   double squares = 0, resolved = 0;
 };
-inline constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
-inline constexpr double settled = 0.1;    // of a factor: a further pass changes sigmas by less than half of it
-/// New factors, the means of what they may be: n values leave a variance n / (n - 2) of the size that they show. The largest relative change of those
-/// that the data resolve.
-double update_factors(Problem& problem, const std::vector<NoiseEvidence>& evidence, bool first);
 
 struct SmoothedNode {
   FullState state;

@@ -1,6 +1,7 @@
 #include "imulab/navigation/aided/foreseen.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/start.hpp"
 
@@ -57,6 +58,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
   AidedNavigation out;
   FilterPass pass;
   SmootherPass smoothed;
+  FactorSearch search;
   while (out.passes < passes && !out.converged) {
     pass = filter(p, start, {.about = &about});
     smoothed = smooth(p, pass);
@@ -64,7 +66,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
     out.factors.clear();
     for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
     ++out.passes;
-    out.converged = update_factors(p, smoothed.evidence, out.passes == 1) < settled && out.passes > 2;
+    out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
   }
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   add_constants(p, smoothed, out);

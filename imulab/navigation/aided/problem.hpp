@@ -39,6 +39,7 @@ struct StateBlock {
   double sigma = 0;                  // stationary, where the time is finite
   Eigen::VectorXd walk;              // growth of the standard deviation [unit/sqrt(s)]; empty: none
   std::optional<std::size_t> noise;  // the source of u
+  bool stationary() const { return std::isfinite(time) && noise; }
 };
 
 /// An aid and the places of its states; -1: absent. `delay`: that in the middle of the recording [s], and its drift [s/s], as clocks do.

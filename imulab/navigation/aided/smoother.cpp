@@ -39,6 +39,12 @@ struct Smoother {
     out.evidence[source].resolved += std::max(0., 1 - explained);
   }
 
+  /// A jump is no noise: it does not make that of the slow error larger.
+  void add_slow(std::size_t source, double square_over_variance, double explained) {
+    const double weight = tail_weight(square_over_variance + explained);
+    add(source, weight * square_over_variance, weight * explained);
+  }
+
   /// The rows' noise as it is smoothed, and their new weights.
   void judge_rows(const Node& node, const Smoothed& s) {
     const VectorXd total = node.correction + s.error;
@@ -84,8 +90,17 @@ struct Smoother {
           if (q[k] == 0) continue;  // declared as constant
           const double a = t.decay[k], both = gain.row(k).dot(next.covariance.col(k));
           const double variance = next.covariance(k, k) - 2 * a * both + a * a * here.covariance(k, k);
-          add(*b.noise, noise[k] * noise[k] / q[k], variance / q[k]);
+          add_slow(*b.noise, noise[k] * noise[k] / q[k], variance / q[k]);
         }
+  }
+
+  /// Slow errors at the start, drawn from what their noise has made before.
+  void judge_start(const Smoothed& s, const FullState& state) {
+    for (const StateBlock& b : p.blocks)
+      for (Index k = b.first; b.stationary() && k < b.first + b.size; ++k) {
+        const double variance = p.sources[*b.noise].factor * b.prior[k - b.first] * b.prior[k - b.first];
+        add_slow(*b.noise, state.x[k] * state.x[k] / variance, s.covariance(k, k) / variance);
+      }
   }
 
   /// J P J^T + G (Q + P') G^T with J = I - G F: positive by its form. Constants are those of the next epoch: their rows of G are those of the
@@ -122,6 +137,7 @@ struct Smoother {
   void keep(const Node& node, std::size_t index, const Smoothed& s) {
     if (index == out.middle) out.middle_covariance = s.covariance;
     out.nodes[index] = {plus(node.reference, s.error), s.error, s.covariance.topLeftCorner<9, 9>(), s.covariance.diagonal()};
+    if (index == 0) judge_start(s, out.nodes[0].state);
     judge_rows(node, s);
     judge_withheld(node, index, s);
   }

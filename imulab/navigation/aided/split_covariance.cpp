@@ -10,7 +10,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SplitCovariance::SplitCovariance(const Problem& p, const FilterStart& start)
-    : p_(p), by_start_(MatrixXd::Identity(p.size, p.size)), total_(start.sigma.cwiseAbs2().asDiagonal()) {
+    : p_(p), by_start_(MatrixXd::Identity(p.size, p.size)), total_(start_variance(p, start).asDiagonal()) {
   for (std::size_t k = 0; k < p.sources.size(); ++k) {
     Problem alone;
     alone.size = p.size, alone.blocks = p.blocks, alone.sources = p.sources;
