@@ -187,7 +187,7 @@ AidedRun aided_run(std::uint64_t seed) {
   CalibrationOptions options;
   options.effects = false;  // none are simulated
   const AidedNavigation n =
-      aided::navigate_under(drive::unit_priors(c.session.imu, drive::drive_coefficients()), c.session, c.recording, c.session.aids, {.passes = 10});
+      aided::navigate_under(drive::unit_priors(c.session.imu, drive::drive_coefficients()), c.session, c.recording, c.session.aids, {});
   const Calibration result =
       drive::calibration_result({drive::drive_of(n, c.recording, c.session.imu)}, {c.session, std::span(&c.recording, 1)}, options).calibration;
   out.good = result.quality.verdict == "good";

@@ -74,8 +74,8 @@ std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<Co
   for (const Recording& recording : input.recordings) {
     expect_si(recording);
     const Session session = session_of_drive(input.session, recording, input.recordings.size());
-    out.push_back(drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {.passes = most_passes}),
-                           recording, input.session.imu));
+    out.push_back(
+        drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {}), recording, input.session.imu));
   }
   return out;
 }

@@ -121,6 +121,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   FactorSearch search;
   while (out.passes < options.passes && !out.converged) {
     count_iteration(options.passes);
+    pass = {}, smoothed = {};  // one at a time in memory
     pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
     smoothed = smooth(p, pass);
     out.factors.clear();
@@ -135,8 +136,10 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   std::vector<NavigationState> states = std::move(trajectory.states);
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
-  const FilterPass last =
-      std::exchange(pass, filter(p, turned_to(start.start, smoothed)));  // what was known at each time, with the noise of the whole
+  std::vector<double> times;
+  for (const Node& node : pass.nodes) times.push_back(time_of(p, node.samples));
+  pass = {};
+  pass = filter(p, turned_to(start.start, smoothed));  // what was known at each time, with the noise of the whole
   add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
   add_innovations(p, pass, out);
   if (options.causal) {
@@ -147,7 +150,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
-  widen_by_levels(p, last, smoothed, out);
+  widen_by_levels(p, times, smoothed, out);
   for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
     out.warnings.push_back(recording.name + ": " + doubt);
     out.doubts.push_back(std::move(doubt));

@@ -23,7 +23,7 @@ namespace imulab {
 struct AidedOptions {
   bool causal = false;               // the solution is that of the filter: from the data before each time alone
   std::vector<Outage> outages = {};  // withheld from the aids with a file, besides the aids' own
-  int passes = 5;                    // of the smoother, at most
+  int passes = 10;                   // of the smoother, at most
 };
 
 /// An estimated constant [SI] beside its standard deviation before the data. Offsets, which wander, are those in the middle of the recording.

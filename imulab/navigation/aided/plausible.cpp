@@ -86,34 +86,33 @@ std::vector<std::string> take_repeats(std::vector<Aid>& aids) {
   return out;
 }
 
-void widen_by_levels(const Problem& p, const FilterPass& pass, const SmootherPass& smoothed, AidedNavigation& out) {
+void widen_by_levels(const Problem& p, const std::vector<double>& times, const SmootherPass& smoothed, AidedNavigation& out) {
   for (const Channel& c : p.channels) {
     if (c.aid.kind != AidKind::gnss || c.slow < 0) continue;
     const StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
     const double size = slow.sigma * std::sqrt(p.sources[*slow.noise].factor);
-    const auto time = [&](std::size_t k) { return pass.nodes[k].samples > 0 ? p.time[pass.nodes[k].samples - 1] : p.begin; };
     for (Index axis = 0; axis < 3; ++axis) {
       const auto level = [&](std::size_t k) { return std::abs(smoothed.nodes[k].state.x[c.slow + axis]); };
       // It lasts as the slow error does: a jump passes through zero.
-      std::vector<double> around(pass.nodes.size());
+      std::vector<double> around(times.size());
       for (std::size_t k = 0; k < around.size(); ++k)
-        around[k] = k > 0 ? std::max(level(k), around[k - 1] * std::exp((time(k - 1) - time(k)) / c.time_constant)) : level(k);
+        around[k] = k > 0 ? std::max(level(k), around[k - 1] * std::exp((times[k - 1] - times[k]) / c.time_constant)) : level(k);
       for (std::size_t k = around.size() - 1; k-- > 0;)
-        around[k] = std::max(around[k], around[k + 1] * std::exp((time(k) - time(k + 1)) / c.time_constant));
+        around[k] = std::max(around[k], around[k + 1] * std::exp((times[k] - times[k + 1]) / c.time_constant));
       std::size_t worst = 0;
       for (std::size_t k = 1; k < smoothed.nodes.size(); ++k)
         if (level(k) > level(worst)) worst = k;
       if (!(level(worst) > far_level * size)) continue;
       std::size_t k = 0;
       for (AidedCovariance& covariance : out.covariance) {
-        while (k + 1 < pass.nodes.size() && time(k) < covariance.time) ++k;
+        while (k + 1 < times.size() && times[k] < covariance.time) ++k;
         covariance.value(At::position + axis, At::position + axis) += around[k] * around[k];
       }
       out.doubts.push_back(fmt::format(
           "{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size: another datum or geoid, a jump, "
           "or "
           "aids that contradict each other; the sigmas of the position contain it",
-          place_of(c), level(worst), axis_names[static_cast<std::size_t>(axis)], time(worst), level(worst) / size));
+          place_of(c), level(worst), axis_names[static_cast<std::size_t>(axis)], times[worst], level(worst) / size));
       out.warnings.push_back(out.doubts.back());
     }
   }

@@ -16,7 +16,8 @@ std::vector<std::string> take_repeats(std::vector<Aid>& aids);
 
 /// Levels that a receiver's slow error reaches though its law forbids them: another datum or geoid, a permanent jump, a second receiver that
 /// contradicts. Which level is right is not known: the covariance of the positions gets its square.
-void widen_by_levels(const Problem& problem, const FilterPass& pass, const SmootherPass& smoothed, AidedNavigation& out);
+/// `times`: of the smoothed nodes [s].
+void widen_by_levels(const Problem& problem, const std::vector<double>& times, const SmootherPass& smoothed, AidedNavigation& out);
 
 /// Doubts about estimates that the declarations exclude: constants far from their priors, noise of the IMU far above its declaration.
 std::vector<std::string> implausible_estimates(const Problem& problem, const SmoothedNode& last, const AidedNavigation& out);
