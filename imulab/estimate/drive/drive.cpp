@@ -23,7 +23,6 @@ using Eigen::Index;
 
 namespace {
 
-constexpr int most_passes = 10;  // the factors of the noise settle slowly where few values show them
 
 void expect_aids(const Session& session, const std::string& name) {
   if (session.aids.empty())
@@ -128,7 +127,7 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
         fmt::format("{}: has no motion, from which the method drive predicts; expected a mission (docs/reference/trajectory.md)", mission.file));
   expect_aids(mission, "the mission");
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
-  const AidedNavigation n = aided::foresee(unit_priors(mission.imu, chosen), mission, *options.motion, mission.aids, most_passes);
+  const AidedNavigation n = aided::foresee(unit_priors(mission.imu, chosen), mission, *options.motion, mission.aids, AidedOptions{}.passes);
   const Recording readings = aided::ideal_readings(*options.motion);
   Calibration calibration = stated(n, mission);
   for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, readings, mission.imu));
