@@ -111,6 +111,8 @@ std::string describe(const std::vector<DriveRun>& runs);
 /// grade, receivers of 1 and 10 Hz whose stated sigma is a third, one and three times the true one, lever arm, delay, and a mounting up to 30 deg.
 /// Of those that are good: coverage of what is stated, and NEES of a position.
 std::vector<Check> aided_runs(int runs);
+/// Its constants on one flight: RMS errors at most 1.1 times the Cramer-Rao bound.
+std::vector<Check> aided_bound(int runs);
 
 /// Position errors at the end of a flight, east-north-up [m], one per row of the table that describe_flights makes.
 using FlightRun = std::vector<Eigen::Vector3d>;

@@ -112,6 +112,8 @@ int run(int argc, char** argv) {
   }
   if (chosen("aided"))
     passed &= report(fmt::format("aided: {} drives and flights, seeds 1..{}", count(300), count(300)), [&] { return aided_runs(count(300)); });
+  if (chosen("aided-bound"))
+    passed &= report(fmt::format("aided-bound: {} flights, seeds 1..{}", count(100), count(100)), [&] { return aided_bound(count(100)); });
   if (chosen("drives")) {
     by_part([&] {
       const std::string rates = describe(drives(count(200)));

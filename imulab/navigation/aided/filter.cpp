@@ -115,7 +115,8 @@ struct Filter {
     }
   }
 
-  /// The filter's own point of linearization is the mean after the update, repeated where that is far (Bell 1993).
+  /// The filter's own point of linearization is the mean after the update, repeated where that is far (Bell and Cathey 1993,
+  /// doi:10.1109/9.250476).
   void observe_all(Node& node, const std::vector<std::size_t>& observations) {
     if (observations.empty()) return;
     if (options.about) return use(node, observations);
