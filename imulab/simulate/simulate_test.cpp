@@ -5,6 +5,7 @@
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/parallel.hpp"
 #include "imulab/procedure.hpp"
 #include "imulab/units.hpp"
