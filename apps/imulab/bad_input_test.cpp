@@ -288,5 +288,14 @@ TEST(BadInput, ACalibrationWithNumbersOfNoSize) {
     expect_refused(folder, command, "huge.json: gyro.matrix.xx is 1e+300; expected a number from -1e+30 to 1e+30");
 }
 
+TEST(BadInput, ACalibrationThatMapsAllToOnePlane) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  folder.write("flat.json", R"({"format": "imulab.calibration/1", "model": {"accel": {"matrix": [[1, 0, 0], [0, 1, 0], [1, 1, 0]]},
+      "gyro": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}}})");
+  for (const char* command : {"compensate flat.json session -o out.csv", "navigate flat.json session"})
+    expect_refused(folder, command, "flat.json: accel.matrix is singular; expected three rows");
+}
+
 }  // namespace
 }  // namespace imulab

@@ -246,7 +246,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected calibration.json"},
         Case{"calibration.json nan.json", "nan.json:28: not JSON; expected calibration.json"},
         Case{"calibration.json null.json", "expected a number, found null"},
-        Case{"calibration.json truth.json singular.json", "imulab: singular.json: model.gyro.matrix: has no inverse"},
+        Case{"calibration.json truth.json singular.json", "imulab: singular.json: gyro.matrix is singular"},
         Case{"calibration.json counts.json rates.json",
              "imulab: rates.json: gyro was calibrated from rad/s, expected count as in counts.json"},  // and the first does not say
         Case{"calibration.json truth.json calibration.json",

@@ -172,7 +172,7 @@ std::string note_of(const SavedResult& result) {
 std::string kind_name(const SavedResult& result) {
   static constexpr std::array<const char*, 11> names{
       "calibration",          "comparison", "prediction",   "plan",           "navigation",
-      "aided navigation",     "budget",     "compensation", "noise analysis", "noise analysis of several logs",
+      "navigation with aids", "budget",     "compensation", "noise analysis", "noise analysis of several logs",
       "comparison of results"};
   return names.at(result.index());
 }

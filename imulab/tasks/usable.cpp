@@ -4,6 +4,7 @@
 #include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,6 +19,16 @@ void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSour
   if (model.temperature && source && model.temperature->unit != source->unit)
     throw Error(
         fmt::format("{}: the {} temperature is in {}; expected {} as in the calibration", file, triad, source->unit, model.temperature->unit));
+}
+
+/// A matrix without an inverse maps different readings to the same motion.
+void expect_invertible(const Calibration& calibration, const std::string& name) {
+  constexpr double least = 1e-6;  // of axes that share all but 0.2 arcsec
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    const Matrix3d rows = triad_model(calibration.model, triad).matrix.rowwise().normalized();
+    if (!(std::abs(rows.determinant()) > least))
+      throw Error(fmt::format("{}: {}.matrix is singular; expected three rows that are not zero and not of one plane", name, to_string(triad)));
+  }
 }
 
 }  // namespace
@@ -35,7 +46,7 @@ std::vector<std::string> doubt_about(const Calibration& calibration, const std::
 }
 
 std::vector<std::string> expect_usable(const Calibration& calibration, const std::string& name, bool allowed, const std::string& allow) {
-  expect_sizes(calibration, name);
+  expect_sizes(calibration, name), expect_invertible(calibration, name);
   std::vector<std::string> warnings = doubt_about(calibration, name);
   const auto estimated = [&](const char* selector) {
     const std::vector<CoefficientIndex> of = select_coefficients(selector);

@@ -56,6 +56,8 @@ void note_drive(const Drive& drive, const std::string& before, kernel::Findings&
 }
 
 void doubt_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
+  for (const std::string& warning : drive.navigation.warnings)
+    if (std::ranges::none_of(drive.navigation.doubts, [&](const std::string& doubt) { return warning.ends_with(doubt); })) findings.warn(warning);
   for (const std::string& reason : drive.navigation.doubts) findings.doubt(before + reason);
   constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
   if (const SerialCorrelation serial = serial_correlation(drive.navigation); serial.value > much)

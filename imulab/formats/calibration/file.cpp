@@ -98,13 +98,6 @@ void check_recorded(const Field& f, const RecordedAs& r, Quantity quantity, cons
   }
 }
 
-/// A matrix without an inverse maps different motions to the same reading.
-void expect_invertible(const Field& field, const Matrix3d& matrix) {
-  constexpr double least = 1e-6;  // of axes that share all but 0.2 arcsec
-  if (std::abs(matrix.determinant()) <= least * matrix.row(0).norm() * matrix.row(1).norm() * matrix.row(2).norm())
-    field.fail("has no inverse; expected three rows that are not zero and not of one plane");
-}
-
 void check_format(const Field& root) {
   if (!root.has("format")) root.fail(fmt::format("format: is missing; expected \"{}\"", format_name));
   const std::string format = root["format"].text();
@@ -182,12 +175,6 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   problems.none_in([&] {
     if (c.recorded_gyro) check_recorded(root["recorded"]["gyro"], *c.recorded_gyro, Quantity::gyro, c.model.gyro.raw_unit);
   });
-  for (const Triad triad : {Triad::accel, Triad::gyro})
-    problems.none_in([&] {
-      const std::string name(to_string(triad));
-      if (root.has("model") && root["model"].has(name) && root["model"][name].has("matrix"))
-        expect_invertible(root["model"][name]["matrix"], triad_model(c.model, triad).matrix);
-    });
   problems.none_in([&] {
     if (const std::string& verdict = c.quality.verdict; !verdict.empty() && verdict != "good" && verdict != "doubtful")
       root["quality"]["verdict"].expected("good or doubtful");

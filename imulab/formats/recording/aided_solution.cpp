@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <iterator>
@@ -85,11 +86,24 @@ constexpr std::array texts{
         "", add_pos},
 };
 
+constexpr std::string_view odometry_ending = ".mcap";
+
+std::string lower_ending(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
 }  // namespace
 
+bool has_aided_ending(const std::filesystem::path& path) {
+  const std::string ending = lower_ending(path);
+  return ending == odometry_ending || (ending != ".csv" && std::ranges::find(texts, std::string_view(ending), &SolutionText::ending) != texts.end());
+}
+
 void write_aided_solution(const std::filesystem::path& path, const AidedNavigation& n) {
-  const std::string ending = path.extension().string();
-  if (ending == ".mcap") return write_odometry(path, n);
+  const std::string ending = lower_ending(path);
+  if (ending == odometry_ending) return write_odometry(path, n);
   auto form = std::ranges::find(texts, std::string_view(ending), &SolutionText::ending);
   if (form == texts.end()) form = texts.begin();
   WholeFile file(path);

@@ -141,6 +141,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   pass = {};
   pass = filter(p, turned_to(start.start, smoothed));  // what was known at each time, with the noise of the whole
   add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
+  std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
   add_innovations(p, pass, out);
   if (options.causal) {
     states = causal_states(p, pass);
@@ -150,6 +151,10 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
+  if (std::ranges::none_of(p.observations, [&](const Observation& o) { return !o.withheld && has_record(p.channels[o.channel].aid.kind); })) {
+    out.doubts.emplace_back("all values of the aids are withheld: nothing corrects the solution");
+    out.warnings.push_back(recording.name + ": " + out.doubts.back());
+  }
   widen_by_levels(p, times, smoothed, out);
   for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
     out.warnings.push_back(recording.name + ": " + doubt);
@@ -160,6 +165,18 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
 
 }  // namespace aided
 
+namespace {
+
+double largest_correlation(const Eigen::MatrixXd& covariance) {
+  double most = 0;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      if (const double scale = covariance(i, i) * covariance(j, j); scale > 0) most = std::max(most, std::abs(covariance(i, j)) / std::sqrt(scale));
+  return most;
+}
+
+}  // namespace
+
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
                                const AidedOptions& options) {
   Session checked = session;
@@ -167,7 +184,16 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   validate(checked), validate(raw);
   Recording recording = compensate(calibration.model, std::move(raw)).recording;
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
-  return aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
+  AidedNavigation out = aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
+  constexpr double joint = 0.9;  // the priors of the constants are independent: of two that are known only together each would be known too well
+  if (const double most = largest_correlation(calibration.covariance); most > joint) {
+    out.doubts.push_back(
+        fmt::format("coefficients of the calibration are correlated by up to {:.3f}, which the priors here do not hold: the sigmas "
+                    "may be too small by half; navigate with none, or calibrate both recordings as one",
+                    most));
+    out.warnings.push_back(recording.name + ": " + out.doubts.back());
+  }
+  return out;
 }
 
 Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time) {

@@ -125,10 +125,13 @@ std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedN
     for (const StateBlock& b : p.blocks) {
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
       for (Index k = b.first; own && k < b.first + b.size; ++k) {
-        const double off = std::abs(last.state.x[k] - prior.mean[k]);
-        if (b.prior[k - b.first] > 0 && off > far_constant * b.prior[k - b.first])
-          doubts.push_back(
-              fmt::format("{}: comes out {:.3g} from what is declared, {:.3g} times its sigma", in_words(b.name), off, off / b.prior[k - b.first]));
+        // What data that agree with a prior add to it has the variance by which they reduce it.
+        constexpr double learned = 0.05;  // of the variance: less is rounding
+        const double off = std::abs(last.state.x[k] - prior.mean[k]), declared = b.prior[k - b.first] * b.prior[k - b.first];
+        const double added = declared - last.variance[k];
+        if (added > learned * declared && off > far_constant * std::sqrt(added))
+          doubts.push_back(fmt::format("{}: comes out {:.3g} from what is declared, {:.3g} times what its sigma lets expect", in_words(b.name), off,
+                                       off / std::sqrt(added)));
       }
     }
   for (const std::size_t source : {p.gyro_source, p.accel_source})
