@@ -165,18 +165,6 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
 
 }  // namespace aided
 
-namespace {
-
-double largest_correlation(const Eigen::MatrixXd& covariance) {
-  double most = 0;
-  for (Eigen::Index i = 0; i < covariance.rows(); ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
-      if (const double scale = covariance(i, i) * covariance(j, j); scale > 0) most = std::max(most, std::abs(covariance(i, j)) / std::sqrt(scale));
-  return most;
-}
-
-}  // namespace
-
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording raw, const std::vector<Aid>& aids,
                                const AidedOptions& options) {
   Session checked = session;
@@ -184,16 +172,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   validate(checked), validate(raw);
   Recording recording = compensate(calibration.model, std::move(raw)).recording;
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
-  AidedNavigation out = aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
-  constexpr double joint = 0.9;  // the priors of the constants are independent: of two that are known only together each would be known too well
-  if (const double most = largest_correlation(calibration.covariance); most > joint) {
-    out.doubts.push_back(
-        fmt::format("coefficients of the calibration are correlated by up to {:.3f}, which the priors here do not hold: the sigmas "
-                    "may be too small by half; navigate with none, or calibrate both recordings as one",
-                    most));
-    out.warnings.push_back(recording.name + ": " + out.doubts.back());
-  }
-  return out;
+  return aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
 }
 
 Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time) {

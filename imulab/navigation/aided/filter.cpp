@@ -138,6 +138,7 @@ struct Filter {
   Node first() const {
     Node node{.samples = start.sample, .reference = start.mean, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
     node.covariance = start_variance(p, start).asDiagonal();
+    if (p.joint.size() > 0) node.covariance.topLeftCorner(p.sensors_end, p.sensors_end) += p.joint;
     if (!options.about) return node;
     node.reference = {options.about->states.front(), options.about->x};
     node.error = difference(start.mean, node.reference);

@@ -71,6 +71,7 @@ struct Problem {
   Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
   Eigen::Index sensors_end = 15;  // of the states that the sensors' output depends on
   Eigen::Index size = 15;
+  Eigen::MatrixXd joint = {};  // covariances at the start of two of them, besides the variances; empty: none
   std::vector<Channel> channels;
   std::vector<Observation> observations;  // by stamp
   double middle() const { return (begin + time.back()) / 2; }

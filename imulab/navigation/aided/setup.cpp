@@ -17,6 +17,7 @@
 namespace imulab::aided {
 namespace {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 
 // Where an aid declares nothing: one sigma.
@@ -60,6 +61,13 @@ void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
     p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", flat(priors.g_sensitivity)));
   }
   p.sensors_end = p.size;
+  if (priors.covariance.size() == 0) return;
+  std::vector<Index> states;
+  for (const auto& [first, size] : {std::pair{p.gyro_offset, 3}, {p.accel_offset, 3}, {p.gyro_matrix, 9}, {p.accel_matrix, 9}, {p.g_sensitivity, 9}})
+    for (Index k = 0; k < size && first >= 0; ++k) states.push_back(first + k);
+  p.joint = Eigen::MatrixXd::Zero(p.sensors_end, p.sensors_end);
+  p.joint(states, states) = priors.covariance.topLeftCorner(std::ssize(states), std::ssize(states));
+  p.joint.diagonal().setZero();
 }
 
 /// The typical sigma of one axis of a receiver's positions.
@@ -174,36 +182,47 @@ bool still_by_aids(const Problem& p, double end) {
 
 double offset_walk(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt(flicker_time)); }
 
+namespace {
+
+/// Among the constants of the sensors, matrices column by column.
+enum ConstantPlace : Index {
+  gyro_offset_at = 0,
+  accel_offset_at = 3,
+  gyro_matrix_at = 6,
+  accel_matrix_at = 15,
+  g_sensitivity_at = 24,
+  all_constants = 33
+};
+
+/// What errors of the coefficients make of the constants, a row each.
+Eigen::MatrixXd constants_by(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(all_constants, std::ssize(coefficients));
+  for (std::size_t a = 0; a < coefficients.size(); ++a) {
+    const Coefficient& c = coefficient(coefficients[a]);
+    const bool gyro = c.triad == Triad::gyro;
+    const TriadModel& m = triad_model(model, c.triad);
+    auto by = out.col(static_cast<Index>(a));
+    const Matrix3d to_raw = m.matrix.inverse();
+    if (c.term == Term::offset) by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = 1;
+    if (c.term == Term::g_sensitivity) by[g_sensitivity_at + 3 * c.column + c.row] = 1;
+    if (c.term != Term::matrix) continue;
+    by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = -(to_raw * m.offset)[c.column];  // by the raw readings where the output is zero
+    for (Index j = 0; j < 3; ++j) by[(gyro ? gyro_matrix_at : accel_matrix_at) + 3 * j + c.row] = to_raw(c.column, j);
+  }
+  return out;
+}
+
+}  // namespace
+
 void take_coefficients(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients, const Eigen::MatrixXd& covariance,
                        SensorPriors& out) {
-  const auto variance = [&](const std::array<CoefficientIndex, 4>& of, const Eigen::Vector4d& by) {
-    double sum = 0;
-    for (std::size_t a = 0; a < coefficients.size(); ++a)
-      for (std::size_t b = 0; b < coefficients.size(); ++b) {
-        const auto i = std::ranges::find(of, coefficients[a]) - of.begin(), j = std::ranges::find(of, coefficients[b]) - of.begin();
-        if (i < 4 && j < 4) sum += by[i] * by[j] * covariance(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-      }
-    return std::max(0., sum);
-  };
-  for (const Triad triad : {Triad::gyro, Triad::accel}) {
-    const TriadModel& m = triad == Triad::gyro ? model.gyro : model.accel;
-    const Matrix3d to_raw = m.matrix.inverse();
-    const Vector3d still = -to_raw * m.offset;  // raw readings where the output is zero
-    for (int i = 0; i < 3; ++i) {
-      const std::array of{coefficient_index(triad, Term::matrix, i, 0), coefficient_index(triad, Term::matrix, i, 1),
-                          coefficient_index(triad, Term::matrix, i, 2), coefficient_index(triad, Term::offset, i, i)};
-      (triad == Triad::gyro ? out.gyro_offset : out.accel_offset)[i] = std::sqrt(variance(of, Eigen::Vector4d(still[0], still[1], still[2], 1)));
-      for (int j = 0; j < 3; ++j) {
-        const Eigen::Vector4d by(to_raw(0, j), to_raw(1, j), to_raw(2, j), 0);
-        (triad == Triad::gyro ? out.gyro_matrix : out.accel_matrix)(i, j) = std::sqrt(variance(of, by));
-      }
-    }
-  }
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const auto at = std::ranges::find(coefficients, coefficient_index(Triad::gyro, Term::g_sensitivity, i, j)) - coefficients.begin();
-      out.g_sensitivity(i, j) = at < std::ssize(coefficients) ? std::sqrt(covariance(at, at)) : 0;
-    }
+  const Eigen::MatrixXd by = constants_by(model, coefficients);
+  out.covariance = by * covariance * by.transpose();
+  const VectorXd sigma = out.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  out.gyro_offset = sigma.segment<3>(gyro_offset_at), out.accel_offset = sigma.segment<3>(accel_offset_at);
+  out.gyro_matrix = Eigen::Map<const Matrix3d>(sigma.data() + gyro_matrix_at);
+  out.accel_matrix = Eigen::Map<const Matrix3d>(sigma.data() + accel_matrix_at);
+  out.g_sensitivity = Eigen::Map<const Matrix3d>(sigma.data() + g_sensitivity_at);
 }
 
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu) {

@@ -23,6 +23,7 @@ struct SensorPriors {
   Matrix3d g_sensitivity;              // (rad/s)/(m/s^2)
   Vector3d gyro_walk, accel_walk;      // of the offsets [unit/sqrt(s)]
   Vector3d gyro_noise, accel_noise;    // densities
+  Eigen::MatrixXd covariance = {};     // of offsets, matrices and g-sensitivity as a calibration has it, in the order of the states; empty: none
 };
 /// The sensors' constants: what the coefficients' covariance [SI, of the model's raw readings] makes of the calibrated output. Zero for what is not
 /// among the coefficients; noise and walks stay.

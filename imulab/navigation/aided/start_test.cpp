@@ -1,6 +1,8 @@
 // Where an aided navigation starts that is given an initial state.
 #include "imulab/navigation/aided/start.hpp"
 
+#include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
@@ -68,6 +70,23 @@ TEST(AidedStart, ARestDoesNotTellAnOffsetFromGSensitivity) {
   EXPECT_EQ(std::ranges::count(n.factors, "zero_velocity.rate", &AidedFactor::name), 1);
   for (const char* name : {"gyro.g_sensitivity.xz", "gyro.g_sensitivity.yz", "gyro.g_sensitivity.zz"})
     EXPECT_TRUE(std::ranges::find(n.constants, name, &AidedConstant::name)->undetermined()) << name;
+}
+
+// A calibration that knows gravity's reading, but not offset and scale apart: a level drive, which knows the same, tells neither.
+TEST(AidedStart, WhatACalibrationKnowsTogetherStaysTogether) {
+  const StartedLate d = started_late(0, 20, 0.02);
+  Calibration c;
+  c.estimated = {coefficient_index("accel.offset.z"), coefficient_index("accel.matrix.zz")};
+  constexpr double scale = 0.01, offset = 9.8 * scale;
+  const auto scale_after = [&](double correlation) {
+    c.covariance = (Eigen::Matrix2d() << offset * offset, correlation * offset * scale, correlation * offset * scale, scale * scale).finished();
+    const AidedNavigation n = foresee(sensor_priors(c, {}), {}, d.motion, d.aids, 3);
+    return std::ranges::find(n.constants, "accel.matrix.zz", &AidedConstant::name)->sigma / scale;
+  };
+  const double apart = scale_after(0);
+  EXPECT_GT(apart, std::sqrt(0.5));  // the drive shows nothing but the sum
+  EXPECT_LT(apart, 0.8);             // and nearly that
+  EXPECT_NEAR(scale_after(-0.999), 1, 0.02);
 }
 
 }  // namespace
