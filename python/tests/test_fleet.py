@@ -1,5 +1,6 @@
 """Fleets, as the command has them."""
 
+import multiprocessing
 from concurrent.futures import ProcessPoolExecutor
 
 import imulab
@@ -41,7 +42,7 @@ def test_it_is_the_commands_store(fleet, week, command):
 
 def test_an_executors_workers_make_the_same_store(fleet, week, tmp_path):
     again = imulab.Fleet(tmp_path / "again.db")
-    with ProcessPoolExecutor(2) as executor:
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as executor:
         counts = again.calibrate(week, method="handheld", station="A", executor=executor, parts=3)
         assert (counts["sessions"], counts["calibrated"], counts["skipped"]) == (28, 28, 0)
     # One more time in this process: nothing is left to do.

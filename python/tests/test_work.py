@@ -1,5 +1,6 @@
 """Long work: the interpreter's lock, interrupts, progress."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -146,7 +147,7 @@ def test_an_executors_workers_give_the_same_bits(tmp_path):
         '[[segment]]\nkind = "straight"\nduration_s = 60\n[errors]\ngrade = "navigation"\n'
     )
     told = []
-    with ProcessPoolExecutor(2) as executor:
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as executor:  # a fork beside threads may wait forever
         assert imulab.predict(procedure, runs=1000, executor=executor, parts=3, progress=told.append).json == imulab.predict(procedure, runs=1000).json
         assert imulab.budget(mission, runs=20, executor=executor).json == imulab.budget(mission, runs=20).json
         for wrong, options in {
