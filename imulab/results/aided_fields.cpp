@@ -32,7 +32,7 @@ void describe(Fields& f, AidedFactor& a) {
 
 template <class Fields>
 void describe(Fields& f, AidedAid& a) {
-  f("kind", a.kind);
+  f("name", a.name), f("kind", a.kind);
   if (!a.lever_arm.empty()) f("lever_arm_m", a.lever_arm), f("lever_arm_sigma_m", a.lever_arm_sigma);
   if (!a.mounting.empty()) f("mounting_deg", a.mounting, fields::in(unit::deg)), f("mounting_sigma_deg", a.mounting_sigma, fields::in(unit::deg));
   f("delay_s", a.delay, fields::if_any), f("delay_sigma_s", a.delay_sigma, fields::if_any),
@@ -93,17 +93,6 @@ void describe_outages(Fields& f, AidedNavigation& n) {
   }
 }
 
-/// Aids are numbered where there are several of a kind.
-std::vector<std::string> names_of_aids(const Field& aids) {
-  std::vector<std::string> names;
-  for (const std::string& kind : aids.list([](const Field& a) { return a["kind"].text(); })) {
-    std::string name = kind;
-    for (std::size_t k = 2; std::ranges::find(names, name) != names.end(); ++k) name = kind + std::to_string(k);
-    names.push_back(name);
-  }
-  return names;
-}
-
 }  // namespace
 
 template <class Fields>
@@ -111,11 +100,16 @@ void describe(Fields& f, AidedSummary& s) {
   AidedNavigation& n = s.navigation;
   f("session", s.session);
   fields::via(
-      f, "kind", [&] { return std::string(n.causal ? "filtered" : "smoothed"); }, [&](const std::string& kind) { n.causal = kind == "filtered"; });
+      f, "kind", [&] { return std::string(n.causal ? "filtered" : "smoothed"); },
+      [&](const std::string& kind) {
+        fields::expect(f, kind == "filtered" || kind == "smoothed", "kind", "filtered or smoothed");
+        n.causal = kind == "filtered";
+      });
   std::array<double, 2> time{};
   if constexpr (!Fields::reads) time = {n.solution.time.front(), n.solution.time.back()};
   f("begin_s", time[0]), f("end_s", time[1]);
-  if constexpr (Fields::reads) n.solution.time = {time[0], time[1]}, n.aids = names_of_aids(f.at()["aids"]);
+  if constexpr (Fields::reads)
+    n.solution.time = {time[0], time[1]}, n.aids = f.at()["aids"].list([](const Field& aid) { return aid["name"].text(); });
   f("largest_sigma_m", s.largest_sigma);
   describe_outages(f, n);
   if constexpr (!Fields::reads) f("aids", aided_aids(n));

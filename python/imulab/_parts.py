@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
 from collections.abc import Callable
@@ -37,11 +38,19 @@ def by_parts(executor: Executor, parts: int | None, progress: Callable[[float], 
             future.result()
             if progress is not None:
                 progress(done / count)
-    except BaseException:
+    except BaseException as reason:
         for future in futures:
             future.cancel()
+        if isinstance(reason, Exception):
+            _settle(executor)
         raise
     return [future.result() for future in futures]
+
+
+def _settle(executor: Executor) -> None:
+    """Has work done behind what was cancelled: a pool of processes (Python 3.11) whose end is asked for before it has dropped that waits for ever."""
+    with contextlib.suppress(Exception):
+        executor.submit(int).result()
 
 
 def prediction(session: Session, options: dict[str, Any], part: str) -> bytes:

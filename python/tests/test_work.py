@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
@@ -150,7 +150,6 @@ def test_an_executors_workers_give_the_same_bits(tmp_path):
     with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as executor:  # a fork beside threads may wait forever
         assert imulab.predict(procedure, runs=1000, executor=executor, parts=3, progress=told.append).json == imulab.predict(procedure, runs=1000).json
         assert imulab.budget(mission, runs=20, executor=executor).json == imulab.budget(mission, runs=20).json
-    with ThreadPoolExecutor(2) as executor:  # a pool of processes whose work was cancelled may not end (Python 3.11)
         for wrong, options in {
             "parts: 0": {"parts": 0},
             "divides a Monte Carlo": {"runs": 0, "parts": 2},
