@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 
 #include "tests/temporary_folder.hpp"
+#include <atomic>
 #include <limits>
+#include <thread>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -56,6 +59,18 @@ TEST(MemoryLimit, IsThatOfTheProcessesOwnControlGroup) {
                         {"sys/fs/cgroup/memory/memory.limit_in_bytes", "5000000000\n"},
                         {"sys/fs/cgroup/cpu/memory.limit_in_bytes", "1000000000\n"}}),
             5'000'000'000u);
+}
+
+TEST(GiveBackFreedMemory, MayBeAskedByThreadsAtOnce) {
+  std::atomic<int> ready = 0;
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 8; ++i)
+    threads.emplace_back([&] {
+      for (++ready; ready < 8;) std::this_thread::yield();
+      give_back_freed_memory();
+    });
+  threads.clear();
+  EXPECT_EQ(ready, 8);
 }
 
 }  // namespace
