@@ -162,13 +162,14 @@ TEST(PlanDriveCommand, AddsManoeuvresUntilTheRequirementIsMet) {
   EXPECT_THAT(on_one_line(run_imulab(folder, "plan --mission flight.toml" + require).errors), HasSubstr("imulab predict --method drive judges"));
 }
 
-// Each drive adds its information on the scales, but for what coefficients that neither shows do to both alike: a tenth.
+// Each drive adds its information on the scales, but for what coefficients that neither shows do to both alike: a tenth. Effects are those of the
+// unit, alike in all of its drives.
 TEST(CalibrateDriveCommand, SeveralDrivesAreOneCalibration) {
   const TemporaryFolder folder;
   write_drive(folder, eight);
   write_drive(folder, eight, "again", 6);
   const auto calibrated = [&](const std::string& sessions) {
-    const CommandResult result = run_imulab(folder, "calibrate " + sessions + " --method drive -o c.json --force");
+    const CommandResult result = run_imulab(folder, "calibrate " + sessions + " --method drive --effects none -o c.json --force");
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     return read_calibration(folder / "c.json");
   };
@@ -181,6 +182,14 @@ TEST(CalibrateDriveCommand, SeveralDrivesAreOneCalibration) {
   for (const CoefficientIndex index : both.estimated)
     if (coefficient(index).term == Term::matrix)
       EXPECT_LT(*standard_uncertainty(both, index), 1.001 * std::min(*standard_uncertainty(one, index), *standard_uncertainty(other, index)));
+  const Calibration with_effects = [&] {
+    run_imulab(folder, "calibrate drive again --method drive -o c.json --force");
+    return read_calibration(folder / "c.json");
+  }();
+  EXPECT_EQ(with_effects.quality.verdict, "good");
+  EXPECT_LT(largest_sigmas(with_effects, read_calibration(folder / "unit/truth.json").model), 4.2);
+  EXPECT_GT(sigma(with_effects, "accel.matrix.xx"), 1.1 * sigma(both, "accel.matrix.xx"));
+  EXPECT_THAT(testing::PrintToString(with_effects.quality.considered), HasSubstr("accel.cross_terms"));
   EXPECT_THAT(testing::PrintToString(both.quality.notes),
               AllOf(HasSubstr("recording.csv: gnss.delay"), HasSubstr("again/recording.csv: gnss.delay")));
   // Readings of gyros about z that are 3 % off are another unit's.

@@ -3,6 +3,7 @@
 #include "imulab/compensate.hpp"
 #include "imulab/error.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/temperature.hpp"
 
 #include <fmt/format.h>
@@ -48,13 +49,19 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
   r.gyro_unit = unit.model.gyro.raw_unit.empty() ? "rad/s" : unit.model.gyro.raw_unit;  // a drawn unit does not say
   r.accel_unit = unit.model.accel.raw_unit.empty() ? "m/s^2" : unit.model.accel.raw_unit;
   for (std::size_t i = 0; i < ideal.size(); ++i) r.time_ns.push_back(std::llround(1e9 * interval * static_cast<double>(i + 1)));
+  for (const Increment& sample : ideal)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      r.gyro[axis].push_back(sample.angle[static_cast<Eigen::Index>(axis)] / interval);
+      r.accel[axis].push_back(sample.velocity[static_cast<Eigen::Index>(axis)] / interval);
+    }
+  std::vector<TemperatureProfile::State> states;  // in the samples' middles: the mean, the profile being linear
+  for (std::size_t i = 0; temperature && i < ideal.size(); ++i) {
+    const double celsius = temperature->at(interval * (static_cast<double>(i) + 0.5));
+    states.push_back({celsius, celsius});
+  }
+  add_effects(r, unit.effects, unit.gravity, 0, states);
   MotionColumns columns;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto row = static_cast<Eigen::Index>(axis);
-    for (const Increment& sample : ideal) {
-      r.gyro[axis].push_back(sample.angle[row] / interval);
-      r.accel[axis].push_back(sample.velocity[row] / interval);
-    }
     columns.rate[axis] = r.gyro[axis];
     columns.force[axis] = r.accel[axis];
     for (const bool gyro : {true, false}) {
@@ -68,11 +75,6 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
   if (!temperature) {
     decompensate(unit.model, {}, {}, columns);
     return r;
-  }
-  std::vector<TemperatureProfile::State> states;  // in the samples' middles: the mean, the profile being linear
-  for (std::size_t i = 0; i < ideal.size(); ++i) {
-    const double celsius = temperature->at(interval * (static_cast<double>(i) + 0.5));
-    states.push_back({celsius, celsius});
   }
   const std::vector<double> gyro = followed_readings(unit.model.gyro, temperature->gyro, states);
   const std::vector<double> accel = followed_readings(unit.model.accel, temperature->accel, states);

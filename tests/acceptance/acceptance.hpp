@@ -110,7 +110,8 @@ std::string describe(const std::vector<DriveRun>& runs);
 /// Aided navigation and the method drive on drawn drives (city with stops, motorway) and half as many flights (hover, fixed wing): MEMS and tactical
 /// grade, receivers of 1 and 10 Hz whose stated sigma is a third, one and three times the true one, lever arm, delay, and a mounting up to 30 deg.
 /// Of those that are good: coverage of what is stated, and NEES of a position.
-std::vector<Check> aided_runs(int runs);
+/// `effects`: of every one that the table has, drawn and estimated.
+std::vector<Check> aided_runs(int runs, bool effects = false);
 /// Its constants on one flight: RMS errors at most 1.1 times the Cramer-Rao bound.
 std::vector<Check> aided_bound(int runs);
 

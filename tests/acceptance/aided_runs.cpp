@@ -6,6 +6,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/drive/coefficients.hpp"
 #include "imulab/estimate/drive/drive.hpp"
+#include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
 #include "imulab/navigation/motion/flight.hpp"
@@ -115,7 +116,7 @@ struct AidedCase {
 };
 
 /// Two drives to a flight.
-AidedCase drawn_case(std::uint64_t seed) {
+AidedCase drawn_case(std::uint64_t seed, bool effects) {
   const RandomStream draw(seed, "aided");
   AidedCase c;
   c.carrier = seed % 3 == 2 ? 2 + seed / 3 % 2 : seed % 3;
@@ -123,6 +124,11 @@ AidedCase drawn_case(std::uint64_t seed) {
   session.site.latitude = 48 * unit::deg, session.site.longitude = 0.2, session.site.height = 500;
   session.imu.grade = draw.uniform(2000) < 0.5 ? "mems" : "tactical";
   session.imu.noise = NoiseTerms::full;
+  if (effects) {
+    session.imu.simulated_effects.emplace();
+    for (const Effect& effect : imulab::effects())
+      session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade, 0));
+  }
   c.unit = draw_truth(session, seed);
   c.unit.accel_noise.turn_on = c.unit.gyro_noise.turn_on = {};  // of one recording: a calibration of it does not separate them from the offsets
   const auto angle = [&](std::uint64_t k) { return 30 * unit::deg * (2 * draw.uniform(2001 + k) - 1); };
@@ -181,13 +187,14 @@ void add_states(const AidedCase& c, const AidedNavigation& n, AidedRun& out) {
   }
 }
 
-AidedRun aided_run(std::uint64_t seed) {
-  const AidedCase c = drawn_case(seed);
+AidedRun aided_run(std::uint64_t seed, bool effects) {
+  const AidedCase c = drawn_case(seed, effects);
   AidedRun out{.carrier = c.carrier};
   CalibrationOptions options;
-  options.effects = false;  // none are simulated
-  const AidedNavigation n =
-      aided::navigate_under(drive::unit_priors(c.session.imu, drive::drive_coefficients()), c.session, c.recording, c.session.aids, {});
+  options.effects = effects;
+  const aided::OutputTerms terms = drive::output_terms(c.recording, c.session, drive::shared_by({&c.recording, 1}, c.session));
+  const AidedNavigation n = aided::navigate_under(drive::unit_priors(c.session.imu, drive::drive_coefficients()), c.session, c.recording,
+                                                  c.session.aids, {}, effects ? &terms : nullptr);
   const Calibration result =
       drive::calibration_result({drive::drive_of(n, c.recording, c.session.imu)}, {c.session, std::span(&c.recording, 1)}, options).calibration;
   out.good = result.quality.verdict == "good";
@@ -207,8 +214,8 @@ AidedRun aided_run(std::uint64_t seed) {
 
 }  // namespace
 
-std::vector<Check> aided_runs(int count) {
-  const auto runs = runs_of<AidedRun>("aided", count, [&](std::size_t i) { return aided_run(i + 1); });
+std::vector<Check> aided_runs(int count, bool effects) {
+  const auto runs = runs_of<AidedRun>(effects ? "aided-effects" : "aided", count, [&](std::size_t i) { return aided_run(i + 1, effects); });
   std::array<double, carriers.size()> good{}, all{};
   std::array<double, quantities.size()> inside{}, stated{};
   double nees = 0, goods = 0;

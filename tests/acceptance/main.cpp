@@ -112,6 +112,9 @@ int run(int argc, char** argv) {
   }
   if (chosen("aided"))
     passed &= report(fmt::format("aided: {} drives and flights, seeds 1..{}", count(300), count(300)), [&] { return aided_runs(count(300)); });
+  if (chosen("aided-effects"))
+    passed &= report(fmt::format("aided-effects: {} drives and flights of IMUs with effects, seeds 1..{}", count(300), count(300)),
+                     [&] { return aided_runs(count(300), true); });
   if (chosen("aided-bound"))
     passed &= report(fmt::format("aided-bound: {} flights, seeds 1..{}", count(100), count(100)), [&] { return aided_bound(count(100)); });
   if (chosen("drives")) {

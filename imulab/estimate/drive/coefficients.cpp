@@ -1,6 +1,8 @@
 #include "imulab/estimate/drive/coefficients.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/estimate/drive/together.hpp"
+#include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/model/frame_axes.hpp"
 
@@ -68,8 +70,9 @@ constexpr std::array triads{Triad::accel, Triad::gyro};
 
 }  // namespace
 
-Calibration calibration_of(const AidedNavigation& n) {
-  Calibration out;
+StatedUnit calibration_of(const AidedNavigation& n) {
+  StatedUnit stated;
+  Calibration& out = stated.calibration;
   out.method = "drive";
   out.frame = "accelerometers";
   out.model.accel.raw_unit = "m/s^2", out.model.gyro.raw_unit = "rad/s";
@@ -77,15 +80,18 @@ Calibration calibration_of(const AidedNavigation& n) {
   SensorModel constants = out.model;
   for (std::size_t k = 0; k < n.constants.size(); ++k) {
     const AidedConstant& c = n.constants[k];
-    if (!c.name.starts_with("accel.") && !c.name.starts_with("gyro.")) continue;
+    if (!of_sensors(c) || is_effect(c.name)) continue;
     const CoefficientIndex index = coefficient_index(c.name);
     set_coefficient(constants, index, coefficient_value(constants, index) + c.value);
     out.estimated.push_back(index), places.push_back(static_cast<Index>(k));
   }
   out.model = model_of(constants);
   // Differences over one sigma either way: exact but for the third derivatives.
-  MatrixXd by_constants(std::ssize(out.estimated), std::ssize(out.estimated));
-  for (Index k = 0; k < by_constants.cols(); ++k) {
+  const Index coefficients = std::ssize(out.estimated);
+  for (std::size_t k = 0; k < n.constants.size(); ++k)
+    if (is_effect(n.constants[k].name)) places.push_back(static_cast<Index>(k));
+  MatrixXd by_constants = MatrixXd::Identity(std::ssize(places), std::ssize(places));
+  for (Index k = 0; k < coefficients; ++k) {
     const CoefficientIndex index = out.estimated[static_cast<std::size_t>(k)];
     const double value = coefficient_value(constants, index), step = n.constants[static_cast<std::size_t>(places[static_cast<std::size_t>(k)])].sigma;
     const auto at = [&](double moved) {
@@ -93,42 +99,11 @@ Calibration calibration_of(const AidedNavigation& n) {
       set_coefficient(other, index, moved);
       return coefficient_values(model_of(other), out.estimated);
     };
-    by_constants.col(k) = (at(value + step) - at(value - step)) / (2 * step);
+    by_constants.col(k).head(coefficients) = (at(value + step) - at(value - step)) / (2 * step);
   }
-  out.covariance = by_constants * n.constants_covariance(places, places) * by_constants.transpose();
-  return out;
-}
-
-void consider_curvature(Calibration& c, std::span<const Recording> recordings, const ImuDeclaration& imu) {
-  const kernel::PriorSizes sizes = optional_sizes(imu);
-  std::size_t samples = 0;
-  for (const Recording& recording : recordings) samples += recording.size();
-  const std::size_t every = 1 + samples / 20000;
-  for (const Triad triad : triads)
-    for (int axis = 0; axis < 3; ++axis) {
-      const Index offset = place_of(c, triad, Term::offset, axis), scale = place_of(c, triad, Term::matrix, axis);
-      if (offset < 0 || scale < 0) continue;
-      for (const Term term : {Term::quadratic, Term::cubic}) {
-        const CoefficientIndex index = coefficient_index(triad, term, axis, axis);
-        // The line a + b V nearest to V^2 or V^3 over the readings.
-        double n = 0, v = 0, h = 0, vv = 0, vh = 0;
-        for (const Recording& recording : recordings) {
-          const std::vector<double>& readings = (triad == Triad::accel ? recording.accel : recording.gyro)[static_cast<std::size_t>(axis)];
-          for (std::size_t i = 0; i < readings.size(); i += every) {
-            const double V = readings[i], H = term == Term::quadratic ? V * V : V * V * V;
-            n += 1, v += V, h += H, vv += V * V, vh += V * H;
-          }
-        }
-        const double slope = (n * vh - v * h) / (n * vv - v * v), variance = std::pow(kernel::prior_sigma(sizes, coefficient(index), 1), 2);
-        if (!std::isfinite(slope) || variance == 0) continue;
-        VectorXd moved = VectorXd::Zero(c.covariance.rows() + 1);
-        moved[offset] = (h - slope * v) / n, moved[scale] = slope, moved[c.covariance.rows()] = -1;
-        c.covariance.conservativeResizeLike(MatrixXd::Zero(moved.size(), moved.size()));
-        c.covariance += variance * moved * moved.transpose();
-        c.estimated.push_back(index);
-        c.quality.considered.emplace_back(coefficient(index).name);
-      }
-    }
+  stated.joint = by_constants * n.constants_covariance(places, places) * by_constants.transpose();
+  out.covariance = stated.joint.topLeftCorner(coefficients, coefficients);
+  return stated;
 }
 
 double wander(Triad triad, const Recording& recording, const ImuDeclaration& imu) {

@@ -12,7 +12,6 @@
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
 
-#include <span>
 #include <vector>
 
 namespace imulab::drive {
@@ -26,11 +25,12 @@ kernel::PriorSizes optional_sizes(const ImuDeclaration& imu);
 /// Before any data, of the unit of this declaration; zero for coefficients that are not among `chosen`.
 aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<CoefficientIndex>& chosen);
 
-/// The model and its covariance: of the estimated constants, by their joint covariance.
-Calibration calibration_of(const AidedNavigation& navigation);
-
-/// Adds what quadratic and cubic terms under their priors make of offsets and scales: over all these readings they are nearly straight lines.
-void consider_curvature(Calibration& calibration, std::span<const Recording> recordings, const ImuDeclaration& imu);
+/// The model and its covariance: of the estimated constants, by their joint covariance; `joint` has the effects after them.
+struct StatedUnit {
+  Calibration calibration;
+  Eigen::MatrixXd joint;
+};
+StatedUnit calibration_of(const AidedNavigation& navigation);
 
 /// The variance of an offset in the middle of the recording about that of the unit: declared bias instability, walk and ramp.
 double wander(Triad triad, const Recording& recording, const ImuDeclaration& imu);

@@ -5,6 +5,7 @@
 #include "imulab/estimate/drive/coefficients.hpp"
 #include "imulab/estimate/drive/quality.hpp"
 #include "imulab/estimate/drive/together.hpp"
+#include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/prediction.hpp"
@@ -22,7 +23,6 @@ namespace imulab::drive {
 using Eigen::Index;
 
 namespace {
-
 
 void expect_aids(const Session& session, const std::string& name) {
   if (session.aids.empty())
@@ -68,24 +68,30 @@ void add_gravity(Calibration& c, const Site& site) {
   c.covariance += common * common.transpose();
 }
 
-std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen) {
+/// With all that a unit may have; chosen terms are all that it has.
+std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen, bool with_terms) {
   std::vector<Drive> out;
+  const Shared shared = shared_by(input.recordings, input.session);
   for (const Recording& recording : input.recordings) {
     expect_si(recording);
     const Session session = session_of_drive(input.session, recording, input.recordings.size());
+    const aided::OutputTerms terms = output_terms(recording, input.session, shared);
     out.push_back(
-        drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {}), recording, input.session.imu));
+        drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {}, with_terms ? &terms : nullptr),
+                 recording, input.session.imu));
   }
   return out;
 }
 
-/// The calibration that these constants are, with what the navigation has no states for, but for the curvature.
-Calibration stated(const AidedNavigation& constants, const Session& session) {
-  Calibration out = calibration_of(constants);
-  out.imu = session.imu.name;
-  add_gravity(out, session.site);
+/// The calibration that these constants are, with what the navigation has no states for.
+StatedUnit stated(const AidedNavigation& constants, const Session& session) {
+  StatedUnit out = calibration_of(constants);
+  out.calibration.imu = session.imu.name;
+  add_gravity(out.calibration, session.site);
   return out;
 }
+
+bool with_terms(const auto& options) { return options.effects && options.terms.empty(); }
 
 }  // namespace
 
@@ -103,19 +109,21 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   if (input.recordings.empty()) throw Error("the method drive takes recordings; got none");
   expect_aids(input.session, input.recordings.front().name);
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
-  return calibration_result(navigated(input, chosen), input, options);
+  return calibration_result(navigated(input, chosen, with_terms(options)), input, options);
 }
 
 CalibrationResult calibration_result(const std::vector<Drive>& drives, const CalibrationInput& input, const CalibrationOptions& options) {
   const Session session = with_place(input.session, drives.front().navigation);
   const Together all = together(drives);
-  CalibrationResult result{.calibration = stated(all.navigation, session)};
+  const StatedUnit unit = stated(all.navigation, session);
+  CalibrationResult result{.calibration = unit.calibration};
   Calibration& calibration = result.calibration;
   for (const Drive& drive : drives) result.iterations = std::max(result.iterations, drive.navigation.passes);
   if (drives.size() == 1)  // of several the change is part of each
     for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, input.recordings.front(), session.imu));
-  const kernel::Findings findings = judged(drives, all, session, calibration);
-  if (options.effects && options.terms.empty()) consider_curvature(calibration, input.recordings, session.imu);
+  kernel::Findings findings = judged(drives, all, session, calibration);
+  if (with_terms(options))
+    kernel::add_effects(calibration, findings, found_effects(all.navigation, session), unit.joint, 1e-3, calibration.estimated);
   sort_by_table(calibration);
   kernel::conclude(calibration, findings);
   return result;
@@ -127,13 +135,15 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
         fmt::format("{}: has no motion, from which the method drive predicts; expected a mission (docs/reference/trajectory.md)", mission.file));
   expect_aids(mission, "the mission");
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
-  const AidedNavigation n = aided::foresee(unit_priors(mission.imu, chosen), mission, *options.motion, mission.aids, AidedOptions{}.passes);
   const Recording readings = aided::ideal_readings(*options.motion);
-  Calibration calibration = stated(n, mission);
+  const aided::OutputTerms terms = output_terms(readings, mission, shared_by({&readings, 1}, mission));
+  const AidedNavigation n = aided::foresee(unit_priors(mission.imu, chosen), mission, *options.motion, mission.aids, AidedOptions{}.passes,
+                                           with_terms(options) ? &terms : nullptr);
+  StatedUnit unit = stated(n, mission);
+  Calibration& calibration = unit.calibration;
   for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, readings, mission.imu));
   kernel::Findings findings;
   name_undetermined(n, calibration.quality, findings);
-  if (options.effects && options.terms.empty()) consider_curvature(calibration, {&readings, 1}, mission.imu);
   sort_by_table(calibration);
   add_aids(n, calibration.quality);
   Prediction out = prediction_of(calibration);
@@ -141,7 +151,7 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
   out.notes = findings.warnings;
   std::string aids;
   for (const AidedConstant& c : n.constants)
-    if (!of_sensors(c)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
+    if (!of_sensors(c) && !is_effect(c.name)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
   if (!aids.empty()) out.notes.push_back(std::move(aids));
   if (!mission.imu.grade) out.notes.emplace_back("priors: of grade mems, since the mission declares none");
   for (const std::string& doubt : n.doubts) out.warnings.push_back(fmt::format("{}: {}", mission.file, doubt));

@@ -2,6 +2,7 @@
 
 #include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/units.hpp"
 
@@ -16,11 +17,22 @@
 
 namespace imulab::drive {
 
+namespace {
+
+/// Terms that the model may do without: what a drive does not show of them needs no words.
+bool is_curvature(const std::string& constant) {
+  return constant.find(".quadratic") != std::string::npos || constant.find(".cubic") != std::string::npos;
+}
+
+}  // namespace
+
 void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
   std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
   for (const AidedConstant& c : n.constants) {
     if (!c.undetermined()) continue;
+    if (is_effect(c.name)) continue;
     if (of_sensors(c)) quality.considered.push_back(c.name);
+    if (is_curvature(c.name)) continue;
     const std::string shown_by = showing_manoeuvre(c.name);
     auto group = std::ranges::find(groups, shown_by, &std::pair<std::string, std::string>::first);
     if (group == groups.end()) group = groups.insert(groups.end(), {shown_by, ""});
@@ -107,7 +119,8 @@ Calibration determined_part(const Calibration& c) {
 
 void add_aids(const AidedNavigation& n, Quality& quality) {
   for (const AidedConstant& c : n.constants)
-    if (!of_sensors(c)) quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
+    if (!of_sensors(c) && !is_effect(c.name))
+      quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
 }
 
 SerialCorrelation serial_correlation(const AidedNavigation& n) {
@@ -148,14 +161,15 @@ kernel::Findings judged(const std::vector<Drive>& drives, const Together& all, c
     note_drive(drive, in_front(drives, drive), findings);
   }
   quality.chi2_per_dof = values > 0 ? squares / values : 0;
-  quality.degrees_of_freedom = static_cast<int>(values) - static_cast<int>(all.navigation.constants.size());
+  quality.degrees_of_freedom = static_cast<int>(values) - static_cast<int>(std::ranges::count_if(
+                                                              all.navigation.constants, [](const AidedConstant& c) { return !c.undetermined(); }));
   if (!calibration.estimated.empty()) quality.condition = kernel::condition_number(calibration.covariance);
   quality.sources.push_back(kernel::gravity_source(session.site));
   if (!session.imu.grade) findings.note("priors: of grade mems, since the session declares none");
   name_undetermined(all.navigation, quality, findings);
   add_aids(all.navigation, quality);
   for (const AidedConstant& c : all.navigation.constants)
-    if (!of_sensors(c)) findings.note(constant_text(c));
+    if (!of_sensors(c) && !is_effect(c.name)) findings.note(constant_text(c));
   for (const Drive& drive : drives) doubt_drive(drive, in_front(drives, drive), findings);
   doubt_contradiction(all.contradictions, findings);
   doubt_priors(all.navigation, session, findings);

@@ -1,5 +1,7 @@
 #include "imulab/estimate/drive/together.hpp"
 
+#include "imulab/estimate/drive/unmodeled.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
@@ -13,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool of_sensors(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro."); }
+bool of_sensors(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro.") || is_effect_of_unit(c.name); }
 
 namespace {
 
@@ -91,7 +93,7 @@ Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& 
 /// The aids' constants of a drive as it has them, after those of the unit.
 void append_aids(const Drive& drive, AidedNavigation& out) {
   for (std::size_t k = 0; k < drive.navigation.constants.size(); ++k) {
-    if (of_sensors(drive.navigation.constants[k])) continue;
+    if (of_sensors(drive.navigation.constants[k]) || is_effect(drive.navigation.constants[k].name)) continue;
     AidedConstant& c = out.constants.emplace_back(drive.navigation.constants[k]);
     c.name = drive.name + ": " + c.name;
     const Index at = out.constants_covariance.rows();

@@ -25,7 +25,7 @@ struct Drive {
   double gyro_turn_on = 0, accel_turn_on = 0;  // those of them that the prior has, too
 };
 
-/// A constant of the sensors; the others are of an aid.
+/// A constant of the unit; the others are of an aid, or an effect in one drive.
 bool of_sensors(const AidedConstant& constant);
 
 /// A drive against all others: the square of what it adds to them, in its covariance.

@@ -105,7 +105,7 @@ void judge(AidedNavigation& out, const std::string& name) {
 }  // namespace
 
 AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
-                               const AidedOptions& options) {
+                               const AidedOptions& options, const OutputTerms* terms) {
   AidedNavigation out;
   std::vector<Aid> measured = aids;
   out.warnings = take_repeats(measured);
@@ -132,7 +132,10 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
   }
   add_outages(p, pass, smoothed, &OutageResult::smoothed, out.outages);
-  add_constants(p, smoothed, out);
+  if (terms)
+    add_constants_with(*terms, p, start.start, trajectory, out);
+  else
+    add_constants(p, smoothed, out);
   std::vector<NavigationState> states = std::move(trajectory.states);
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});

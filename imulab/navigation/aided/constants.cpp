@@ -29,7 +29,7 @@ namespace aided {
 namespace {
 
 /// Names of a block's elements.
-std::vector<std::string> elements_of(const StateBlock& b) {
+std::vector<std::string> elements_of(const Problem& p, const StateBlock& b) {
   constexpr std::array<const char*, 3> axes{"x", "y", "z"}, body{"right", "forward", "up"};
   std::vector<std::string> out;
   for (Eigen::Index k = 0; k < b.size; ++k) {
@@ -42,6 +42,8 @@ std::vector<std::string> elements_of(const StateBlock& b) {
       out.push_back(fmt::format("{}.{}", b.name, body[i]));
     else if (b.name.ends_with("mounting"))
       out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
+    else if (p.terms && b.first == p.terms_first)
+      out.push_back(p.terms->names[i]);
     else if (b.name.ends_with("delay"))
       out.push_back(i == 0 ? b.name : b.name + ".drift");
     else
@@ -58,7 +60,7 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
   std::vector<Eigen::Index> states;
   for (const StateBlock& b : p.blocks) {
     if (std::isfinite(b.time)) continue;
-    const std::vector<std::string> names = elements_of(b);
+    const std::vector<std::string> names = elements_of(p, b);
     for (Eigen::Index k = 0; k < b.size; ++k)
       if (const Eigen::Index at = b.first + k; b.prior[k] > 0) {
         out.constants.push_back({names[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
@@ -66,6 +68,23 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
       }
   }
   out.constants_covariance = P(states, states);
+}
+
+void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out) {
+  const Eigen::Index size = p.size, sensors_end = p.sensors_end;
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.sigma.size());
+  p.terms = &terms;
+  p.terms_first = add_block(p, {.name = "terms", .size = zero.size(), .prior = terms.sigma, .walk = {}, .noise = {}});
+  p.sensors_end = p.size;
+  const Eigen::MatrixXd joint = p.joint;
+  if (joint.size() > 0) p.joint.conservativeResizeLike(Eigen::MatrixXd::Zero(p.size, p.size));
+  for (std::size_t k = 0; k < p.sources.size(); ++k) p.sources[k].factor = out.factors[k].factor;
+  const auto extend = [&](Eigen::VectorXd& x, const Eigen::VectorXd& by) { x = (Eigen::VectorXd(p.size) << x, by).finished(); };
+  extend(start.mean.x, zero), extend(start.sigma, terms.sigma), extend(trajectory.x, zero);
+  add_constants(p, smooth(p, filter(p, start, {.about = &trajectory})), out);
+  p.blocks.pop_back();
+  trajectory.x.conservativeResize(size);
+  p.joint = joint, p.size = size, p.sensors_end = sensors_end, p.terms = nullptr;
 }
 
 std::string hidden_heading(const AidedNavigation& n) {

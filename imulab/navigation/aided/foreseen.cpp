@@ -47,7 +47,7 @@ void draw_noise(Problem& p) {
 }  // namespace
 
 AidedNavigation foresee(const SensorPriors& priors, const Session& session, const motion::NominalMotion& motion, const std::vector<Aid>& aids,
-                        int passes) {
+                        int passes, const OutputTerms* terms) {
   const Recording recording = ideal_readings(motion);
   Problem p = make_problem(recording, priors, aids, session);
   add_first_rest(p, recording, session);
@@ -69,12 +69,16 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
     out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
   }
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
-  add_constants(p, smoothed, out);
+  if (terms)
+    add_constants_with(*terms, p, start, about, out);
+  else
+    add_constants(p, smoothed, out);
   const Prior prior = prior_of(p);
   std::size_t at = 0;
   for (const StateBlock& b : p.blocks)
     for (Index k = 0; k < b.size; ++k)
       if (!std::isfinite(b.time) && b.prior[k] > 0) out.constants[at++].value = prior.mean[b.first + k];
+  for (; at < out.constants.size(); ++at) out.constants[at].value = 0;
   for (std::size_t k = 0; k < pass.nodes.size(); ++k)
     out.covariance.push_back({pass.nodes[k].samples > 0 ? p.time[pass.nodes[k].samples - 1] : p.begin, smoothed.nodes[k].covariance});
   if (std::string text = hidden_heading(out); !text.empty()) out.doubts.push_back(std::move(text));

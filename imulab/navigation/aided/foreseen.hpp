@@ -19,6 +19,6 @@ Recording ideal_readings(const motion::NominalMotion& motion);
 /// priors; values are those declared. It is linearized about the motion itself; of the data, which are those of ideal sensors with noise and the
 /// aids' records, with errors drawn, the sizes of the noise alone follow. Throws Error as navigate_under does.
 AidedNavigation foresee(const SensorPriors& priors, const Session& session, const motion::NominalMotion& motion, const std::vector<Aid>& aids,
-                        int passes);
+                        int passes, const OutputTerms* terms = nullptr);
 
 }  // namespace imulab::aided

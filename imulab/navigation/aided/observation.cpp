@@ -183,6 +183,11 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
     if (p.gyro_matrix >= 0) out.derivative.block<3, 3>(3, p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
     if (p.g_sensitivity >= 0) out.derivative.block<3, 3>(3, p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
   }
+  if (p.terms) {
+    Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
+    p.terms->at(at.sample, changes);
+    out.derivative.block(3, p.terms_first, 3, changes.cols()) = changes.topRows<3>();
+  }
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
   out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
@@ -254,7 +259,8 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
           .rate_eb = rate - C.transpose() * earth.rate,
           .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v),
           .raw_rate = raw.angle / length,
-          .raw_force = raw.velocity / length};
+          .raw_force = raw.velocity / length,
+          .sample = end > 0 ? end - 1 : 0};
 }
 
 }  // namespace imulab::aided

@@ -28,6 +28,7 @@ struct Instant {
   Vector3d rate_eb;              // against the Earth
   Vector3d acceleration;         // east-north-up [m/s^2]
   Vector3d raw_rate, raw_force;  // with the sensors' errors
+  std::size_t sample = 0;        // the last before it
 };
 
 /// Rows of one observation: measured less computed, derivatives of the computed by the error state, variances with a factor of 1.

@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,6 +59,13 @@ struct Observation {
   bool withheld = false;
 };
 
+/// What else the sensors do, linear in constants about zero: c adds c times a change to rate and force (3 rows each).
+struct OutputTerms {
+  std::vector<std::string> names;
+  Eigen::VectorXd sigma;  // of the constants
+  std::function<void(std::size_t sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes)> at;
+};
+
 struct Problem {
   std::vector<TimedIncrement> samples;  // of the calibrated recording
   std::vector<double> time;             // end of each [s]
@@ -69,6 +77,8 @@ struct Problem {
   std::vector<NoiseSource> sources;
   std::vector<StateBlock> blocks;  // all but the first nine states
   Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
+  const OutputTerms* terms = nullptr;  // with states from terms_first on
+  Eigen::Index terms_first = -1;
   Eigen::Index sensors_end = 15;  // of the states that the sensors' output depends on
   Eigen::Index size = 15;
   Eigen::MatrixXd joint = {};  // covariances at the start of two of them, besides the variances; empty: none

@@ -58,11 +58,15 @@ Prior prior_of(const Problem& problem);
 /// The constants as the smoother has them in the middle of the time, with their covariance and their standard deviations before the data.
 void add_constants(const Problem& problem, const SmootherPass& smoothed, AidedNavigation& out);
 
+/// The constants and those of `terms` beside them, by one more pass about a trajectory with the noise that `out` states.
+void add_constants_with(const OutputTerms& terms, Problem& problem, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out);
+
 /// Why the heading at the end is not known; empty: it is.
 std::string hidden_heading(const AidedNavigation& navigation);
 
-/// The navigation of a recording in SI whose sensors' errors have these priors. Throws Error as navigate_aided does.
+/// The navigation of a recording in SI whose sensors' errors have these priors; `terms`, where given, are constants beside them. Throws Error as
+/// navigate_aided does.
 AidedNavigation navigate_under(const SensorPriors& priors, const Session& session, const Recording& recording, const std::vector<Aid>& aids,
-                               const AidedOptions& options);
+                               const AidedOptions& options, const OutputTerms* terms = nullptr);
 
 }  // namespace imulab::aided

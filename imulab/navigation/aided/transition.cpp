@@ -14,13 +14,16 @@ using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 /// The derivatives of the motion by all errors at the start, as they grow sample by sample.
 class ErrorGrowth {
  public:
-  explicit ErrorGrowth(const Problem& problem) : p_(problem), phi_(Rows::Zero(3, p_.sensors_end)), v_(phi_), r_(phi_) {
+  explicit ErrorGrowth(const Problem& problem)
+      : p_(problem), phi_(Rows::Zero(3, p_.sensors_end)), v_(phi_), r_(phi_), changes_(6, p_.terms ? p_.terms->sigma.size() : 0) {
     for (Eigen::Index k = 0; k < 3; ++k) phi_(k, At::attitude + k) = v_(k, At::velocity + k) = r_(k, At::position + k) = 1;
   }
 
   /// C_nb at the sample's middle, and the corrected sample.
-  void add(const Matrix3d& C, const TimedIncrement& raw, const Increment& sample, const NavigationState& state, const LocalEarth& earth) {
+  void add(std::size_t number, const Matrix3d& C, const Increment& sample, const NavigationState& state, const LocalEarth& earth) {
+    const TimedIncrement& raw = p_.samples[number];
     const double dt = raw.interval;
+    if (p_.terms) p_.terms->at(number, changes_);
     const Vector3d pushed = C * sample.velocity, turn = 2 * earth.rate + earth.transport_rate(state.velocity);
     Matrix3d transport = Matrix3d::Zero();  // of the transport rate by the velocity
     transport(0, 1) = -1 / earth.meridian_radius, transport(1, 0) = 1 / earth.transverse_radius;
@@ -28,11 +31,13 @@ class ErrorGrowth {
     const Rows before = v_;
     Rows turned = -dt * (skew<double>(turn - earth.rate) * phi_ + transport * v_);  // phi' = -w_in x phi - dw_in + C dw
     add_sensors(turned, C, raw, p_.gyro_offset, p_.gyro_matrix, p_.g_sensitivity);
+    if (p_.terms) turned.middleCols(p_.terms_first, changes_.cols()) += dt * C * changes_.topRows<3>();
     v_ -= skew<double>(pushed) * (phi_ + turned / 2);  // dv' = -f x phi - (2 w_ie + w_en) x dv + dg + C df
     v_ -= dt * (skew<double>(turn) * before);
     v_.row(2) += dt * (-2 * earth.gravity.z() / earth.transverse_radius) * r_.row(2);
     Rows forced = Rows::Zero(3, p_.sensors_end);
     add_sensors(forced, C, raw, p_.accel_offset, p_.accel_matrix, -1);
+    if (p_.terms) forced.middleCols(p_.terms_first, changes_.cols()) += dt * C * changes_.bottomRows<3>();
     v_ += forced;
     phi_ += turned;
     r_ += dt / 2 * (before + v_);
@@ -82,6 +87,7 @@ class ErrorGrowth {
 
   const Problem& p_;
   Rows phi_, v_, r_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> changes_;
   Vector3d pushed_ = Vector3d::Zero();
   Matrix3d mean_C_ = Matrix3d::Zero();
   double interval_ = 0;
@@ -99,7 +105,7 @@ Integrated integrate(const Problem& p, std::size_t begin, std::size_t end, const
     const Increment sample = corrected(p, p.samples[i], start.x);
     if (with_transition) {
       const Matrix3d C = strapdown.state().q_nb.toRotationMatrix();
-      growth.add(C + C * skew<double>(sample.angle / 2), p.samples[i], sample, strapdown.state(), earth);
+      growth.add(i, C + C * skew<double>(sample.angle / 2), sample, strapdown.state(), earth);
     }
     strapdown.step(sample, p.samples[i].interval);
     if (each) each->push_back(strapdown.state());
