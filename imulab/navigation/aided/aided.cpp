@@ -44,6 +44,27 @@ AboutTrajectory about(const Problem& p, const FilterPass& pass, SmootherPass& sm
   return out;
 }
 
+/// The state before a sample, from that after it.
+NavigationState state_before(const Problem& p, std::size_t sample, const VectorXd& x, const NavigationState& after) {
+  NavigationState out = after;
+  for (int k = 0; k < 2; ++k) out = plus(out, minus(after, integrate(p, sample, sample + 1, {out, x}, false).end));
+  return out;
+}
+
+/// A filter that begins long before its first fix linearizes about what it has drifted to by then: the smoothed trajectory from the fix on, carried
+/// back to the start. Empty where the filter finds its own.
+AboutTrajectory first_trajectory(const Problem& p, const FoundStart& start) {
+  if (!start.at_fix) return {};
+  const FilterPass pass = filter(p, *start.at_fix);
+  SmootherPass smoothed = smooth(p, pass);
+  AboutTrajectory out = about(p, pass, smoothed);
+  std::vector<NavigationState> back;
+  for (std::size_t i = start.at_fix->sample; i-- > start.start.sample;)
+    back.push_back(state_before(p, i, out.x, back.empty() ? out.states.front() : back.back()));
+  out.states.insert(out.states.begin(), back.rbegin(), back.rend());
+  return out;
+}
+
 void add_innovations(const Problem& p, const FilterPass& pass, AidedNavigation& out) {
   double squares = 0, doubted = 0;
   std::size_t count = 0;
@@ -113,16 +134,17 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   add_first_rest(p, recording, session);
   for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
   const FoundStart start = find_start(p, session);
+  if (!start.said.empty()) out.warnings.push_back(recording.name + ": " + start.said);
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   out.causal = options.causal, out.headings = start.candidates;
   FilterPass pass;
   SmootherPass smoothed;
-  AboutTrajectory trajectory;
+  AboutTrajectory trajectory = first_trajectory(p, start);
   FactorSearch search;
   while (out.passes < options.passes && !out.converged) {
     count_iteration(options.passes);
     pass = {}, smoothed = {};  // one at a time in memory
-    pass = filter(p, start.start, {.about = out.passes > 0 ? &trajectory : nullptr});
+    pass = filter(p, start.start, {.about = trajectory.states.empty() ? nullptr : &trajectory});
     smoothed = smooth(p, pass);
     out.factors.clear();
     for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
@@ -139,14 +161,15 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   std::vector<NavigationState> states = std::move(trajectory.states);
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
+  if (!options.causal) add_innovations(p, pass, out);
   std::vector<double> times;
   for (const Node& node : pass.nodes) times.push_back(time_of(p, node.samples));
   pass = {};
   pass = filter(p, turned_to(start.start, smoothed));  // what was known at each time, with the noise of the whole
   add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
   std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
-  add_innovations(p, pass, out);
   if (options.causal) {
+    add_innovations(p, pass, out);
     states = causal_states(p, pass);
     for (const Node& node : pass.nodes) out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
   }

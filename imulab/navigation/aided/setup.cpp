@@ -157,25 +157,31 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
   }
 }
 
-/// No receiver and no wheel moves until then, as far as their sigmas tell.
-bool still_by_aids(const Problem& p, double end) {
+/// No receiver and no wheel moves until then, as far as their sigmas tell, and there are some, or an initial state that does not move: a steady
+/// motion looks like a rest to an IMU.
+bool still_by_aids(const Problem& p, const std::optional<InitialState>& initial, double end) {
   constexpr double sigmas = 6, slow = 0.3, near = 3;  // m/s, m: besides
   std::optional<Vector3d> first;
-  return std::ranges::none_of(p.observations, [&](const Observation& o) {
-    const Aid& aid = p.channels[o.channel].aid;
-    const AidRecord& r = aid.record;
-    if (o.stamp > end) return false;
-    if (aid.kind == AidKind::wheels) return std::abs(r.value[o.row]) > sigmas * value_sigma(aid, o.row) + slow;
-    if (aid.kind != AidKind::gnss) return false;
-    if (!r.velocity.empty() && r.velocity[o.row].norm() > sigmas * velocity_sigma(aid, o.row).norm() + slow) return true;
-    if (r.position.empty() || !r.position[o.row].allFinite()) return false;
-    const Vector3d& here = r.position[o.row];
-    if (!first) first = here;
-    const LocalEarth earth = local_earth(here.x(), here.z());
-    const double east = (here.y() - first->y()) * earth.transverse_radius * earth.cos_latitude,
-                 north = (here.x() - first->x()) * earth.meridian_radius;
-    return std::hypot(east, north) > 2 * sigmas * position_sigma(aid, o.row).head<2>().norm() + near;
-  });
+  bool any = initial && initial->time <= end;
+  if (any && Vector3d(initial->velocity_enu[0], initial->velocity_enu[1], initial->velocity_enu[2]).norm() > slow) return false;
+  return std::ranges::none_of(p.observations,
+                              [&](const Observation& o) {
+                                const Aid& aid = p.channels[o.channel].aid;
+                                const AidRecord& r = aid.record;
+                                if (o.stamp > end || o.withheld) return false;
+                                any = any || aid.kind == AidKind::wheels || aid.kind == AidKind::gnss;
+                                if (aid.kind == AidKind::wheels) return std::abs(r.value[o.row]) > sigmas * value_sigma(aid, o.row) + slow;
+                                if (aid.kind != AidKind::gnss) return false;
+                                if (!r.velocity.empty() && r.velocity[o.row].norm() > sigmas * velocity_sigma(aid, o.row).norm() + slow) return true;
+                                if (r.position.empty() || !r.position[o.row].allFinite()) return false;
+                                const Vector3d& here = r.position[o.row];
+                                if (!first) first = here;
+                                const LocalEarth earth = local_earth(here.x(), here.z());
+                                const double east = (here.y() - first->y()) * earth.transverse_radius * earth.cos_latitude,
+                                             north = (here.x() - first->x()) * earth.meridian_radius;
+                                return std::hypot(east, north) > 2 * sigmas * position_sigma(aid, o.row).head<2>().norm() + near;
+                              }) &&
+         any;
 }
 
 }  // namespace
@@ -286,7 +292,7 @@ void add_first_rest(Problem& p, const Recording& recording, const Session& sessi
   const std::vector<Range> rests = rests_of(recording, session).ranges;
   if (rests.empty() || recording.time_s(rests.front().begin) > p.begin + 1) return;
   const double end = recording.time_s(rests.front().end - 1);
-  if (end - p.begin < shortest || !still_by_aids(p, end)) return;
+  if (end - p.begin < shortest || !still_by_aids(p, session.initial, end)) return;
   add_channel(p, {.kind = AidKind::zero_velocity}, std::string(aid_law(AidKind::zero_velocity).name));
   const std::size_t own = p.channels.size() - 1;
   add_observations(p, own, recording, session, {});

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,26 +20,48 @@ namespace {
 constexpr int headings = 12;
 constexpr double heading_sigma = 30 * unit::deg, tilt_sigma = 5 * unit::deg;  // of a candidate
 constexpr double velocity_sigma_at_start = 2, position_sigma_at_start = 30;   // m/s, m: besides what is stated
+constexpr double unknown_velocity = 20, unknown_acceleration = 1.5;           // m/s, m/s^2: where no fix tells them
+constexpr double prompt = 2;                                                  // s: a fix until then is one of the start
 constexpr double decided = 12;                                                // of ln likelihood: odds of 1 to 160,000
 
-/// What a receiver says of the first seconds.
+/// What receivers say at their first position, or where none has positions at their first velocity.
 struct Fixes {
   std::optional<Vector3d> position, velocity, acceleration;
-  double time = 0;
+  double time = INFINITY;     // of the first of them
+  double velocity_noise = 0;  // m/s: one sigma
 };
+
+NavigationState at_place(const Vector3d& place) {
+  NavigationState s;
+  s.latitude = place.x(), s.longitude = place.y(), s.height = place.z();
+  return s;
+}
+
 Fixes first_fixes(const Problem& p, double begin) {
   Fixes out;
-  constexpr double span = 2;  // s: of a mean acceleration
-  std::optional<double> first_velocity;
+  constexpr double span = 2, longest = 10;  // s: of a mean acceleration or velocity
+  double first_velocity = 0;
   for (const Observation& o : p.observations) {
-    const AidRecord& r = p.channels[o.channel].aid.record;
-    if (o.withheld || p.channels[o.channel].aid.kind != AidKind::gnss || o.stamp < begin) continue;
-    if (!out.position && !r.position.empty() && r.position[o.row].allFinite()) out.position = r.position[o.row], out.time = o.stamp;
-    if (r.velocity.empty() || !r.velocity[o.row].allFinite()) continue;
-    if (!out.velocity) out.velocity = r.velocity[o.row], first_velocity = o.stamp;
-    if (o.stamp - *first_velocity >= span) {
-      out.acceleration = (r.velocity[o.row] - *out.velocity) / (o.stamp - *first_velocity);
+    const Aid& aid = p.channels[o.channel].aid;
+    const AidRecord& r = aid.record;
+    if (o.withheld || aid.kind != AidKind::gnss || o.stamp < begin) continue;
+    if (out.position && o.stamp - out.time > longest) break;
+    const bool place = !r.position.empty() && r.position[o.row].allFinite(), velocity = !r.velocity.empty() && r.velocity[o.row].allFinite();
+    if (place && !out.position) {  // a velocity before it is that of another time
+      out = {.position = r.position[o.row], .velocity = {}, .acceleration = {}, .time = o.stamp};
+    } else if (place && !out.velocity && !velocity && o.stamp - out.time >= span) {
+      const double length = o.stamp - out.time;
+      out.velocity = minus(at_place(r.position[o.row]), at_place(*out.position)).segment<3>(At::position) / length;
+      out.velocity_noise = std::numbers::sqrt2 * position_sigma(aid, o.row).maxCoeff() / length;
       break;
+    }
+    if (!velocity) continue;
+    if (!out.velocity) {
+      out.velocity = r.velocity[o.row], first_velocity = o.stamp, out.velocity_noise = velocity_sigma(aid, o.row).maxCoeff();
+      if (!out.position) out.time = o.stamp;
+    } else if (!out.acceleration && o.stamp - first_velocity >= span) {
+      out.acceleration = (r.velocity[o.row] - *out.velocity) / (o.stamp - first_velocity);
+      if (out.position) break;
     }
   }
   return out;
@@ -58,74 +81,97 @@ Vector3d mean_force(const Problem& p, std::size_t from, double span) {
   return sum / length;
 }
 
-FilterStart candidate(const Problem& p, const Fixes& fixes, const NavigationState& at, double heading, std::size_t sample) {
-  FilterStart out = start_near(p, at);
-  out.sample = sample;
-  const Vector3d force = mean_force(p, sample, 2), gravity(0, 0, local_earth(at.latitude, at.height).gravity.norm());
-  const Vector3d forward(std::sin(heading), std::cos(heading), 0);
-  const Matrix3d C = rotation_from_directions(gravity + fixes.acceleration.value_or(Vector3d::Zero()), forward, force, Vector3d::UnitY());
-  out.mean.motion.q_nb = Eigen::Quaterniond(C);
-  return out;
-}
-
 double heading_of(const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; }
 
-NavigationState known_state(const Fixes& fixes, const Session& session) {
-  NavigationState s;
-  if (fixes.position) {
-    s.latitude = fixes.position->x(), s.longitude = fixes.position->y(), s.height = fixes.position->z();
-  } else if (session.initial) {
-    s.latitude = session.initial->latitude, s.longitude = session.initial->longitude, s.height = session.initial->height;
-  } else if (session.site.latitude) {
-    s.latitude = *session.site.latitude, s.longitude = session.site.longitude.value_or(0), s.height = session.site.height.value_or(0);
-  } else {
-    throw Error("start of navigation: no aid has a position, and the session has neither an initial state nor a site; expected one of them");
-  }
-  if (fixes.velocity)
-    s.velocity = *fixes.velocity;
-  else if (session.initial)
-    s.velocity = {session.initial->velocity_enu[0], session.initial->velocity_enu[1], session.initial->velocity_enu[2]};
-  return s;
-}
-
 /// The first sample after a time.
-std::size_t sample_after(const Problem& p, double time) {
+std::size_t sample_after(const Problem& p, double time, std::string_view what) {
   if (time < p.begin - p.interval / 2 || time >= p.time.back())
-    throw Error(fmt::format("start of navigation: the initial state is at {:.6f} s; expected inside the recording, {:.6f} s to {:.6f} s", time,
-                            p.begin, p.time.back()));
+    throw Error(fmt::format("start of navigation: {} is at {:.6f} s; expected inside the recording, {:.6f} s to {:.6f} s", what, time, p.begin,
+                            p.time.back()));
   return static_cast<std::size_t>(std::ranges::upper_bound(p.time, time + p.interval / 2) - p.time.begin());
 }
 
-}  // namespace
+double time_before(const Problem& p, std::size_t sample) { return sample > 0 ? p.time[sample - 1] : p.begin; }
 
-FilterStart start_near(const Problem& p, const NavigationState& state) {
-  const Prior prior = prior_of(p);
-  FilterStart out{.mean = {state, prior.mean}, .sigma = prior.sigma, .sample = 0};
-  out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
-  out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
-  out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
+/// A rest from there to the first fix, which shows no motion either.
+bool resting(const Problem& p, double begin, const Fixes& fixes) {
+  constexpr double sigmas = 6, slow = 0.3, gap = 1;  // m/s; s: between two rows of a rest
+  if (!fixes.velocity || fixes.velocity->norm() > sigmas * fixes.velocity_noise + slow) return false;
+  double until = begin;
+  for (const Observation& o : p.observations)
+    if (p.channels[o.channel].aid.kind == AidKind::zero_velocity && o.stamp > until && o.stamp - until < gap) until = o.stamp;
+  return fixes.time - until < gap;
+}
+
+/// Where and when it starts, and how uncertain that is.
+struct Known {
+  NavigationState state;
+  std::size_t sample = 0;
+  double velocity_sigma = velocity_sigma_at_start, tilt = tilt_sigma;
+  Vector3d acceleration = Vector3d::Zero();
+  bool late = false;  // the first fix is of another time
+  std::string said = {};
+};
+Known known_start(const Problem& p, const Session& session, std::size_t sample, const InitialState* given) {
+  Known out{.state = {}, .sample = sample};
+  double begin = time_before(p, out.sample);
+  Fixes fixes = first_fixes(p, begin);
+  const bool rests = resting(p, begin, fixes), any = std::isfinite(fixes.time);
+  if (any && !given && !rests && fixes.time - begin > prompt) {
+    out.sample = sample_after(p, fixes.time, "the first fix"), begin = time_before(p, out.sample);
+    out.said = fmt::format("the solution begins with the first fix, {:.6g} s after the recording; an initial state would give an earlier start",
+                           begin - p.begin);
+  }
+  out.late = any && given && !rests && fixes.time - begin > prompt;
+  if (out.late) fixes = {};
+  if (fixes.position) {
+    Eigen::Matrix<double, 9, 1> back = Eigen::Matrix<double, 9, 1>::Zero();
+    if (fixes.velocity && !rests) back.segment<3>(At::position) = (begin - fixes.time) * *fixes.velocity;
+    out.state = plus(at_place(*fixes.position), back);
+  } else if (given) {
+    out.state = at_place({given->latitude, given->longitude, given->height});
+  } else if (session.site.latitude) {
+    out.state = at_place({*session.site.latitude, session.site.longitude.value_or(0), session.site.height.value_or(0)});
+  } else {
+    throw Error("start of navigation: no aid has a position, and the session has neither an initial state nor a site; expected one of them");
+  }
+  if (fixes.velocity && !rests)
+    out.state.velocity = *fixes.velocity, out.velocity_sigma = std::hypot(out.velocity_sigma, fixes.velocity_noise);
+  else if (given)
+    out.state.velocity = {given->velocity_enu[0], given->velocity_enu[1], given->velocity_enu[2]};
+  else if (!rests)
+    out.velocity_sigma = unknown_velocity;
+  if (fixes.acceleration && !rests)
+    out.acceleration = *fixes.acceleration;
+  else if (!rests)
+    out.tilt = std::hypot(tilt_sigma, unknown_acceleration / local_earth(out.state.latitude, out.state.height).gravity.norm());
   return out;
 }
 
-FoundStart find_start(const Problem& p, const Session& session) {
-  const std::size_t sample = session.initial ? sample_after(p, session.initial->time) : 0;
-  const Fixes fixes = first_fixes(p, sample > 0 ? p.time[sample - 1] : p.begin);
-  const NavigationState state = known_state(fixes, session);
-  if (session.initial) {
-    FilterStart start = candidate(p, fixes, state, session.initial->heading, sample);
-    start.mean.motion.q_nb = Eigen::Quaterniond(attitude_matrix({session.initial->roll, session.initial->pitch, session.initial->heading}));
-    start.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, tilt_sigma;
-    return {std::move(start)};
-  }
+/// Level, but for the acceleration, with a heading.
+FilterStart candidate(const Problem& p, const Known& known, double heading) {
+  FilterStart out = start_near(p, known.state);
+  out.sample = known.sample;
+  out.sigma.segment<2>(At::attitude).setConstant(known.tilt);
+  out.sigma.segment<3>(At::velocity).setConstant(known.velocity_sigma);
+  const Vector3d force = mean_force(p, known.sample, 2), gravity(0, 0, local_earth(known.state.latitude, known.state.height).gravity.norm());
+  const Vector3d forward(std::sin(heading), std::cos(heading), 0);
+  out.mean.motion.q_nb = Eigen::Quaterniond(rotation_from_directions(gravity + known.acceleration, forward, force, Vector3d::UnitY()));
+  return out;
+}
+
+/// The candidate with the largest likelihood.
+FoundStart best_heading(const Problem& p, const Known& known) {
   struct Candidate {
     FilterStart start;
     double log_likelihood = 0, heading = 0;  // at the end of the data
   };
   std::vector<Candidate> left;
-  for (int k = 0; k < headings; ++k) left.push_back({candidate(p, fixes, state, 2 * std::numbers::pi * k / headings, 0)});
-  FoundStart out{.start = left.front().start, .candidates = headings};
+  for (int k = 0; k < headings; ++k) left.push_back({candidate(p, known, 2 * std::numbers::pi * k / headings)});
+  FoundStart out{.start = left.front().start, .candidates = headings, .said = known.said};
+  const double begin = time_before(p, known.sample);
   for (double span = 20; left.size() > 1; span *= 2) {
-    const auto end = static_cast<std::size_t>(std::upper_bound(p.time.begin(), p.time.end(), p.begin + span) - p.time.begin());
+    const auto end = static_cast<std::size_t>(std::upper_bound(p.time.begin(), p.time.end(), begin + span) - p.time.begin());
     for (Candidate& c : left) {
       const FilterPass pass = filter(p, c.start, {.end = end, .keep = false});
       c.log_likelihood = pass.log_likelihood, c.heading = heading_of(pass.nodes.back().reference.motion);
@@ -151,6 +197,28 @@ FoundStart find_start(const Problem& p, const Session& session) {
     weights += weight, squares += weight * std::pow(std::remainder(c.heading - left.front().heading, 2 * std::numbers::pi), 2);
   }
   out.spread = std::sqrt(squares / weights);
+  return out;
+}
+
+}  // namespace
+
+FilterStart start_near(const Problem& p, const NavigationState& state) {
+  const Prior prior = prior_of(p);
+  FilterStart out{.mean = {state, prior.mean}, .sigma = prior.sigma, .sample = 0};
+  out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
+  out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
+  out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
+  return out;
+}
+
+FoundStart find_start(const Problem& p, const Session& session) {
+  if (!session.initial) return best_heading(p, known_start(p, session, 0, nullptr));
+  const InitialState& given = *session.initial;
+  const Known known = known_start(p, session, sample_after(p, given.time, "the initial state"), &given);
+  FoundStart out{.start = candidate(p, known, given.heading)};
+  out.start.mean.motion.q_nb = Eigen::Quaterniond(attitude_matrix({given.roll, given.pitch, given.heading}));
+  out.start.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, tilt_sigma;
+  if (known.late) out.at_fix = best_heading(p, known_start(p, session, known.sample, nullptr)).start;
   return out;
 }
 
