@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,11 +72,10 @@ void doubt_drive(const Drive& drive, const std::string& before, kernel::Findings
   for (const std::string& warning : drive.navigation.warnings)
     if (std::ranges::none_of(drive.navigation.doubts, [&](const std::string& doubt) { return warning.ends_with(doubt); })) findings.warn(warning);
   for (const std::string& reason : drive.navigation.doubts) findings.doubt(before + reason);
-  constexpr double much = 0.4;  // slow errors of another shape leave a third, and the uncertainties hold all the same
-  if (const SerialCorrelation serial = serial_correlation(drive.navigation); serial.value > much)
-    findings.doubt(
-        fmt::format("{}innovations of {} are alike from one to the next (correlation {:.2f}): its errors last, and the uncertainties are too small",
-                    before, serial.source, serial.value));
+  constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
+  if (const SerialCorrelation serial = serial_correlation(drive.navigation); serial.times > much)
+    findings.doubt(fmt::format("{}innovations of {} are alike over {} in a row: its errors last, and uncertainties may be {:.2g} times too small",
+                               before, serial.source, serial.values + 1, serial.times));
 }
 
 /// The drive that adds to the others what they exclude.
@@ -123,28 +123,41 @@ void add_aids(const AidedNavigation& n, Quality& quality) {
       quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
 }
 
-SerialCorrelation serial_correlation(const AidedNavigation& n) {
-  struct Series {
-    double last = 0, squares = 0, products = 0;
-    std::size_t count = 0;
-  };
-  std::map<std::pair<std::size_t, std::size_t>, Series> all;  // by source and component
+namespace {
+
+/// By source and component, in time.
+std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> series_of(const std::vector<AidedInnovation>& innovations) {
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> out;
   std::size_t component = 0;
   constexpr double largest = 5;  // sigma: an outlier says nothing of the others
-  for (std::size_t k = 0; k < n.innovations.size(); ++k) {
-    const AidedInnovation& now = n.innovations[k];
-    const bool same = k > 0 && n.innovations[k - 1].time == now.time && n.innovations[k - 1].source == now.source;
+  for (std::size_t k = 0; k < innovations.size(); ++k) {
+    const AidedInnovation& now = innovations[k];
+    const bool same = k > 0 && innovations[k - 1].time == now.time && innovations[k - 1].source == now.source;
     component = same ? component + 1 : 0;
-    Series& s = all[{now.source, component}];
-    const double value = std::clamp(now.sigmas, -largest, largest);
-    if (s.count > 0) s.products += value * s.last;
-    s.squares += value * value, s.last = value, ++s.count;
+    out[{now.source, component}].push_back(std::clamp(now.sigmas, -largest, largest));
   }
+  return out;
+}
+
+}  // namespace
+
+/// Of n white values a sum of m correlations is normal with variance m / n.
+SerialCorrelation serial_correlation(const AidedNavigation& n) {
+  constexpr double improbable = 4.2;  // sigmas: once in 75,000; a drive of 11 series has 33 tests
+  constexpr std::size_t fewest = 30;
   SerialCorrelation out;
-  constexpr double improbable = 5;  // standard deviations of white ones
-  for (const auto& [key, s] : all) {
-    const double count = static_cast<double>(s.count), correlation = s.products / std::max(s.squares, count);
-    if (s.count > 30 && correlation > std::max(out.value, improbable / std::sqrt(count))) out = {n.factors[key.first].name, correlation};
+  for (const auto& [key, all] : series_of(n.innovations)) {
+    if (all.size() <= fewest) continue;
+    const double count = static_cast<double>(all.size()), squares = std::inner_product(all.begin(), all.end(), all.begin(), 0.),
+                 size = std::max(squares, count);
+    double sum = 0;
+    for (std::size_t lag = 1; lag <= 20; ++lag) {
+      sum += std::inner_product(all.begin() + static_cast<std::ptrdiff_t>(lag), all.end(), all.begin(), 0.) / size;
+      if ((lag != 1 && lag != 5 && lag != 20) || sum * std::sqrt(count / static_cast<double>(lag)) < improbable) continue;
+      const double both_sides = 2 * (lag == 1 ? sum / std::max(1 - sum, 0.01) : sum);  // of a first lag alone as of a Markov process
+      const double times = std::sqrt(std::min(squares / count, 1.) + both_sides);
+      if (times > out.times) out = {n.factors[key.first].name, lag, times};
+    }
   }
   return out;
 }

@@ -12,11 +12,12 @@
 
 namespace imulab::drive {
 
-/// Correlation of neighboring innovations of one source and component, the largest of those that chance does not explain; 0: all are white. Those
-/// that are smaller than their stated size count by that: what they have in common is then in the sigmas.
+/// What innovations of one source and component have in common over several in a row, where chance does not explain it: the sigma of their mean over
+/// the stated one, the largest of all; 1: white. Innovations smaller than stated count by their stated size.
 struct SerialCorrelation {
   std::string source;
-  double value = 0;
+  std::size_t values = 0;  // in a row: 1, 5 or 20 lags
+  double times = 1;
 };
 SerialCorrelation serial_correlation(const AidedNavigation& navigation);
 

@@ -132,7 +132,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   out.warnings = take_repeats(measured);
   Problem p = make_problem(recording, priors, measured, session, {.outages = options.outages});
   add_first_rest(p, recording, session);
-  for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
+  set_first_factors(p);
   const FoundStart start = find_start(p, session);
   if (!start.said.empty()) out.warnings.push_back(recording.name + ": " + start.said);
   for (const Channel& c : p.channels) out.aids.push_back(c.name);

@@ -8,8 +8,11 @@
 
 namespace imulab::aided {
 
-inline constexpr double vibration = 100;  // factor on the sensors' noise in the first pass: a vehicle shakes more than a table
-inline constexpr double settled = 0.1;    // of a factor: a further pass changes sigmas by less than half of it
+inline constexpr double settled = 0.1;  // of a factor: a further pass changes sigmas by less than half of it
+
+/// The factors of the first pass. The search comes down to the noise quickly, but hardly up: noise that no aid admits is taken for the sensors'. A
+/// vehicle shakes more than a table; an aid has what its values differ by from any smooth motion, up to what its kind has where nothing is stated.
+void set_first_factors(Problem& problem);
 
 /// New factors are the means of what they may be, n values leaving a variance n / (n - 2) of the size that they show; from the second pass on by
 /// secants in their logarithms, since the plain repetition creeps where much is hidden in other noise, and swings where two sources share what is

@@ -52,7 +52,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
   Problem p = make_problem(recording, priors, aids, session);
   add_first_rest(p, recording, session);
   draw_noise(p);
-  for (const std::size_t source : {p.gyro_source, p.accel_source}) p.sources[source].factor = vibration;
+  set_first_factors(p);
   const FilterStart start = start_near(p, motion.states.front());
   AboutTrajectory about{.states = motion.states, .x = start.mean.x, .weights = {}};
   AidedNavigation out;
