@@ -1,6 +1,7 @@
 // calibrate --method drive as people use it: simulated drives of drawn IMUs, and what is no drive.
 #include "imulab/files.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -149,7 +150,9 @@ duration_s = 40
 TEST(PlanDriveCommand, AddsManoeuvresUntilTheRequirementIsMet) {
   const TemporaryFolder folder;
   folder.write("drive.toml", std::string(mission_head) + eight);
-  const std::string require = " --require 'gyro.matrix.zz <= 1150 ppm'";
+  const double without =
+      Json::parse(run_imulab(folder, "predict drive.toml --method drive --json").output)["coefficients"]["gyro.matrix.zz"]["closed_form"];
+  const std::string require = fmt::format(" --require 'gyro.matrix.zz <= {:.0f} ppm'", 0.97e6 * without);
   EXPECT_EQ(run_imulab(folder, "predict drive.toml --method drive" + require).exit_code, 1);
   const CommandResult planned = run_imulab(folder, "plan --mission drive.toml -o longer.toml --margin 1" + require);
   EXPECT_EQ(planned.exit_code, 0) << planned.errors;
