@@ -12,11 +12,11 @@
 
 namespace imulab::drive {
 
-/// What innovations of one source and component have in common over several in a row, where chance does not explain it: the sigma of their mean over
+/// What innovations of one source have in common over several in a row, where chance does not explain it: the sigma of their mean over
 /// the stated one, the largest of all; 1: white. Innovations smaller than stated count by their stated size.
 struct SerialCorrelation {
   std::string source;
-  std::size_t values = 0;  // in a row: 1, 5 or 20 lags
+  std::size_t values = 0;  // in a row
   double times = 1;
 };
 SerialCorrelation serial_correlation(const AidedNavigation& navigation);

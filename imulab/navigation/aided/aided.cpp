@@ -2,6 +2,7 @@
 
 #include "imulab/compensate.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/outages.hpp"
@@ -107,11 +108,29 @@ FilterStart turned_to(FilterStart start, const SmootherPass& smoothed) {
   return start;
 }
 
+/// Where no aid tells the position, a curved Earth is not linear in it, and no map needs it.
+void judge_positions(AidedNavigation& out, const std::string& name) {
+  constexpr double lost = 1000;  // m
+  std::vector<double> all;
+  const auto sigma = [](const AidedCovariance& c) {
+    return std::sqrt(c.value(At::position, At::position) + c.value(At::position + 1, At::position + 1));
+  };
+  for (const AidedCovariance& c : out.covariance) all.push_back(sigma(c));
+  const AidedCovariance& worst = *std::ranges::max_element(out.covariance, {}, sigma);
+  if (sigma(worst) <= lost) return;
+  const double typical = median(std::move(all));
+  std::string text = fmt::format("the position is lost: its sigma is {:.2g} m (median), {:.2g} m at {:.6g} s; expected positions by an aid", typical,
+                                 sigma(worst), worst.time);
+  out.warnings.push_back(name + ": " + text);
+  if (typical > lost) out.doubts.push_back(std::move(text));
+}
+
 void judge(AidedNavigation& out, const std::string& name) {
   const auto doubt = [&](std::string text) {
     out.warnings.push_back(name + ": " + text);
     out.doubts.push_back(std::move(text));
   };
+  judge_positions(out, name);
   if (const std::string text = hidden_heading(out); !text.empty()) doubt(text);
   if (out.innovation_rms > 1.5)
     doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));

@@ -95,7 +95,7 @@ double time_before(const Problem& p, std::size_t sample) { return sample > 0 ? p
 
 /// A rest from there to the first fix, which shows no motion either.
 bool resting(const Problem& p, double begin, const Fixes& fixes) {
-  constexpr double sigmas = 6, slow = 0.3, gap = 1;  // m/s; s: between two rows of a rest
+  constexpr double sigmas = 6, slow = 0.3, gap = 1.5;  // m/s; s: between two rows of a rest, and before the first
   if (!fixes.velocity || fixes.velocity->norm() > sigmas * fixes.velocity_noise + slow) return false;
   double until = begin;
   for (const Observation& o : p.observations)

@@ -3,6 +3,7 @@
 
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"
+#include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
@@ -61,6 +62,48 @@ TEST(AidedStart, AnInitialStateIsThatOfItsTime) {
   d.session.initial->time = 1000;
   EXPECT_THAT([&] { navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {}); },
               testing::ThrowsMessage<Error>(testing::HasSubstr("the initial state is at 1000.000000 s; expected inside the recording")));
+}
+
+/// Without the fixes of the first seconds, and with errors of the stated size.
+void fix_late(Aid& aid, double seconds) {
+  AidRecord& r = aid.record;
+  const auto lost = std::ranges::lower_bound(r.time, std::llround(1e9 * seconds)) - r.time.begin();
+  r.time.erase(r.time.begin(), r.time.begin() + lost), r.position.erase(r.position.begin(), r.position.begin() + lost);
+  r.position_sigma.erase(r.position_sigma.begin(), r.position_sigma.begin() + lost);
+  const RandomStream draw(1, "fixes");
+  constexpr double radius = 6.37e6;
+  for (std::size_t i = 0; i < r.position.size(); ++i)
+    r.position[i] += 0.1 * Vector3d(draw.normal(3 * i) / radius, draw.normal(3 * i + 1) / radius, draw.normal(3 * i + 2));
+}
+
+/// The largest error of position and velocity over its sigma.
+double worst_error(const AidedNavigation& n, const motion::NominalMotion& motion) {
+  const std::size_t first = motion.states.size() - n.solution.size();
+  double worst = 0;
+  for (std::size_t i = 0; i < n.solution.size(); ++i) {
+    const auto ratios = minus(n.solution.states[i], motion.states[first + i]).cwiseQuotient(sigmas_at(n, n.solution.time[i]));
+    worst = std::max(worst, ratios.tail<6>().cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
+// A receiver that needs a while: the solution begins with what is there, a rest, an initial state or the first fix, and is not falsely sure of it.
+TEST(AidedStart, ALateFixIsNotTheStart) {
+  struct Case {
+    double rest, first_fix, begin;
+    bool initial;
+  };
+  for (const Case& c : {Case{0, 15, 15, false}, Case{0, 15, 0, true}, Case{25, 12, 0, false}, Case{25, 32, 32, false}, Case{25, 32, 0, true}}) {
+    StartedLate d = started_late(0, c.rest, 0.02);
+    fix_late(d.aids[0], c.first_fix);
+    if (!c.initial) d.session.initial.reset();
+    const AidedNavigation n = navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {});
+    EXPECT_NEAR(n.solution.time.front(), c.begin, 0.03) << c.rest << ", " << c.first_fix;
+    EXPECT_EQ(std::ranges::count_if(n.warnings, [](const std::string& w) { return w.find("begins with the first fix") != std::string::npos; }),
+              c.begin > 0);
+    EXPECT_LT(worst_error(n, d.motion), 4.5) << c.rest << ", " << c.first_fix;  // sigmas: once in 1e5
+    EXPECT_LT(n.innovation_rms, 1.5) << c.rest << ", " << c.first_fix;
+  }
 }
 
 // On a level road a gyro's offset and what gravity makes of it are one number, at rest as well.

@@ -1,0 +1,81 @@
+// What an aided navigation says where its data say less than they claim.
+#include "imulab/core/random.hpp"
+#include "imulab/navigation/aided/foreseen.hpp"
+#include "imulab/navigation/aided/setup.hpp"
+#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace imulab::aided {
+namespace {
+
+/// A drive of an IMU without errors but white noise, beside a receiver of 1.5 m and 0.1 m/s that states what is given.
+struct Drive {
+  motion::NominalMotion motion;
+  Recording recording;
+  std::vector<Aid> aids;
+};
+Drive drive_of(std::uint64_t seed, double stated) {
+  Drive out;
+  std::vector<motion::Segment> segments{motion::rest(5), motion::accelerate(10, 8)};
+  for (int k = 0; k < 5; ++k)
+    segments.insert(segments.end(), {motion::turn((k % 2 > 0 ? 90 : -90) * unit::deg, 0.25, 1.5), motion::straight(4), motion::accelerate(-5, 4),
+                                     motion::accelerate(5, 4)});
+  out.motion = motion::nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, segments, {.banks = false}), 0.05);
+  out.recording = ideal_readings(out.motion);
+  const RandomStream draw(seed, "honesty");
+  std::uint64_t n = 0;
+  constexpr double of_gyro = 5e-4, of_accel = 0.01;  // rad/s, m/s^2
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < out.recording.size(); ++i)
+      out.recording.gyro[k][i] += of_gyro * draw.normal(n++), out.recording.accel[k][i] += of_accel * draw.normal(n++);
+  const auto noise = [&](double size) {
+    n += 3;
+    return Vector3d(size * draw.normal(n - 3), size * draw.normal(n - 2), size * draw.normal(n - 1));
+  };
+  Aid& aid = out.aids.emplace_back(Aid{.scale = TimeScale::recording});
+  for (std::size_t i = 0; i < out.motion.time.size(); i += 20) {
+    Eigen::Matrix<double, 9, 1> error = Eigen::Matrix<double, 9, 1>::Zero();
+    error.tail<6>() << noise(0.1), noise(1.5);
+    const NavigationState s = plus(out.motion.states[i], error);
+    aid.record.time.push_back(std::llround(1e9 * out.motion.time[i]));
+    aid.record.position.emplace_back(s.latitude, s.longitude, s.height), aid.record.velocity.push_back(s.velocity);
+    aid.record.position_sigma.push_back(Vector3d::Constant(stated)), aid.record.velocity_sigma.push_back(Vector3d::Constant(stated));
+  }
+  return out;
+}
+
+TEST(AidedHonesty, SigmasStatedFarTooSmallAreFound) {
+  double squares = 0;
+  std::size_t values = 0;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Drive d = drive_of(seed, 1e-4);
+    const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {});
+    EXPECT_FALSE(n.doubtful()) << testing::PrintToString(n.warnings);
+    EXPECT_TRUE(n.converged);
+    const double noise = std::sqrt(std::ranges::find(n.factors, "gnss.position", &AidedFactor::name)->factor) * 1e-4;
+    EXPECT_NEAR(noise, 1.5, 0.4);  // 200 values: 5 %, less what a slow error takes
+    for (std::size_t i = 0; i < n.solution.size(); i += 100, values += 6)
+      squares += minus(n.solution.states[i], d.motion.states[i]).cwiseQuotient(sigmas_at(n, n.solution.time[i])).tail<6>().squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(values)), 1.5);  // errors of a drive are a few independent values
+}
+
+TEST(AidedHonesty, APositionThatNothingTellsIsLost) {
+  const Drive d = drive_of(1, 1);
+  AidedOptions options{.causal = true, .outages = {{12, 1000}}};
+  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).doubts,
+              testing::Contains(testing::HasSubstr("the position is lost")));
+  options.outages = {{12, 22}};
+  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).warnings,
+              testing::Not(testing::Contains(testing::HasSubstr("the position is lost"))));
+}
+
+}  // namespace
+}  // namespace imulab::aided
