@@ -31,9 +31,20 @@ using motion::Segment;
 
 constexpr double sampling = 0.02;  // s
 constexpr std::array carriers{"city with stops", "motorway", "hover", "fixed wing"};
-constexpr std::array quantities{"determined coefficients", "coefficients", "lever arms", "delays",
-                                "mounting angles",         "positions",    "velocities", "attitudes"};
-enum Quantity : std::size_t { determined, coefficients, lever_arms, delays, mounting_angles, positions, velocities, attitudes };
+constexpr std::array quantities{"determined coefficients", "coefficients",        "lever arms",        "delays",
+                                "mounting angles",         "positions",           "velocities",        "attitudes",
+                                "filtered positions",      "filtered velocities", "filtered attitudes"};
+enum Quantity : std::size_t {
+  determined,
+  coefficients,
+  lever_arms,
+  delays,
+  mounting_angles,
+  positions,
+  velocities,
+  attitudes,
+  filtered  // positions, velocities and attitudes again
+};
 
 /// A drawn number that is spread evenly over seeds in a row.
 double either(const RandomStream& draw, std::uint64_t index) { return draw.uniform(index) < 0.5 ? -1 : 1; }
@@ -157,7 +168,7 @@ struct AidedRun {
   double nees = 0;  // of the position in the middle
   std::string reasons = {};
   void fields(auto&& visit) { visit(carrier, good, inside, all, nees, reasons); }
-  void add(Quantity q, double error, double sigma) { inside[q] += std::abs(error) < 1.959963985 * sigma, all[q] += 1; }
+  void add(std::size_t q, double error, double sigma) { inside[q] += std::abs(error) < 1.959963985 * sigma, all[q] += 1; }
 };
 
 void add_constants(const AidedCase& c, const AidedNavigation& n, AidedRun& out) {
@@ -172,18 +183,17 @@ void add_constants(const AidedCase& c, const AidedNavigation& n, AidedRun& out) 
   }
 }
 
-void add_states(const AidedCase& c, const AidedNavigation& n, AidedRun& out) {
+void add_states(const AidedCase& c, const AidedNavigation& n, std::size_t first_quantity, AidedRun& out) {
   using budget::ErrorIndex;
   constexpr std::size_t parts = 10;
   for (std::size_t part = 0; part <= parts; ++part) {
     const AidedCovariance& at = n.covariance[part * (n.covariance.size() - 1) / parts];
     const auto i = std::lower_bound(n.solution.time.begin(), n.solution.time.end(), at.time - 1e-6) - n.solution.time.begin();
     const budget::ErrorState error = budget::error_of(n.solution.states[static_cast<std::size_t>(i)], motion::navigation_state(c.motion.at(at.time)));
-    for (const auto& [quantity, first] :
-         {std::pair(attitudes, ErrorIndex::attitude), {velocities, ErrorIndex::velocity}, {positions, ErrorIndex::position}})
-      for (Eigen::Index k = first; k < first + 3; ++k) out.add(quantity, error[k], std::sqrt(at.value(k, k)));
+    for (const auto& [quantity, first] : {std::pair(std::size_t{0}, ErrorIndex::position), {1, ErrorIndex::velocity}, {2, ErrorIndex::attitude}})
+      for (Eigen::Index k = first; k < first + 3; ++k) out.add(first_quantity + quantity, error[k], std::sqrt(at.value(k, k)));
     const Eigen::Vector3d position = error.segment<3>(ErrorIndex::position);
-    if (part == parts / 2) out.nees = position.dot(at.value.bottomRightCorner<3, 3>().llt().solve(position));
+    if (part == parts / 2 && first_quantity == positions) out.nees = position.dot(at.value.bottomRightCorner<3, 3>().llt().solve(position));
   }
 }
 
@@ -193,8 +203,8 @@ AidedRun aided_run(std::uint64_t seed, bool effects) {
   CalibrationOptions options;
   options.effects = effects;
   const aided::OutputTerms terms = drive::output_terms(c.recording, c.session, drive::shared_by({&c.recording, 1}, c.session));
-  const AidedNavigation n = aided::navigate_under(drive::unit_priors(c.session.imu, drive::drive_coefficients()), c.session, c.recording,
-                                                  c.session.aids, {}, effects ? &terms : nullptr);
+  const aided::SensorPriors priors = drive::unit_priors(c.session.imu, drive::drive_coefficients());
+  const AidedNavigation n = aided::navigate_under(priors, c.session, c.recording, c.session.aids, {}, effects ? &terms : nullptr);
   const Calibration result =
       drive::calibration_result({drive::drive_of(n, c.recording, c.session.imu)}, {c.session, std::span(&c.recording, 1)}, options).calibration;
   out.good = result.quality.verdict == "good";
@@ -208,7 +218,8 @@ AidedRun aided_run(std::uint64_t seed, bool effects) {
       out.add(determined, error, sigma);
   }
   add_constants(c, n, out);
-  add_states(c, n, out);
+  add_states(c, n, positions, out);
+  add_states(c, aided::navigate_under(priors, c.session, c.recording, c.session.aids, {.causal = true}), filtered, out);
   return out;
 }
 

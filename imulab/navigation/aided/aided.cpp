@@ -1,7 +1,6 @@
 #include "imulab/navigation/aided/aided.hpp"
 
 #include "imulab/compensate.hpp"
-#include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
@@ -91,21 +90,14 @@ void add_solution(const Problem& p, const FilterPass& pass, const std::vector<Na
 }
 
 std::vector<NavigationState> causal_states(const Problem& p, const FilterPass& pass) {
-  std::vector<NavigationState> states{pass.nodes.front().reference.motion};
+  FullState now = plus(pass.nodes.front().reference, pass.nodes.front().error);
+  std::vector<NavigationState> states{now.motion};
   for (std::size_t k = 0; k + 1 < pass.nodes.size(); ++k) {
-    integrate(p, pass.nodes[k].samples, pass.nodes[k + 1].samples, pass.nodes[k].reference, false, &states);
-    states.back() = pass.nodes[k + 1].reference.motion;
+    integrate(p, pass.nodes[k].samples, pass.nodes[k + 1].samples, now, false, &states);
+    now = plus(pass.nodes[k + 1].reference, pass.nodes[k + 1].error);
+    states.back() = now.motion;
   }
   return states;
-}
-
-/// The filter errs by what it linearizes about: it starts at the heading that the whole shows, as uncertain as before.
-FilterStart turned_to(FilterStart start, const SmootherPass& smoothed) {
-  const auto heading = [](const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; };
-  NavigationState& s = start.mean.motion;
-  const double turn = heading(smoothed.nodes.front().state.motion) - heading(s);
-  s.q_nb = Eigen::Quaterniond(rotation_about(Vector3d::UnitZ(), -turn)) * s.q_nb;  // headings count clockwise
-  return start;
 }
 
 /// Where no aid tells the position, a curved Earth is not linear in it, and no map needs it.
@@ -177,14 +169,15 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     add_constants_with(*terms, p, start.start, trajectory, out);
   else
     add_constants(p, smoothed, out);
-  std::vector<NavigationState> states = std::move(trajectory.states);
+  std::vector<NavigationState> states = trajectory.states;
   for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
     out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
   if (!options.causal) add_innovations(p, pass, out);
   std::vector<double> times;
   for (const Node& node : pass.nodes) times.push_back(time_of(p, node.samples));
   pass = {};
-  pass = filter(p, turned_to(start.start, smoothed));  // what was known at each time, with the noise of the whole
+  // What was known at each time, with the noise of the whole. A filter that linearizes about its own first states is too sure of its attitude.
+  pass = filter(p, start.start, {.about = &trajectory});
   add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
   std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
   if (options.causal) {
