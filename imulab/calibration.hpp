@@ -170,6 +170,13 @@ struct SourceFile {
   bool operator==(const SourceFile&) const = default;
 };
 
+/// The offsets of the turn-ons that were recorded, or their mean, about those of the unit: one sigma, SI, as it is declared. The covariance does not
+/// contain it; a comparison of calibrations does.
+struct TurnOn {
+  double accel = 0, gyro = 0;
+  bool operator==(const TurnOn&) const = default;
+};
+
 /// White noise of the compensated output in the rests of the calibration's recordings: densities, SI. Zero: of an axis that shows none.
 struct RestNoise {
   Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
@@ -194,6 +201,7 @@ struct Calibration {
   std::vector<CoefficientIndex> estimated = {};             ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Quality quality;
+  std::optional<TurnOn> turn_on = {};        ///< absent: not declared, or in the covariance
   std::optional<RestNoise> rest_noise = {};  ///< absent: not known, or the recordings have no rests
 };
 

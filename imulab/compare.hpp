@@ -41,12 +41,22 @@ struct CoefficientDifference {
   std::optional<double> user_sigmas() const;  ///< user_difference / user_uncertainty: the same except for matrices
 };
 
+/// A coefficient whose difference is unlike what those of the others make of it, in sigmas of the difference that they leave. Two that are uncertain
+/// together, as offset and scale on a level road, may each agree and contradict each other.
+struct DifferenceGivenOthers {
+  CoefficientIndex index;
+  double sigmas = 0;
+};
+
 /// Do the differences agree with the stated covariances? e^T P^-1 e over the coefficients estimated together.
 struct Consistency {
   double chi2 = 0;
   int degrees_of_freedom = 0;  ///< 0: there is nothing to test
   double p_value = 1;          ///< probability of a chi-square at least this large
+  /// Where p_value is below `improbable_differences`: what was left out, one after the other, until the rest is not, the most different first.
+  std::vector<DifferenceGivenOthers> differing = {};
 };
+inline constexpr double improbable_differences = 0.001;
 
 struct Comparison {
   std::vector<CoefficientDifference> coefficients;  ///< in table order: those any calibration estimated, and those whose values differ

@@ -148,11 +148,12 @@ TEST_F(CompareCommand, SeveralStandSideBySide) {
   const std::string sentences = on_one_line(result.output);
   EXPECT_THAT(sentences, testing::StartsWith("2 of 2 coefficients differ significantly (* beyond 3.1 sigma: 1 % for all together) "));  // six tests
   // A row a pair, the least probable first: 0.5^2 + 10^2, 100^2 / (2 * 10^2), 10^2 / (2 * 10^2)
-  EXPECT_THAT(result.output, ContainsRegex("pair .*\nD - A +1 +2 +100.2 +2 +[0-9.e-]+ +larger\n"
-                                           "C - A +1 +2 +50 +2 +1.4e-11 +larger\nB - A +0 +2 +0.5 +2 +0.78 +as stated\n"));
+  EXPECT_THAT(result.output, ContainsRegex("pair .*\nD - A +1 +2 +100.2 +2 +[0-9.e-]+ +larger: gyro.matrix.xy\n"
+                                           "C - A +1 +2 +50 +2 +1.4e-11 +larger: accel.offset.x\nB - A +0 +2 +0.5 +2 +0.78 +as stated\n"));
   // 0, 10 and 100 ug with 10 ug each: 60.67 about their mean; the truth takes no part
   EXPECT_THAT(sentences, HasSubstr("All 3 calibrations about their weighted mean, 4 degrees of freedom: chi2 = 60.7, "));
-  EXPECT_THAT(sentences, HasSubstr("are larger than the stated uncertainties say Coefficients that differ among them: accel.offset.x A "));
+  EXPECT_THAT(sentences, HasSubstr("are larger than the stated uncertainties say; given the others, most in accel.offset.x (+7.8 sigmas) "
+                                   "Coefficients that differ among them: accel.offset.x A "));
 }
 
 TEST_F(CompareCommand, OfManyEachCoefficientIsOneRow) {

@@ -11,6 +11,7 @@
 #include "imulab/estimate/kernel/clocks.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/rest_noise.hpp"
 #include "imulab/estimate/kernel/second_opinion.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -284,6 +285,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   if (options.second_opinion && options.effects && !method.second.empty()) add_second_opinion(result.calibration, method, used, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
   kernel::state_clock(result.calibration, used.session, gains);
+  if (!method.takes_aids) result.calibration.turn_on = kernel::declared_turn_on(input.session.imu, recordings.size());
   if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
   for (std::size_t k = 0; k < recordings.size(); ++k) kernel::judge_interval(recordings[k], input.session.recordings[k].rate_hz.has_value(), quality);

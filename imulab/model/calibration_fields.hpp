@@ -134,6 +134,12 @@ void describe(Fields& f, RestNoise& n) {
   fields::expect(f, n.interval_s > 0, "interval_s", "a positive time");
 }
 
+template <class Fields>
+void describe(Fields& f, TurnOn& t) {
+  f("accel", t.accel), f("gyro", t.gyro);
+  fields::expect(f, t.accel >= 0 && t.gyro >= 0, "accel", "sigmas from 0 on");
+}
+
 /// describe_uncertainties(fields, calibration), beside each visitor, has the uncertainties in the shape of the model, and the covariance.
 template <class Fields>
 void describe(Fields& f, Calibration& c) {
@@ -153,6 +159,7 @@ void describe(Fields& f, Calibration& c) {
   f("model", c.model);
   describe_uncertainties(f, c);
   f("quality", c.quality, fields::optional);
+  f("turn_on", c.turn_on, fields::if_any);
   f("rest_noise", c.rest_noise, fields::if_any);
   const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
   if (Fields::reads || c.recorded_accel || c.recorded_gyro) f.table("recorded", recorded, fields::optional);

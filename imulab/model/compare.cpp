@@ -60,19 +60,65 @@ Eigen::MatrixXd to_relative(const SensorModel& a) {
   return t;
 }
 
-/// Directions without variance (two coefficients that are one) cannot be tested and do not count.
-Consistency consistency_of(const Eigen::VectorXd& e, const Eigen::MatrixXd& p) {
+/// With what a turn-on changes of the offsets of the output, w = W0 + W1 V + C a with a = A0 + A1 V: A0 by t_a, W0 by t_w - C t_a.
+Calibration with_turn_on(Calibration c) {
+  if (!c.turn_on) return c;
+  Eigen::MatrixXd by_turn_on = Eigen::MatrixXd::Zero(std::ssize(c.estimated), 6);
+  for (std::size_t k = 0; k < c.estimated.size(); ++k) {
+    const Coefficient& row = coefficient(c.estimated[k]);
+    if (row.term != Term::offset) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    if (row.triad == Triad::accel) {
+      by_turn_on(at, row.row) = c.turn_on->accel;
+    } else {
+      by_turn_on(at, 3 + row.row) = c.turn_on->gyro;
+      by_turn_on.row(at).head<3>() = -c.turn_on->accel * c.model.g_sensitivity.row(row.row);
+    }
+  }
+  c.covariance += by_turn_on * by_turn_on.transpose();
+  return c;
+}
+
+/// Leaves out what lowers chi2 most, until the rest is probable: of row i by z_i^2, z_i = (Q e)_i / sqrt(Q_ii), where Q is the inverse covariance of
+/// the rows that are left. `row_of`: the coefficient of each row.
+std::vector<DifferenceGivenOthers> differing_rows(const Consistency& all, Eigen::VectorXd e, Eigen::MatrixXd Q,
+                                                  const std::vector<CoefficientIndex>& row_of) {
+  std::vector<DifferenceGivenOthers> out;
+  double chi2 = all.chi2;
+  for (int freedom = all.degrees_of_freedom; freedom > 0 && chi_square_tail(chi2, freedom) < improbable_differences; --freedom) {
+    const Eigen::VectorXd information = Q.diagonal().cwiseMax(0);
+    const double none = 1e-9 * information.maxCoeff();  // of a row that is left out: rounding
+    const Eigen::VectorXd z = (information.array() > none).select((Q * e).array() / information.array().max(none).sqrt(), 0.0);
+    Eigen::Index worst = 0;
+    if (!(z.cwiseAbs().maxCoeff(&worst) > 0)) break;
+    const CoefficientIndex index = row_of[static_cast<std::size_t>(worst)];
+    if (std::ranges::find(out, index, &DifferenceGivenOthers::index) == out.end()) out.push_back({index, z(worst)});
+    chi2 = std::max(0.0, chi2 - z(worst) * z(worst));
+    const Eigen::VectorXd column = Q.col(worst);
+    Q -= column * column.transpose() / column(worst);
+    Q.row(worst).setZero(), Q.col(worst).setZero(), e(worst) = 0;
+  }
+  return out;
+}
+
+/// Directions without variance (two coefficients that are one) cannot be tested and do not count. `row_of`: to name what differs; empty: it is not
+/// asked.
+Consistency consistency_of(const Eigen::VectorXd& e, const Eigen::MatrixXd& p, const std::vector<CoefficientIndex>& row_of) {
   if (e.size() == 0) return {};
   const Eigen::VectorXd sigma = p.diagonal().cwiseSqrt();
   const SymmetricEigen correlation = symmetric_eigen(sigma.cwiseInverse().asDiagonal() * p * sigma.cwiseInverse().asDiagonal());
   const Eigen::VectorXd whitened = correlation.vectors.transpose() * e.cwiseQuotient(sigma);
   Consistency out;
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(e.size());
   for (Eigen::Index i = 0; i < e.size(); ++i) {
     if (correlation.values(i) < 1e-12 * static_cast<double>(e.size())) continue;  // rounding of the correlations
-    out.chi2 += whitened(i) * whitened(i) / correlation.values(i);
+    weight(i) = 1 / correlation.values(i);
+    out.chi2 += whitened(i) * whitened(i) * weight(i);
     ++out.degrees_of_freedom;
   }
   if (out.degrees_of_freedom > 0) out.p_value = chi_square_tail(out.chi2, out.degrees_of_freedom);
+  if (!row_of.empty() && out.p_value < improbable_differences)
+    out.differing = differing_rows(out, e.cwiseQuotient(sigma), correlation.vectors * weight.asDiagonal() * correlation.vectors.transpose(), row_of);
   return out;
 }
 
@@ -144,7 +190,7 @@ std::vector<Contrast> contrasts(const std::vector<Estimate>& estimates, Coeffici
 
 /// The contrasts contain all information of the estimates except one common truth, so this is also the estimates' chi-square about their weighted
 /// mean.
-Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all) {
+Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all, bool name) {
   const auto n = static_cast<Eigen::Index>(all.size());
   Eigen::VectorXd e(n);
   Eigen::MatrixXd p(n, n);
@@ -157,7 +203,9 @@ Consistency consistency_of(const std::vector<Estimate>& estimates, const std::ve
       p(i, j) = shared(c.estimate, d.estimate) - shared(c.estimate, d.base) - shared(c.base, d.estimate) + shared(c.base, d.base);
     }
   }
-  return consistency_of(e, p);
+  std::vector<CoefficientIndex> row_of;
+  for (const Contrast& c : all) row_of.push_back(c.coefficient);
+  return consistency_of(e, p, name ? row_of : std::vector<CoefficientIndex>());
 }
 
 }  // namespace
@@ -175,14 +223,14 @@ std::optional<double> CoefficientDifference::user_sigmas() const {
 Comparison compare(const Calibration& a, const Calibration& b) { return compare(a, std::vector<Calibration>{b}).front(); }
 
 std::vector<Comparison> compare(const Calibration& first, const std::vector<Calibration>& others) {
-  const Calibration a = in_accelerometer_frame(first);
+  const Calibration a = in_accelerometer_frame(with_turn_on(first));
   const Eigen::VectorXd value_a = values(a.model);
   const Eigen::MatrixXd p_a = table_covariance(a), relative = to_relative(a.model);
   std::vector<Comparison> out(others.size());
   std::vector<Calibration> b;
   std::vector<Differences> all;
   for (std::size_t k = 0; k < others.size(); ++k) {
-    b.push_back(in_accelerometer_frame(in_gauge_of(first, others[k])));
+    b.push_back(in_accelerometer_frame(in_gauge_of(first, with_turn_on(others[k]))));
     Eigen::MatrixXd p = p_a + table_covariance(b[k]);
     Eigen::VectorXd from = value_a;
     if (has_lever_arms(a.estimated) && has_lever_arms(b[k].estimated)) {
@@ -193,7 +241,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
     }
     all.push_back(differences(from, relative, b[k], p));
     const std::vector<CoefficientIndex> joint = jointly_estimated(a, b[k], p);
-    out[k].consistency = consistency_of(all[k].e(joint), p(joint, joint));
+    out[k].consistency = consistency_of(all[k].e(joint), p(joint, joint), joint);
   }
   const Eigen::VectorXd size = term_sizes(all);
   for (const CoefficientIndex i : coefficient_indices()) {
@@ -227,7 +275,7 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   std::vector<Estimate> si, user;
   for (const auto& stated : calibrations) {
     if (stated.estimated.empty()) continue;
-    const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], stated));
+    const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], with_turn_on(stated)));
     const Eigen::MatrixXd t =
         has_lever_arms(c.estimated) ? about_mean_point() : Eigen::MatrixXd(Eigen::MatrixXd::Identity(coefficient_count, coefficient_count));
     si.push_back({c.estimated, t * values(c.model), t * table_covariance(c) * t.transpose()});
@@ -238,9 +286,9 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   for (const CoefficientIndex i : coefficient_indices()) {
     const std::vector<Contrast> of_i = contrasts(si, i);
     all.insert(all.end(), of_i.begin(), of_i.end());
-    if (!of_i.empty()) out.coefficients.push_back({i, consistency_of(user, contrasts(user, i))});
+    if (!of_i.empty()) out.coefficients.push_back({i, consistency_of(user, contrasts(user, i), false)});
   }
-  out.consistency = consistency_of(si, all);
+  out.consistency = consistency_of(si, all, true);
   for (auto& c : out.coefficients) c.differs = c.consistency.p_value < table_significance / static_cast<double>(out.coefficients.size());
   return out;
 }

@@ -19,8 +19,8 @@ std::string probability_of(const Consistency& c) { return c.p_value < 1e-99 ? "<
 
 std::string consistency_text(const Consistency& c) {
   if (c.degrees_of_freedom == 0) return "no coefficient has an uncertainty in both: nothing is tested";
-  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number_text(c.chi2, 4), c.degrees_of_freedom,
-                     probability_of(c));
+  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}{}", number_text(c.chi2, 4), c.degrees_of_freedom,
+                     probability_of(c), c.differing.empty() ? "" : "; given the others, most in " + differing_text(c));
 }
 
 Verdict comparison_verdict(const ComparisonSummary& summary) {

@@ -92,10 +92,10 @@ std::string probability_text(double p) { return p < 1e-99 ? "< 1e-99" : fmt::for
 
 /// A chi-square of differences, judged against the stated uncertainties.
 std::string verdict(const Consistency& c) {
-  const char* size = c.p_value < 0.001 ? "larger than" : c.p_value > 0.999 ? "smaller than" : "as large as";
+  const char* size = c.p_value < improbable_differences ? "larger than" : c.p_value > 1 - improbable_differences ? "smaller than" : "as large as";
   const std::string chi2 = c.chi2 < 1e4 ? fmt::format("{:.1f}", c.chi2) : text::number(c.chi2, 4);
-  return fmt::format("chi2 = {}, probability of more {}: the differences are {} the stated uncertainties say", chi2, probability_text(c.p_value),
-                     size);
+  return fmt::format("chi2 = {}, probability of more {}: the differences are {} the stated uncertainties say{}", chi2, probability_text(c.p_value),
+                     size, c.differing.empty() ? "" : "; given the others, most in " + differing_text(c));
 }
 
 std::string count_text(std::size_t marked, std::size_t tested, double mark_from) {
@@ -113,8 +113,9 @@ std::string pair_rows(const ComparisonSummary& summary) {
     if (pair.differences.empty())
       out += "nothing to test\n";
     else
-      out += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>11}  {}\n", pair.differing, pair.tested, text::number(pair.together.chi2, 4),
-                         pair.together.degrees_of_freedom, probability_text(pair.together.p_value), pair.differences);
+      out += fmt::format("{:>6} {:>6} {:>10} {:>7} {:>11}  {}{}\n", pair.differing, pair.tested, text::number(pair.together.chi2, 4),
+                         pair.together.degrees_of_freedom, probability_text(pair.together.p_value), pair.differences,
+                         pair.together.differing.empty() ? "" : fmt::format(": {}", coefficient(pair.together.differing.front().index).name));
   }
   return out + text::wrapped("", "Probability: of differences that are larger together, if the stated uncertainties are right.");
 }
@@ -167,6 +168,8 @@ std::string comparison_table(const ComparisonSummary& summary, bool details) {
   for (std::size_t k = 0; k < summary.calibrations.size(); ++k) out += text::wrapped(letter_of(k) + "  ", origin(summary.calibrations[k]));
   if (years) out += text::wrapped("", fmt::format("{:.2f} years from A to B.", *years));
   out += text::wrapped("", fmt::format("{} in the accelerometers' frame; quadratic and cubic terms are compared unrotated.", pair ? "Both" : "All"));
+  if (std::ranges::any_of(summary.calibrations, &ComparedCalibration::with_turn_on))
+    out += text::wrapped("", "Offsets are compared with their declared repeatability from turn-on to turn-on.");
   for (const auto& c : comparisons) out += translation_text(c.translation);
   const std::size_t shown = details || ranked.tested == 0 ? ranked.rows.size() : ranked.significant;
   if (shown > 0) out += "\n" + heading(comparisons.size(), years.has_value());
@@ -174,7 +177,10 @@ std::string comparison_table(const ComparisonSummary& summary, bool details) {
   if (shown < ranked.rows.size())
     out +=
         text::wrapped(shown > 0 ? "" : "\n",
-                      fmt::format("{} coefficients do not differ significantly{}; --verbose lists them", ranked.tested - shown,
+                      fmt::format("{} coefficients do not differ significantly{}{}; --verbose lists them", ranked.tested - shown,
+                                  shown == 0 && std::ranges::any_of(comparisons, [](const Comparison& c) { return !c.consistency.differing.empty(); })
+                                      ? " by themselves"
+                                      : "",
                                   ranked.rows.size() > ranked.tested ? fmt::format(", {} are not tested", ranked.rows.size() - ranked.tested) : ""));
   return details ? out + value_rows(comparisons) : out;
 }

@@ -22,6 +22,7 @@ struct ComparedCalibration {
   std::string date, dated;  ///< YYYY-MM-DD, and of what: "measured" (declared), "recorded" (stamps), "calibrated"; empty: not known
   bool bare = false;        ///< no uncertainties: taken as the truth
   bool doubtful = false;
+  bool with_turn_on = false;  ///< its offsets were compared with their repeatability from turn-on to turn-on
 };
 ComparedCalibration compared_calibration(const NamedCalibration& named);
 
@@ -61,6 +62,8 @@ struct PairTest {
   Consistency together;
   std::string differences;  ///< against the stated uncertainties: "larger", "as stated", "smaller"; empty: nothing is tested
 };
+/// "accel.offset.z (41 sigmas), ..., and 3 more"; empty where all agree.
+std::string differing_text(const Consistency& consistency);
 /// The pairs with the least probable differences first.
 std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary);
 

@@ -47,7 +47,7 @@ std::string limit_and_reached(const RequirementResult& r) {
 ComparedCalibration compared_calibration(const NamedCalibration& named) {
   const Calibration& c = named.calibration;
   ComparedCalibration out{.name = named.name, .imu = c.imu, .serial = c.serial, .method = c.method, .frame = c.frame, .date = {}, .dated = {}};
-  out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == "doubtful";
+  out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == "doubtful", out.with_turn_on = c.turn_on.has_value();
   const std::string recorded = c.sources.empty() ? "" : date_text(c.sources.front().first_s);
   for (const auto& [text, what] : {std::pair{c.measured, "measured"}, {recorded, "recorded"}, {c.created, "calibrated"}})
     if (out.date.empty() && time_of(text)) out.date = text.substr(0, 10), out.dated = what;
@@ -88,6 +88,11 @@ Conclusion conclusion_about(const ComparisonSummary& summary) {
   Conclusion out;
   if (summary.requirements.empty()) {
     const RankedRows rows = ranked_rows(summary.comparisons, significant_from(summary));
+    const PairTest first = ranked_pairs(summary).front();
+    if (rows.significant == 0 && first.differences == "larger") {
+      out.headline = "no coefficient differs significantly by itself, but all together do, most in " + differing_text(first.together);
+      return out;
+    }
     out.headline = rows.tested == 0 ? "nothing is tested: no coefficient has an uncertainty on one side and a value to compare it with on the other"
                                     : fmt::format("{} of {} coefficients differ significantly", rows.significant, rows.tested);
     return out;
@@ -113,6 +118,14 @@ double significant_from(const ComparisonSummary& summary) {
   return significant_sigmas(std::max<std::size_t>(1, tests));
 }
 
+std::string differing_text(const Consistency& c) {
+  constexpr std::size_t named = 3;
+  std::string out;
+  for (std::size_t k = 0; k < std::min(named, c.differing.size()); ++k)
+    out += fmt::format("{}{} ({:+.1f} sigmas)", k == 0 ? "" : ", ", coefficient(c.differing[k].index).name, c.differing[k].sigmas);
+  return c.differing.size() > named ? out + fmt::format(" and {} more", c.differing.size() - named) : out;
+}
+
 std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary) {
   const double from = significant_from(summary);
   std::vector<PairTest> out;
@@ -120,9 +133,10 @@ std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary) {
     PairTest& pair = out.emplace_back(PairTest{.k = out.size(), .together = c.consistency, .differences = {}});
     for (const CoefficientDifference& d : c.coefficients)
       if (const auto sigmas = d.user_sigmas()) ++pair.tested, pair.differing += std::abs(*sigmas) > from;
-    constexpr double improbable = 0.001;
     if (c.consistency.degrees_of_freedom == 0) continue;
-    pair.differences = c.consistency.p_value < improbable ? "larger" : c.consistency.p_value > 1 - improbable ? "smaller" : "as stated";
+    pair.differences = c.consistency.p_value < improbable_differences       ? "larger"
+                       : c.consistency.p_value > 1 - improbable_differences ? "smaller"
+                                                                            : "as stated";
   }
   std::ranges::stable_sort(out, [](const PairTest& a, const PairTest& b) {
     return a.together.p_value != b.together.p_value ? a.together.p_value < b.together.p_value : a.together.chi2 > b.together.chi2;

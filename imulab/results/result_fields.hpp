@@ -34,8 +34,13 @@ void describe(Fields& f, CoefficientDifference& d) {
 }
 
 template <class Fields>
+void describe(Fields& f, DifferenceGivenOthers& d) {
+  f("coefficient", d.index), f("sigmas", d.sigmas);
+}
+
+template <class Fields>
 void describe(Fields& f, Consistency& c) {
-  f("chi2", c.chi2), f("degrees_of_freedom", c.degrees_of_freedom), f("p_value", c.p_value);
+  f("chi2", c.chi2), f("degrees_of_freedom", c.degrees_of_freedom), f("p_value", c.p_value), f("differing", c.differing, fields::if_any);
 }
 
 /// A comparison and the names of its calibrations.
@@ -58,6 +63,7 @@ void describe(Fields& f, ComparedCalibration& c) {
   f("name", c.name), f("imu", c.imu, fields::or_empty), f("serial", c.serial, fields::or_empty), f("method", c.method, fields::or_empty);
   f("frame", c.frame, fields::or_empty), f("date", c.date, fields::or_empty), f("dated", c.dated, fields::or_empty);
   f("without_uncertainties", c.bare, fields::optional), f("doubtful", c.doubtful, fields::optional);
+  f("with_turn_on", c.with_turn_on, fields::if_any);
 }
 
 template <class Fields>
@@ -155,7 +161,17 @@ void describe(Fields& f, Advice& advice) {
 }
 
 template <class Fields>
+void describe(Fields& f, AddedManoeuvres& a) {
+  f("added", a.names), f("added_s", a.added), f("duration_s", a.duration), f("worst", a.worst, fields::or_infinity);
+}
+
+template <class Fields>
 void describe(Fields& f, PredictionSummary& p) {
+  if constexpr (Fields::reads) {
+    if (f.at().has("added")) describe(f, p.added.emplace());
+  } else if (p.added) {
+    describe(f, *p.added);
+  }
   describe_by_name(f, "coefficients", p.coefficients);
   f("undetermined", p.undetermined, fields::optional), f("considered", p.considered, fields::if_any), f("priors", p.priors, fields::if_any);
   f("notes", p.notes, fields::if_any), f("rig_errors", p.rig_errors, fields::if_any);

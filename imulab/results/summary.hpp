@@ -33,6 +33,13 @@ struct PredictedCoefficient {
   std::vector<std::pair<std::string, double>> budget = {};  ///< sigma by source, to first order
 };
 
+/// What a plan added to a drive.
+struct AddedManoeuvres {
+  std::vector<std::string> names;  ///< in their order
+  double added = 0, duration = 0;  ///< s: of them, of the drive with them
+  double worst = 0;                ///< uncertainty over requirement; infinite: not determined
+};
+
 /// The prediction of any method, as its JSON has it.
 struct PredictionSummary {
   std::vector<PredictedCoefficient> coefficients = {};
@@ -43,6 +50,7 @@ struct PredictionSummary {
   std::optional<std::uint64_t> runs = {};                                  ///< of the Monte Carlo
   std::optional<std::vector<Shortfall>> missed = {};                       ///< requirements
   std::vector<std::pair<std::string, Tolerances::Answer>> tolerance = {};  ///< by knob; not read back
+  std::optional<AddedManoeuvres> added = {};                               ///< of a drive that was planned
   std::optional<Advice> advice = {};                                       ///< from JSON: without its ratios
 
   std::vector<CoefficientIndex> indices() const;

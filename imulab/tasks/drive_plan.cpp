@@ -111,6 +111,12 @@ PlannedDrive plan_drive(const PlanOptions& o, const std::function<void(double)>&
   return out;
 }
 
+PredictionSummary summary_of(const PlannedDrive& p) {
+  PredictionSummary out = imulab::summary_of(p.prediction);
+  out.added = {p.added, p.duration - p.before, p.duration, p.worst};
+  return out;
+}
+
 std::string plan_headline(const PlannedDrive& p) {
   if (p.added.empty() && p.worst <= 1) return fmt::format("the mission as it is, {}", text::minutes(p.duration));
   return fmt::format("{} in {}", p.added.empty() ? "nothing that helps" : fmt::format("{}", fmt::join(p.added, ", ")),
@@ -124,19 +130,14 @@ AnswerOf<PlannedDrive> drive_plan_answer(const PlanOptions& o, const std::functi
   const auto p = std::make_shared<const PlannedDrive>(plan_drive(o, progress));
   Conclusion conclusion = conclude("", "", assess(p->prediction, p->requirements));
   conclusion.headline = plan_headline(*p) + "; " + conclusion.headline;
-  return {
-      {.json =
-           [p] {
-             std::vector<JsonValue> added(p->added.begin(), p->added.end());
-             return fields_json({{{"added", added}, {"added_s", p->duration - p->before}, {"duration_s", p->duration}, {"worst", p->worst}}});
-           },
-       .table = [p](bool details) { return prediction_text(p->prediction, p->requirements, details); },
-       .page = [p, conclusion,
-                name = *o.mission] { return prediction_page({.procedure = name, .summary = summary_of(p->prediction), .conclusion = conclusion}); },
-       .shortcomings =
-           p->worst <= 1 ? "" : "no maneuver of the table brings the drive to the requirements: " + shortfall_text(p->prediction.missed.front()),
-       .conclusion = conclusion},
-      p};
+  return {{.json = [p] { return prediction_json(summary_of(*p)); },
+           .table = [p](bool details) { return prediction_text(p->prediction, p->requirements, details); },
+           .page = [p, conclusion,
+                    name = *o.mission] { return prediction_page({.procedure = name, .summary = summary_of(*p), .conclusion = conclusion}); },
+           .shortcomings =
+               p->worst <= 1 ? "" : "no maneuver of the table brings the drive to the requirements: " + shortfall_text(p->prediction.missed.front()),
+           .conclusion = conclusion},
+          p};
 }
 
 }  // namespace imulab

@@ -64,6 +64,17 @@ PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offs
   return sizes;
 }
 
+std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t recordings) {
+  const NoiseModels noise = declared_terms(imu);
+  const auto sigma = [&](const char* effect, const Spread& turn_on) {
+    const auto at = imu.effect_sigmas.find(effect);
+    const double one = at != imu.effect_sigmas.end() ? at->second : turn_on.fixed ? 0 : turn_on.value;
+    return one / std::sqrt(static_cast<double>(recordings));
+  };
+  const TurnOn out{.accel = sigma("accel.turn_on", noise.accel.turn_on), .gyro = sigma("gyro.turn_on", noise.gyro.turn_on)};
+  return out == TurnOn{} ? std::nullopt : std::optional(out);
+}
+
 double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
   // In units of the prior: where it is true, of covariance I, an estimate of covariance P has itself the covariance I - P.
   const Eigen::VectorXd unit = prior_sigma.cwiseInverse(), in_sigmas = unit.cwiseProduct(value);

@@ -7,6 +7,8 @@
 #include "imulab/session.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +52,9 @@ inline double needed_sigma(const Coefficient& c, double prior) {
 /// stay 0. Declared sizes come first, then those of the declared grade, then sizes that grow with the offsets, `accel_offset` [m/s^2] and
 /// `gyro_offset` [rad/s]: a sensor whose zero is far off is not straight either (docs/theory/effects.md).
 PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
+
+/// The declared sigma of a turn-on over the root of how many were recorded; absent where none is declared.
+std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t recordings);
 
 /// By how much a prior about zero is to be widened that the data contradict: estimates under it, with their covariance, are as large as chance makes
 /// them less than once in a thousand. Twice their size over what is expected of it, so that the prior pulls neither them nor others. Else 1.
