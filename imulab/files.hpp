@@ -111,10 +111,15 @@ struct AidsReading {
   std::vector<std::string> warnings;  ///< what was left out; a clock whose offset has to be estimated
 };
 
-/// Reads the files of a session's aids, in any of the formats of docs/reference/recordings.md, "Aids". Their stamps are then those of the recording's clock:
-/// exactly (TimeScale::recording), or but for an offset that remains to be estimated (TimeScale::own). An aid that has a record keeps it. Throws
-/// Error with file and place for what is damaged or out of range, latitude and longitude swapped, stamps that run back, and an aid of another time.
+/// Reads the files of a session's aids, in any of the formats of docs/reference/recordings.md, "Aids". Their stamps are then those of the recording's
+/// clock: exactly (TimeScale::recording), or but for an offset that remains to be estimated (TimeScale::own). An aid that has a record keeps it.
+/// Throws Error with file and place for what is damaged or out of range, latitude and longitude swapped, stamps that run back, and an aid of another
+/// time.
 AidsReading read_aids(const Session& session, const RecordingSource& source, const Recording& recording);
+
+/// GPS time, as that of a date since 1970, less the stamps of the recording [ns], at the begin of an aid; absent where no aid tells it: the recording
+/// has its own clock, or the aid has. Reads and throws as read_aids does.
+std::optional<std::int64_t> gps_time_ahead(const Session& session, const RecordingSource& source, const Recording& recording);
 
 /// Writes `text` to `path`, whole or not at all.
 void write_whole(const std::filesystem::path& path, std::string_view text);

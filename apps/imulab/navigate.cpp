@@ -5,6 +5,7 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
+#include "imulab/files.hpp"
 #include "imulab/formats/recording/aided_solution.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -14,6 +15,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -48,9 +50,14 @@ Session session_of_one(const std::string& name, const RecordingWords& words) {
 void run_aided(const NavigateVerbOptions& o, const UsableCalibration& usable) {
   const Session session = session_of_one(o.sessions.front(), {o.declarations, o.topics});
   Recording recording = read_for(usable.calibration, session, session.recordings[0]);
+  std::optional<std::int64_t> gps_ahead;
+  if (needs_dates(o.output)) {
+    gps_ahead = gps_time_ahead(session, session.recordings[0], recording);
+    errors_at("-o", [&] { expect_dates(o.output, gps_ahead); });
+  }
   std::optional<Progress> progress(std::in_place, "navigating");
   const AnswerOf<AidedNavigation> answer = aided_answer(o.sessions.front(), usable.calibration, session, std::move(recording), o, usable.warnings);
-  if (!o.output.empty()) write_aided_solution(o.output, *answer.data);
+  if (!o.output.empty()) write_aided_solution(o.output, *answer.data, gps_ahead);
   progress.reset();
   show(answer, o, o.output.empty() ? "" : fmt::format("{}: {} states\n", o.output, answer.data->solution.size()));
 }

@@ -2,6 +2,7 @@
 #include "imulab/aid.hpp"
 #include "imulab/files.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -61,6 +62,31 @@ TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {
   refused("--aided --vertical fixed", "does not go with --aided");
   refused("--aided --outages 10", "is no EVERY,LENGTH");
   refused("--aided --outages 10,20", "is no EVERY,LENGTH");
+  refused("--aided -o track.pos", "-o: track.pos: has dates, in GPS time, and the recording's clock has none; expected time = { scale = \"gps\" }");
+}
+
+/// The flight by a clock of this scale that counts from `zero`, beside a receiver with the column `column` of that time plus `later`.
+std::string first_date(const std::string& scale, double zero, const std::string& column, double later) {
+  const TemporaryFolder folder;
+  write_aided(folder);
+  const CommandResult made = run_shell(folder, fmt::format(R"(cd session &&
+awk -F, -v OFS=, -v by={0} 'NR > 1 {{$1 = sprintf("%.4f", $1 + by)}} 1' recording.csv > dated.csv && mv dated.csv recording.csv &&
+awk -F, -v OFS=, -v by={1} 'NR == 1 {{sub("^t,", "{2},")}} NR > 1 {{$1 = sprintf("%.4f", $1 + by)}} 1' truth.csv > truth_dated.csv &&
+sed -i -e 's/"truth.csv"/"truth_dated.csv"/' -e 's/^time = {{ column = "t"/&, scale = "{3}"/' -e '/^\[initial\]/,/^heading/d' session.toml)",
+                                                           zero, zero + later, column, scale));
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  const CommandResult result = run_imulab(folder, "navigate none session --aided -o nav.pos");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string text = read_text(folder / "nav.pos"), begin = "\n20";
+  const std::size_t row = text.find(begin);
+  return row == std::string::npos ? text.substr(0, 200) : text.substr(row + 1, 19);
+}
+
+// 2024-01-01 is day 16066 since 1980-01-06 and 19723 since 1970; GPS is 18 s ahead of UTC.
+TEST(NavigateAidedCommand, APosFileHasTheDatesOfGpsTime) {
+  EXPECT_EQ(first_date("gps", 16066 * 86400., "gps_s", 0), "2024/01/01 00:00:00");
+  EXPECT_EQ(first_date("utc", 19723 * 86400., "utc_s", 0), "2024/01/01 00:00:18");
+  EXPECT_EQ(first_date("utc", 19723 * 86400., "gps_s", -3657 * 86400. + 18), "2024/01/01 00:00:18");
 }
 
 }  // namespace

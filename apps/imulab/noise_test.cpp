@@ -141,9 +141,8 @@ TEST(NoiseCommand, LeavesOutARowWithoutANumberAndRefusesMany) {
     });
     const CommandResult result = run_imulab(folder, "noise session.toml");
     EXPECT_EQ(result.exit_code, many == 1 ? 0 : 2) << result.errors;
-    EXPECT_THAT(result.errors,
-                HasSubstr(many == 1 ? "1 line left out (the recording has no sample there), the first line 3001: gz: nan is not a reading"
-                                    : "log.csv:3001: gz: nan is not a reading; expected a finite number; so in 200 rows"));
+    EXPECT_THAT(result.errors, HasSubstr(many == 1 ? "1 line left out (nothing is measured there), the first line 3001: gz: nan is not a reading"
+                                                   : "log.csv:3001: gz: nan is not a reading; expected a finite number; so in 200 rows"));
     EXPECT_EQ(run_imulab(folder, "noise log.csv --set gyro.unit=rad/s").exit_code, many == 1 ? 0 : 1);
   }
 }

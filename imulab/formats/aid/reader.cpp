@@ -79,32 +79,50 @@ void expect_at_site(const Aid& aid, const Session& session) {
                     aid.file, at.x() / unit::deg, at.y() / unit::deg));
 }
 
+/// The aids that go with a recording, with their records as they are stamped.
+AidsReading stamped_aids(const Session& session, const RecordingSource& source) {
+  AidsReading out;
+  for (const Aid& declared : session.aids) {
+    if (!declared.recording.empty() && declared.recording != source.file) continue;
+    Aid& aid = out.aids.emplace_back(declared);
+    if (!has_record(aid.kind) || !aid.record.time.empty()) continue;
+    const AidRequest request = request_of(aid, session, source);
+    expect_assigned(aid, request, session, source);
+    const AidFormat& format = aid_format_of(request, aid);
+    AidRows rows = format.read(request);
+    aid.scale = rows.scale;
+    if (format.has_topics && is_own_log(request, session, source)) {  // stamped by the clock of the recording's readings
+      aid.scale = TimeScale::recording;
+      for (AidRow& row : rows.rows) row.time -= source.time.zero;
+    }
+    AidReading reading = make_record(std::move(rows));
+    aid.record = std::move(reading.record);
+    out.warnings.insert(out.warnings.end(), reading.warnings.begin(), reading.warnings.end());
+    expect_at_site(aid, session);
+    if (session.recordings.size() > 1) aid.recording = source.file;
+  }
+  return out;
+}
+
 }  // namespace
 
 AidsReading read_aids(const Session& session, const RecordingSource& source, const Recording& recording) {
-  AidsReading out;
-  for (const Aid& declared : session.aids) {
-    Aid aid = declared;
-    if (!aid.recording.empty() && aid.recording != source.file) continue;
-    if (has_record(aid.kind) && aid.record.time.empty()) {
-      const AidRequest request = request_of(aid, session, source);
-      expect_assigned(aid, request, session, source);
-      const AidFormat& format = aid_format_of(request, aid);
-      AidRows rows = format.read(request);
-      aid.scale = rows.scale;
-      if (format.has_topics && is_own_log(request, session, source)) {  // stamped by the clock of the recording's readings
-        aid.scale = TimeScale::recording;
-        for (AidRow& row : rows.rows) row.time -= source.time.zero;
-      }
-      AidReading reading = make_record(std::move(rows));
-      aid.record = std::move(reading.record);
-      out.warnings.insert(out.warnings.end(), reading.warnings.begin(), reading.warnings.end());
-      expect_at_site(aid, session);
-      if (session.recordings.size() > 1) aid.recording = source.file;
-    }
-    out.aids.push_back(on_recording_clock(std::move(aid), recording, source, out.warnings));
-  }
+  AidsReading out = stamped_aids(session, source);
+  for (Aid& aid : out.aids) aid = on_recording_clock(std::move(aid), recording, source, out.warnings);
   return out;
+}
+
+std::optional<std::int64_t> gps_time_ahead(const Session& session, const RecordingSource& source, const Recording& recording) {
+  std::vector<std::string> notes;
+  for (const Aid& stamped : stamped_aids(session, source).aids) {
+    if (stamped.record.time.empty() || (stamped.scale != TimeScale::gps && stamped.scale != TimeScale::utc)) continue;
+    const Aid moved = on_recording_clock(stamped, recording, source, notes);
+    if (moved.scale != TimeScale::recording) continue;
+    const std::int64_t time = stamped.record.time.front(), second_ns = 1'000'000'000;
+    const std::int64_t leap = stamped.scale == TimeScale::gps ? 0 : leap_seconds(1e-9 * static_cast<double>(time)) * second_ns;
+    return time + leap - moved.record.time.front();
+  }
+  return std::nullopt;
 }
 
 }  // namespace imulab

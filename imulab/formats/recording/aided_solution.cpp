@@ -1,5 +1,6 @@
 #include "imulab/formats/recording/aided_solution.hpp"
 
+#include "imulab/error.hpp"
 #include "imulab/formats/recording/odometry.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/units.hpp"
@@ -53,7 +54,7 @@ void add_kml(std::string& text, double, const NavigationState& s, const Sigmas&,
   fmt::format_to(std::back_inserter(text), "{:.9f},{:.9f},{:.3f}\n", s.longitude / unit::deg, s.latitude / unit::deg, s.height);
 }
 
-/// The date of `time` as seconds since 1970; quality 1, no number of satellites, no age and ratio.
+/// `time`: of GPS, as that of a date since 1970; quality 1, no number of satellites, no age and ratio.
 void add_pos(std::string& text, double time, const NavigationState& s, const Sigmas& sigma, bool) {
   using namespace std::chrono;
   const double day = std::floor(time / 86400), rest = time - 86400 * day;
@@ -66,6 +67,8 @@ void add_pos(std::string& text, double time, const NavigationState& s, const Sig
                  "   0.0000   0.0000   0.0000   0.00    0.0 {:10.5f} {:10.5f} {:10.5f} {:9.5f} {:8.5f} {:8.5f}   0.0   0.0   0.0\n", s.velocity.y(),
                  s.velocity.x(), s.velocity.z(), sigma[4], sigma[3], sigma[5]);
 }
+
+constexpr std::string_view dated_ending = ".pos";
 
 constexpr std::array texts{
     SolutionText{".csv",
@@ -80,7 +83,7 @@ constexpr std::array texts{
                  "<LineString><altitudeMode>absolute</altitudeMode><coordinates>\n",
                  "</coordinates></LineString></Placemark></Document></kml>\n", add_kml, 10'000},
     SolutionText{
-        ".pos",
+        dated_ending,
         "% program   : imulab\n%  GPST                   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  sdne(m)  "
         "sdeu(m)  sdun(m) age(s)  ratio    vn(m/s)    ve(m/s)    vu(m/s)      sdvn     sdve     sdvu    sdvne    sdveu    sdvun\n",
         "", add_pos},
@@ -101,8 +104,20 @@ bool has_aided_ending(const std::filesystem::path& path) {
   return ending == odometry_ending || (ending != ".csv" && std::ranges::find(texts, std::string_view(ending), &SolutionText::ending) != texts.end());
 }
 
-void write_aided_solution(const std::filesystem::path& path, const AidedNavigation& n) {
+bool needs_dates(const std::filesystem::path& path) { return lower_ending(path) == dated_ending; }
+
+void expect_dates(const std::filesystem::path& path, const std::optional<std::int64_t>& gps_ahead) {
+  if (gps_ahead) return;
+  throw Error(
+      fmt::format("{}: has dates, in GPS time, and the recording's clock has none; expected time = {{ scale = \"gps\" }} or \"utc\" in "
+                  "[[recording]] beside an aid with dates, or another ending: .csv, .geojson, .kml, .mcap",
+                  path.string()));
+}
+
+void write_aided_solution(const std::filesystem::path& path, const AidedNavigation& n, std::optional<std::int64_t> gps_ahead) {
   const std::string ending = lower_ending(path);
+  if (ending == dated_ending) expect_dates(path, gps_ahead);
+  const double ahead = ending == dated_ending ? 1e-9 * static_cast<double>(*gps_ahead) : 0;
   if (ending == odometry_ending) return write_odometry(path, n);
   auto form = std::ranges::find(texts, std::string_view(ending), &SolutionText::ending);
   if (form == texts.end()) form = texts.begin();
@@ -110,7 +125,7 @@ void write_aided_solution(const std::filesystem::path& path, const AidedNavigati
   std::string text(form->head);
   const std::size_t step = form->most > 0 ? std::max<std::size_t>(1, n.solution.size() / form->most) : 1;
   for (std::size_t i = 0; i < n.solution.size(); i += step) {
-    form->add(text, n.solution.time[i], n.solution.states[i], sigmas_at(n, n.solution.time[i]), i + step >= n.solution.size());
+    form->add(text, n.solution.time[i] + ahead, n.solution.states[i], sigmas_at(n, n.solution.time[i]), i + step >= n.solution.size());
     if (text.size() < 1 << 20) continue;
     file.write(text);
     text.clear();

@@ -183,7 +183,7 @@ std::vector<std::string> LeftOutRows::warnings(const TableLayout& layout, std::s
   if (not_finite.count * 100 > rows)
     throw Error(fmt::format("{}: {}{}", layout.at(layout.line + not_finite.line), not_finite.cause,
                             not_finite.count > 1 ? fmt::format("; so in {} rows, more than one in a hundred", not_finite.count) : ""));
-  add(headers, ""), add(empty, ""), add(not_finite, " (the recording has no sample there)"), add(tail, " at the end");
+  add(headers, ""), add(empty, ""), add(not_finite, " (nothing is measured there)"), add(tail, " at the end");
   return warnings;
 }
 

@@ -175,7 +175,7 @@ TEST(Dialect, RowsThatAreNoneAreLeftOutWhereTheyAreFewAndSaid) {
       {with(300, std::string(5000, '\xFF')), "ends with 5000 bytes of erased memory"},
       {with(300, std::string(5000, '\0')), "ends with 5000 bytes of erased memory"},
       {with(100, header), "1 line left out, the first line 102: the header again"},
-      {with(100, "1.005,nan,nan,nan,4,5,6\n"), "1 line left out (the recording has no sample there), the first line 102: gx: nan is not a reading"},
+      {with(100, "1.005,nan,nan,nan,4,5,6\n"), "1 line left out (nothing is measured there), the first line 102: gx: nan is not a reading"},
   };
   for (const auto& c : cases) {
     const auto [r, warnings] = parse_recording(c.text);
