@@ -196,7 +196,8 @@ std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<Re
 /// `findings`: those so far; `last`: those to be listed last.
 CalibrationResult calibrated(const Recording& recording, const std::vector<Range>& rests, const Session& session, const CalibrationOptions& options,
                              kernel::Findings findings, const kernel::Findings& last) {
-  const Place place = place_of(session.site);
+  Place place = place_of(session.site);
+  if (options.effects) place = with_latitude_effect(place, session);
   const bool turntable = on_turntable(session);
   kernel::expect_alive(recording, Triad::gyro, "the method needs all gyros");
   const std::vector<Range> still = in_place::still_parts(recording, rests);

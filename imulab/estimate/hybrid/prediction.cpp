@@ -59,7 +59,12 @@ FilterPrediction predict(const Plan& plan) {
   const Recording recording = coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity}, slowest);
   const std::vector<Range> rests = in_place::still_parts(recording, rests_of(recording, plan.procedure).ranges);
   if (rests.empty()) throw Error(plan.procedure.file + no_hold);
-  Data data{recording, in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks, plan.place, plan.noise, SensorModel{}, plan.terms};
+  Data data{recording,
+            in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks,
+            plan.effects ? with_latitude_effect(plan.place, plan.procedure) : plan.place,
+            plan.noise,
+            SensorModel{},
+            plan.terms};
   if (plan.effects) data.unmodeled = unmodeled_of(plan.procedure, recording, data.blocks, data.coarse, plan.terms.wanted);
   const Iterate pass = repeated(data, first_iterate(data));
   const Errors errors = determined_errors(pass);

@@ -1,8 +1,10 @@
 #include "imulab/estimate/hybrid/states.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/units.hpp"
@@ -128,6 +130,12 @@ double prior_of_coefficient(CoefficientIndex index, const Setting& s) {
 Place place_of(const Site& site) {
   if (!site.latitude) throw Error("the site has no latitude; expected one: the gyros measure the Earth's rate");
   return {*site.latitude, site.gravity(), site.latitude_sigma.value_or(0), site.gravity_sigma()};
+}
+
+Place with_latitude_effect(Place place, const Session& session) {
+  const kernel::EffectSizes sizes = kernel::effect_sizes(session, Vector3d::Zero());
+  if (!session.site.latitude_sigma) place.latitude_sigma = effect_sigma(*find_effect("site.latitude"), sizes.declared, sizes.grade, 0);
+  return place;
 }
 
 bool on_turntable(const Session& session) {

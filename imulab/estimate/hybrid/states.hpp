@@ -24,6 +24,8 @@ struct Place {
 };
 /// Throws Error where the site has no latitude.
 Place place_of(const Site& site);
+/// With the latitude's sigma of the effects, where the site declares none.
+Place with_latitude_effect(Place place, const Session& session);
 
 /// Priors of the optional terms.
 struct OptionalPriors {
