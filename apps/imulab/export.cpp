@@ -20,6 +20,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -195,13 +196,16 @@ void write_all(const ExportInput& input, const Options& o, const std::vector<std
   for (const std::string& warning : export_target("kalibr").warnings(input)) warn(input_name(o.calibration) + ": " + warning);
   std::vector<ExportedFile> files;
   std::vector<std::string_view> failed;
+  std::string said;  // a target of two models that cannot be written for one reason says it once
   for (const PlannedExport& planned : all) {
     ExportInput of_target = input;
     of_target.options.imu_model = planned.imu_model;
     try {
       files.push_back(exported(*planned.target, of_target, o, planned.file));
     } catch (const Error& e) {
-      warn(fmt::format("{} is not written: {}", planned.target->name, e.what()));
+      const std::string why = fmt::format("{} is not written: {}", planned.target->name, e.what());
+      if (why == said) continue;
+      warn(said = why);
       failed.push_back(planned.target->name);
     }
   }
@@ -214,9 +218,11 @@ void write_all(const ExportInput& input, const Options& o, const std::vector<std
   if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output}, warnings);
   for (const ExportedFile& file : files)
     if (!o.json) print(one_line(file.file) + "\n");
+  std::set<const ExportTarget*> targets;  // of several models each once
+  for (const PlannedExport& planned : all) targets.insert(planned.target);
   if (!failed.empty())
-    throw Unsupported(
-        fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), all.size(), fmt::join(failed, ", ")));
+    throw Unsupported(fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), targets.size(),
+                                  fmt::join(failed, ", ")));
 }
 
 /// The word none: an IMU without a calibration, for targets that hold its noise.

@@ -123,7 +123,7 @@ std::string requirements_text(const Calibration& calibration) {
 
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
-  if (quality.degrees_of_freedom == 0) return "  fit             no degrees of freedom: nothing checks it\n";
+  if (quality.degrees_of_freedom == 0) return "  fit             no degree of freedom is left beside the effects\n";
   const bool rig = calibration.frame == "rig";
   std::string text =
       wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,

@@ -58,10 +58,11 @@ void expect_few(const std::vector<TextMember>& members, const fs::path& path) {
 TextTable::TextTable(fs::path name, std::string text)
     : path_(std::move(name)), bytes_(text.size()), kept_(std::make_unique<KeptFile>(path_, std::move(text))) {}
 
+constexpr std::array<std::string_view, 5> text_endings{".csv", ".tsv", ".txt", ".dat", ".log"};
+
 bool is_text_name(const fs::path& file) {
-  constexpr std::array<std::string_view, 5> known{".csv", ".tsv", ".txt", ".dat", ".log"};
   const std::string extension = lowered(file.extension().string());
-  return !file.filename().string().starts_with(".") && std::find(known.begin(), known.end(), extension) != known.end();
+  return !file.filename().string().starts_with(".") && std::find(text_endings.begin(), text_endings.end(), extension) != text_endings.end();
 }
 
 std::vector<TableDescription> describe_texts(const TableRequest& request, const std::vector<TextMember>& members) {
@@ -135,7 +136,10 @@ std::vector<TextMember> texts_of_archive(const fs::path& path) {
   }
   std::sort(members.begin(), members.end(), [](const TextMember& a, const TextMember& b) { return in_natural_order(a.name, b.name); });
   expect_few(members, path);
-  if (members.empty()) throw Error(path.string() + ": is a zip archive without texts; expected .csv or .txt files in it, or the archive unpacked");
+  if (members.empty())
+    throw Error(
+        fmt::format("{}: is a zip archive without texts; expected {} files in it, or the archive unpacked: bags and other logs are read as files",
+                    path.string(), fmt::join(text_endings, ", ")));
   return members;
 }
 

@@ -34,6 +34,8 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {"format = \"toast\"\n", ":1: format: \"toast\" is not a session"},
       {"format = 3\n", ":1: format: is a number; expected text in quotes"},
       {session_head + "[imu\n", ":2: "},
+      {session_head + "[imu]\nname = \"x\"\n[[reference]]\nquantity = \"warmth\"\n[[reference]]\nquantity = 1\n",
+       ":7: reference.quantity: is a number"},
       {session_head + "[imu]\nnamme = \"x\"\n", ":3: imu.namme: is not a known key; expected name"},
       {session_head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, firmware, filter, grade"},
       {session_head + "[imu]\ngrade = \"navigation\"\n", ":2: imu.name: is missing"},

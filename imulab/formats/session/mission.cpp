@@ -70,7 +70,7 @@ void read_reading(TomlFields& f, ThermalSource& source) {
 
 void read_temperature(TomlFields& f, std::optional<UnitTemperature>& temperature) {
   const bool profile = f.has("temperature");
-  if (profile) f.tables("temperature", [&, &out = temperature.emplace()](TomlFields& t) { read_point(t, out); });
+  if (profile) f.consecutive_tables("temperature", [&, &out = temperature.emplace()](TomlFields& t) { read_point(t, out); });
   for (const char* key : {"gyro_temperature", "accel_temperature"}) {
     f.check(profile || !f.has(key), key, "is given without [[temperature]]; expected the temperature over time");
     f.table(key, Presence::optional, [&](TomlFields& t) { read_reading(t, key[0] == 'g' ? temperature->gyro : temperature->accel); });

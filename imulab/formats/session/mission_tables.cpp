@@ -212,7 +212,7 @@ void read_segment(TomlFields& f, Mission& mission, double& speed) {
 
 void read_segments(TomlFields& f, motion::Mission& mission) {
   double speed = mission.start.speed;
-  f.tables("segment", [&](TomlFields& t) { read_segment(t, mission, speed); });
+  f.consecutive_tables("segment", [&](TomlFields& t) { read_segment(t, mission, speed); });
 }
 
 namespace {

@@ -101,7 +101,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.tables("reference", [&](TomlFields& t) { read_reference(t, session); });
   f.tables("rig", [&](TomlFields& t) { read_rig(t, session); });
   f.tables("recording", [&](TomlFields& t) { read_recording_source(t, session); });
-  f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
+  f.consecutive_tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.table("navigation", Presence::optional, [&](TomlFields& t) { transfer_navigation(t, session); });

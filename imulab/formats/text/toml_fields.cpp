@@ -294,13 +294,17 @@ bool TomlFields::table(std::string_view key, Presence presence, const Body& body
   return true;
 }
 
-void TomlFields::tables(std::string_view key, const Body& body) {
+void TomlFields::tables(std::string_view key, const Body& body) { read_tables(key, body, true); }
+void TomlFields::consecutive_tables(std::string_view key, const Body& body) { read_tables(key, body, false); }
+
+void TomlFields::read_tables(std::string_view key, const Body& body, bool all) {
   const toml::node* node = node_->table->get(key);
   if (node == nullptr || !node->is_array()) {
     table(key, Presence::optional, body);
     return;
   }
   node_->asked.push_back(key);
+  std::vector<std::string> problems;
   for (const toml::node& element : *node->as_array()) {
     if (!element.is_table()) node_->fail(element, key, Node::kind_of(element) + fmt::format("; expected tables [[{}]]", key));
     auto inner = std::make_unique<Node>();
@@ -309,9 +313,16 @@ void TomlFields::tables(std::string_view key, const Body& body) {
     inner->table = element.as_table();
     inner->path = node_->name(key);
     TomlFields fields(std::move(inner));
-    body(fields);
-    fields.done();
+    const auto read = [&] {
+      body(fields);
+      fields.done();
+    };
+    if (all)
+      collect_problem(problems, read);
+    else
+      read();
   }
+  throw_problems("", problems);
 }
 
 void TomlFields::check(bool good, std::string_view key, const std::string& message) const {

@@ -75,7 +75,9 @@ class TomlFields {
   void table_of(std::string_view key, std::optional<T>& value, const std::function<void(TomlFields&, T&)>& body) {
     table(key, Presence::optional, [&](TomlFields& fields) { body(fields, value.emplace()); });
   }
-  void tables(std::string_view key, const Body& body);  ///< [[key]], or one [key]
+  void tables(std::string_view key, const Body& body);  ///< [[key]], or one [key]; an Error lists what is wrong in all of them
+  /// Tables that follow from those before: what is wrong in the first is all that is known.
+  void consecutive_tables(std::string_view key, const Body& body);
 
   /// Throws Error with `message` about the key (at the table's line where the key is absent) unless good; about a required key that is missing
   /// instead, if one was. So what follows a check may rely on it.
@@ -86,6 +88,7 @@ class TomlFields {
  private:
   struct Node;  // hides toml++
   explicit TomlFields(std::unique_ptr<Node> node);
+  void read_tables(std::string_view key, const Body& body, bool all);
   void choose(std::string_view key, const std::vector<std::string_view>& names, Presence presence, std::size_t& index);
 
   std::unique_ptr<Node> node_;
