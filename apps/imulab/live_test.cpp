@@ -115,7 +115,7 @@ TEST(Live, BadStreams) {
   for (const Case& c : {
            Case{"head -c 1000000", "the last line has no end and was not used\n", 1, true},
            {"awk -F, -v OFS=, 'NR == 9000 {$4 = \"nan\"} 1'",
-            "1 line left out (the recording has no sample there), the first line 9000: gz: nan is not a reading", 1, true},
+            "1 line left out (nothing is measured there), the first line 9000: gz: nan is not a reading", 1, true},
            {"awk -F, -v OFS=, 'NR == 9000 {$1 -= 3} 1'", "standard input:9000: t: time runs backwards", 2, true},
            {"awk 'NR < 6600 || NR > 7000'", "1 gap in time, the first before 35.000 s", 1, true},
            {"awk -F, -v OFS=, 'NR > 1 {for (i = 2; i <= 7; i++) $i = 5 * sin($1 * (3 + i / 7) + i)} 1'", "no rests", 1, false},

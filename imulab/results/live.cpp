@@ -4,6 +4,7 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/requirement_progress.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -155,18 +156,6 @@ std::string live_picture(const LiveView& view, bool color) {
   if (view.next)
     text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), Color::yellow, color) + "\n";
   return text;
-}
-
-/// A requirement in a line of JSON, without its limit, which the text has.
-struct RequirementProgress {
-  RequirementProgress(const RequirementResult& r) : requirement(r) {}
-  RequirementResult requirement;
-};
-
-template <class Fields>
-void describe(Fields& f, const RequirementProgress& p) {
-  const RequirementResult& r = p.requirement;
-  f("text", r.text), f("coefficient", r.coefficient), f("reached", r.reached), f("met", r.met);
 }
 
 template <class Fields>
