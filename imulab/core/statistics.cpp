@@ -1,5 +1,8 @@
 #include "imulab/core/statistics.hpp"
 
+#ifdef __wasm__  // whose long double has 128 bits, in software: slow and large
+#define BOOST_MATH_PROMOTE_DOUBLE_POLICY false
+#endif
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
