@@ -56,10 +56,17 @@ void run_aided(const NavigateVerbOptions& o, const UsableCalibration& usable) {
     errors_at("-o", [&] { expect_dates(o.output, gps_ahead); });
   }
   std::optional<Progress> progress(std::in_place, "navigating");
-  const AnswerOf<AidedNavigation> answer = aided_answer(o.sessions.front(), usable.calibration, session, std::move(recording), o, usable.warnings);
-  if (!o.output.empty()) write_aided_solution(o.output, *answer.data, gps_ahead);
+  std::optional<AidedSolutionFile> file;  // takes the states as they are reached
+  AidedOptions options{.keep = false};
+  if (!o.output.empty()) {
+    file.emplace(o.output, gps_ahead);
+    options.each = [&file](const AidedNavigation& n, double time, const NavigationState& state) { file->add(n, time, state); };
+  }
+  const AnswerOf<AidedNavigation> answer =
+      aided_answer(o.sessions.front(), usable.calibration, session, std::move(recording), o, usable.warnings, std::move(options));
+  if (file) file->commit();
   progress.reset();
-  show(answer, o, o.output.empty() ? "" : fmt::format("{}: {} states\n", o.output, answer.data->solution.size()));
+  show(answer, o, file ? fmt::format("{}: {} states\n", o.output, answer.data->states) : "");
 }
 
 NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& options, const Calibration& calibration, const std::string& name,

@@ -1,11 +1,13 @@
 #include "imulab/navigation/inertial_samples.hpp"
 
 #include "imulab/navigate.hpp"
+#include "imulab/navigation/increment_view.hpp"
 #include "imulab/recording/clock.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -39,6 +41,12 @@ void bridge(const Recording& r, std::size_t i, std::size_t rows, const std::func
   }
 }
 
+/// That of a row.
+TimedIncrement increment_of(const Recording& r, std::size_t i) {
+  const double interval = r.interval(i, false);
+  return {{(r.gyro_increment ? r.interval_s : interval) * row(r.gyro, i), (r.accel_increment ? r.interval_s : interval) * row(r.accel, i)}, interval};
+}
+
 }  // namespace
 
 std::vector<MissingTime> missing_time(const Recording& r, const Range& range) {
@@ -52,9 +60,27 @@ void for_each_increment(const Recording& r, const Range& range, const std::funct
   const double clock = r.gaps.empty() ? r.interval_s : clock_interval(r.time_ns, r.interval_s);
   for (std::size_t i = range.begin; i < range.end; ++i) {
     if (i > range.begin && r.follows_gap(i)) bridge(r, i, rows_before(r, i, clock), each);
-    const Increment increment{r.interval(i, r.gyro_increment) * row(r.gyro, i), r.interval(i, r.accel_increment) * row(r.accel, i)};
-    each({increment, r.interval(i, false)}, r.time_s(i));
+    each(increment_of(r, i), r.time_s(i));
   }
+}
+
+IncrementView::IncrementView(const Recording& r) : recording_(&r), size_(r.size()) {
+  const double clock = r.gaps.empty() ? r.interval_s : clock_interval(r.time_ns, r.interval_s);
+  for (const std::size_t i : r.gaps) {
+    if (i == 0) continue;
+    Bridge b{.first = i + size_ - r.size(), .row = i, .steps = {}};
+    bridge(r, i, rows_before(r, i, clock), [&](const TimedIncrement& step, double) { b.steps.push_back(step); });
+    size_ += b.steps.size();
+    bridges_.push_back(std::move(b));
+  }
+}
+
+TimedIncrement IncrementView::operator[](std::size_t i) const {
+  const auto after = std::ranges::upper_bound(bridges_, i, {}, &Bridge::first);
+  if (after == bridges_.begin()) return increment_of(*recording_, i);
+  const Bridge& before = *std::prev(after);
+  const std::size_t past = i - before.first;
+  return past < before.steps.size() ? before.steps[past] : increment_of(*recording_, before.row + past - before.steps.size());
 }
 
 InertialSamples inertial_samples(const Recording& r, const Range& range) {

@@ -41,9 +41,9 @@ std::string sigmas_section(const AidedNavigation& n) {
 
 /// East, north of the start over one grid, the withheld parts apart.
 std::string track_section(const AidedNavigation& n) {
-  if (n.solution.states.size() < 2) return "";
+  if (n.track.size() < 2) return "";
   return section("track", "Track", "",
-                 beside({track_figure(thinned_track(n.solution.states, 3000), "The solution on a plain grid, east and north of the start.")}));
+                 beside({track_figure(thinned_track(n.track, 3000), "The solution on a plain grid, east and north of the start.")}));
 }
 
 std::string innovations_section(const AidedNavigation& n) {

@@ -64,12 +64,7 @@ double largest_sigma(const AidedNavigation& n) {
 }
 
 std::string aided_headline(const AidedNavigation& n) {
-  const double distance = [&] {
-    double sum = 0;
-    for (std::size_t i = 1; i < n.solution.size(); ++i) sum += (n.solution.time[i] - n.solution.time[i - 1]) * n.solution.states[i].velocity.norm();
-    return sum;
-  }();
-  std::string text = fmt::format("{:.4g} km in {:.4g} s, {}; position known to {:.2g} m or better (one sigma, horizontal)", distance / 1000,
+  std::string text = fmt::format("{:.4g} km in {:.4g} s, {}; position known to {:.2g} m or better (one sigma, horizontal)", n.distance / 1000,
                                  n.solution.time.back() - n.solution.time.front(), n.causal ? "filtered" : "smoothed", largest_sigma(n));
   if (n.outages.empty()) return text;
   const OutageSummary s = outage_summary(n.outages, n.causal ? &OutageResult::predicted : &OutageResult::smoothed);

@@ -9,7 +9,7 @@
 
 namespace imulab {
 
-/// A session navigated with its aids. From JSON: the solution has begin and end as times and a thinned track as states; covariances have their
+/// A session navigated with its aids. From JSON: the solution has begin and end as times, the track is thinned; covariances have their
 /// diagonals alone, of position and attitude.
 struct AidedSummary {
   std::string session;

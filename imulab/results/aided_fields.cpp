@@ -115,7 +115,7 @@ void describe(Fields& f, AidedSummary& s) {
   if constexpr (!Fields::reads) f("aids", aided_aids(n));
   describe_by_name(f, "constants", n.constants), describe_by_name(f, "noise", n.factors);
   f("innovation_rms", n.innovation_rms), f("suspects", n.suspects), f("passes", n.passes), f("converged", n.converged);
-  result_io::describe_track(f, n.solution.states);
+  result_io::describe_track(f, n.track);
   f.table("sigmas_over_time", [&](auto& inner) { describe_sigmas(inner, n.covariance); });
   f.table("innovations_over_time", [&](auto& inner) { describe_innovations(inner, n.innovations); });
 }
@@ -124,7 +124,7 @@ std::string aided_json(const std::string& session, const AidedNavigation& n) {
   using result_io::thinned_rows;
   AidedSummary s{session, {}, largest_sigma(n)};
   AidedNavigation& shown = s.navigation;
-  shown.solution = {{n.solution.time.front(), n.solution.time.back()}, thinned_rows(n.solution.states, result_io::most_places)};
+  shown.solution.time = {n.solution.time.front(), n.solution.time.back()}, shown.track = thinned_rows(n.track, result_io::most_places);
   shown.covariance = thinned_rows(n.covariance, most_epochs), shown.innovations = thinned_rows(n.innovations, most_innovations);
   shown.aids = n.aids, shown.constants = n.constants, shown.factors = n.factors, shown.outages = n.outages;
   shown.innovation_rms = n.innovation_rms, shown.suspects = n.suspects, shown.passes = n.passes;

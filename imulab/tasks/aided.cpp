@@ -42,11 +42,11 @@ void check_aided(const NavigateVerbOptions& o) {
 }
 
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
-                                       const NavigateVerbOptions& o, const std::vector<std::string>& told) {
+                                       const NavigateVerbOptions& o, const std::vector<std::string>& told, AidedOptions options) {
   if (session.aids.empty())
     throw Error(fmt::format("{}: has no aids; expected [[aid]], as kind = \"gnss\" with a file (docs/theory/aided.md)", session.file));
   AidsReading reading = read_aids(session, session.recordings.front(), recording);
-  AidedOptions options{.causal = o.filter};
+  options.causal = o.filter;
   if (!o.outages.empty()) options.outages = regular_outages(o.outages, recording.time_s(0), recording.time_s(recording.size() - 1));
   const auto all = std::make_shared<const AidedNavigation>(navigate_aided(calibration, session, std::move(recording), reading.aids, options));
   std::vector<std::string> warnings = std::move(reading.warnings);

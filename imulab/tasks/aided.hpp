@@ -19,8 +19,8 @@ std::vector<Outage> regular_outages(const std::string& text, double begin, doubl
 void check_aided(const NavigateVerbOptions& o);
 
 /// Reads the files of the session's aids; throws as read_aids and navigate_aided do, and
-/// Error where the session has no aids.
+/// Error where the session has no aids. `options`: what is kept of the states.
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
-                                       const NavigateVerbOptions& o, const std::vector<std::string>& told);
+                                       const NavigateVerbOptions& o, const std::vector<std::string>& told, AidedOptions options = {});
 
 }  // namespace imulab

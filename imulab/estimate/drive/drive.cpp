@@ -76,9 +76,9 @@ std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<Co
     expect_si(recording);
     const Session session = session_of_drive(input.session, recording, input.recordings.size());
     const aided::OutputTerms terms = output_terms(recording, input.session, shared);
-    out.push_back(
-        drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {}, with_terms ? &terms : nullptr),
-                 recording, input.session.imu));
+    out.push_back(drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {.keep = false},
+                                                 with_terms ? &terms : nullptr),
+                           recording, input.session.imu));
   }
   return out;
 }

@@ -1,8 +1,8 @@
 #include "imulab/formats/recording/aided_solution.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/odometry.hpp"
-#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/recording/solution.hpp"
+#include "imulab/formats/text/append_number.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -29,21 +29,13 @@ Eigen::Vector3d level_sigmas(const Sigmas& s, double heading) {
   return {std::sqrt(e2 * sine + n2 * cosine), std::sqrt(e2 * cosine + n2 * sine), s[2]};
 }
 
-struct SolutionText {
-  std::string_view ending, head, tail;
-  void (*add)(std::string& text, double time, const NavigationState& state, const Sigmas& sigma, bool last);
-  std::size_t most = 0;  // states; 0: all
-};
-
 void add_csv(std::string& text, double time, const NavigationState& s, const Sigmas& sigma, bool) {
   const EulerAngles a = euler_angles(s.q_nb.toRotationMatrix());
-  const double heading = a.heading < 0 ? a.heading + 2 * std::numbers::pi : a.heading;
+  append_state(text, time, s, {a.roll, a.pitch, a.heading < 0 ? a.heading + 2 * std::numbers::pi : a.heading});
   const Eigen::Vector3d angles = level_sigmas(sigma, a.heading) / unit::deg;
-  fmt::format_to(std::back_inserter(text), "{:.9f},{:.12f},{:.12f},{:.6f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f},", time, s.latitude / unit::deg,
-                 s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), a.roll / unit::deg, a.pitch / unit::deg,
-                 heading / unit::deg);
-  fmt::format_to(std::back_inserter(text), "{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", sigma[6], sigma[7], sigma[8], sigma[3],
-                 sigma[4], sigma[5], angles[0], angles[1], angles[2]);
+  for (const double value : {sigma[6], sigma[7], sigma[8], sigma[3], sigma[4], sigma[5], angles[0], angles[1], angles[2]})
+    text += ',', text::append_four_digits(text, value);
+  text += '\n';
 }
 
 void add_geojson(std::string& text, double, const NavigationState& s, const Sigmas&, bool last) {
@@ -67,6 +59,16 @@ void add_pos(std::string& text, double time, const NavigationState& s, const Sig
                  "   0.0000   0.0000   0.0000   0.00    0.0 {:10.5f} {:10.5f} {:10.5f} {:9.5f} {:8.5f} {:8.5f}   0.0   0.0   0.0\n", s.velocity.y(),
                  s.velocity.x(), s.velocity.z(), sigma[4], sigma[3], sigma[5]);
 }
+
+}  // namespace
+
+struct SolutionText {
+  std::string_view ending, head, tail;
+  void (*add)(std::string& text, double time, const NavigationState& state, const Sigmas& sigma, bool last);
+  std::size_t most = 0;  // states; 0: all
+};
+
+namespace {
 
 constexpr std::string_view dated_ending = ".pos";
 
@@ -114,24 +116,32 @@ void expect_dates(const std::filesystem::path& path, const std::optional<std::in
                   path.string()));
 }
 
-void write_aided_solution(const std::filesystem::path& path, const AidedNavigation& n, std::optional<std::int64_t> gps_ahead) {
+AidedSolutionFile::AidedSolutionFile(const std::filesystem::path& path, const std::optional<std::int64_t>& gps_ahead) {
   const std::string ending = lower_ending(path);
-  if (ending == dated_ending) expect_dates(path, gps_ahead);
-  const double ahead = ending == dated_ending ? 1e-9 * static_cast<double>(*gps_ahead) : 0;
-  if (ending == odometry_ending) return write_odometry(path, n);
-  auto form = std::ranges::find(texts, std::string_view(ending), &SolutionText::ending);
-  if (form == texts.end()) form = texts.begin();
-  WholeFile file(path);
-  std::string text(form->head);
-  const std::size_t step = form->most > 0 ? std::max<std::size_t>(1, n.solution.size() / form->most) : 1;
-  for (std::size_t i = 0; i < n.solution.size(); i += step) {
-    form->add(text, n.solution.time[i] + ahead, n.solution.states[i], sigmas_at(n, n.solution.time[i]), i + step >= n.solution.size());
-    if (text.size() < 1 << 20) continue;
-    file.write(text);
-    text.clear();
+  if (ending == odometry_ending) {
+    odometry_.emplace(path);
+    return;
   }
-  file.write(text + std::string(form->tail));
-  file.commit();
+  const auto named = std::ranges::find(texts, std::string_view(ending), &SolutionText::ending);
+  form_ = named != texts.end() ? &*named : texts.data();
+  if (needs_dates(path)) expect_dates(path, gps_ahead), ahead_ = 1e-9 * static_cast<double>(*gps_ahead);
+  file_.emplace(path);
+  text_ = form_->head;
+}
+
+void AidedSolutionFile::add(const AidedNavigation& n, double time, const NavigationState& state) {
+  if (odometry_) return odometry_->add(n, time, state);
+  const std::size_t step = form_->most > 0 ? std::max<std::size_t>(1, n.states / form_->most) : 1;
+  if (const std::size_t i = taken_++; i % step == 0) form_->add(text_, time + ahead_, state, sigmas_at(n, time), i + step >= n.states);
+  if (text_.size() < 1 << 20) return;
+  file_->write(text_);
+  text_.clear();
+}
+
+void AidedSolutionFile::commit() {
+  if (odometry_) return odometry_->commit();
+  file_->write(text_ + std::string(form_->tail));
+  file_->commit();
 }
 
 }  // namespace imulab

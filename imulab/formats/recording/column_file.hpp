@@ -1,5 +1,7 @@
-// A file that nobody else sees, in which numbers wait: it has no name, and is gone when it is closed.
+// Temporary files in which numbers wait.
 #pragma once
+
+#include "imulab/core/temporary_file.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -8,34 +10,24 @@
 
 namespace imulab::recording_io {
 
-/// Where temporary files go: TMPDIR, else /var/tmp (/tmp is often memory).
-const char* temporary_place();
-
 /// Throws Error where the place for temporary files has less room, saying what is needed.
 void expect_room(std::uint64_t bytes);
 
 /// Numbers of eight bytes that are appended and read again. All throw Error with the place and the reason of the system.
 class ColumnFile {
  public:
-  ColumnFile();
-  ~ColumnFile();
-  ColumnFile(ColumnFile&& from) noexcept;
-  ColumnFile& operator=(ColumnFile&& from) noexcept;
-
   template <class Number>
   void append(std::span<const Number> numbers) {
     static_assert(sizeof(Number) == 8);
-    write(numbers.data(), numbers.size());
+    file_.append(std::as_bytes(numbers));
   }
   /// From place `begin` on.
-  void read(std::size_t begin, std::span<double> to) const;
-  std::size_t size() const { return size_; }
-  int descriptor() const { return descriptor_; }
+  void read(std::size_t begin, std::span<double> to) const { file_.read(8 * std::uint64_t{begin}, std::as_writable_bytes(to)); }
+  std::size_t size() const { return static_cast<std::size_t>(file_.size() / 8); }
+  int descriptor() const { return file_.descriptor(); }
 
  private:
-  void write(const void* numbers, std::size_t count);
-  int descriptor_ = -1;
-  std::size_t size_ = 0;
+  TemporaryFile file_;
 };
 
 /// The numbers of such a file as memory that the system reads when it is looked at, and may forget.

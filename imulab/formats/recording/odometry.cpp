@@ -2,11 +2,9 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
-#include "imulab/formats/recording/bag/write_mcap.hpp"
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -88,45 +86,30 @@ struct Odometry {
   Matrix6d pose_covariance, twist_covariance = Matrix6d::Zero();
 };
 
-class OdometryOf {
- public:
-  explicit OdometryOf(const AidedNavigation& n)
-      : n_(n), map_(east_north_up(n.solution.states.front())), origin_(earth_fixed(n.solution.states.front())) {}
+/// In a map with these axes and this origin, Earth-fixed; `rate`: right, forward, up.
+Odometry odometry_of(const NavigationState& s, const Matrix9d& P, const Vector3d& rate, const Matrix3d& map, const Vector3d& origin) {
+  const Matrix3d R = map.transpose() * east_north_up(s), B = s.q_nb.toRotationMatrix() * forward_left_up();
+  Odometry out;
+  out.position = map.transpose() * (earth_fixed(s) - origin);
+  out.attitude = Eigen::Quaterniond(R * B);
+  out.velocity = B.transpose() * s.velocity;
+  out.rate = forward_left_up().transpose() * rate;
+  Eigen::Matrix<double, 6, 9> pose = Eigen::Matrix<double, 6, 9>::Zero();
+  pose.block<3, 3>(0, 6) = R, pose.block<3, 3>(3, 0) = R;
+  out.pose_covariance = pose * P * pose.transpose();
+  // B^T v, with C = (I + [phi x]) C_hat: d = B^T (dv + v x phi)
+  Eigen::Matrix<double, 3, 9> twist = Eigen::Matrix<double, 3, 9>::Zero();
+  twist.block<3, 3>(0, 0) = B.transpose() * skew(s.velocity), twist.block<3, 3>(0, 3) = B.transpose();
+  out.twist_covariance.topLeftCorner<3, 3>() = twist * P * twist.transpose();
+  return out;
+}
 
-  Odometry at(std::size_t i) const {
-    const NavigationState& s = n_.solution.states[i];
-    const Matrix3d R = map_.transpose() * east_north_up(s), B = s.q_nb.toRotationMatrix() * forward_left_up();
-    const Matrix9d P = covariance_at(n_, n_.solution.time[i]);
-    Odometry out;
-    out.position = map_.transpose() * (earth_fixed(s) - origin_);
-    out.attitude = Eigen::Quaterniond(R * B);
-    out.velocity = B.transpose() * s.velocity;
-    out.rate = forward_left_up().transpose() * body_rate(i);
-    Eigen::Matrix<double, 6, 9> pose = Eigen::Matrix<double, 6, 9>::Zero();
-    pose.block<3, 3>(0, 6) = R, pose.block<3, 3>(3, 0) = R;
-    out.pose_covariance = pose * P * pose.transpose();
-    // B^T v, with C = (I + [phi x]) C_hat: d = B^T (dv + v x phi)
-    Eigen::Matrix<double, 3, 9> twist = Eigen::Matrix<double, 3, 9>::Zero();
-    twist.block<3, 3>(0, 0) = B.transpose() * skew(s.velocity), twist.block<3, 3>(0, 3) = B.transpose();
-    out.twist_covariance.topLeftCorner<3, 3>() = twist * P * twist.transpose();
-    return out;
-  }
-
- private:
-  /// The mean over the step to state i; of the first state, over that from it.
-  Vector3d body_rate(std::size_t i) const {
-    if (n_.solution.size() < 2) return Vector3d::Zero();
-    const std::size_t to = std::max<std::size_t>(i, 1);
-    const auto& q = n_.solution.states;
-    const Eigen::AngleAxisd turn(q[to - 1].q_nb.conjugate() * q[to].q_nb);
-    const double angle = std::remainder(turn.angle(), 2 * std::numbers::pi), step = n_.solution.time[to] - n_.solution.time[to - 1];
-    return step > 0 ? Vector3d(turn.axis() * (angle / step)) : Vector3d::Zero();
-  }
-
-  const AidedNavigation& n_;
-  Matrix3d map_;
-  Vector3d origin_;
-};
+/// The mean over a step, in body axes.
+Vector3d mean_rate(double from, const NavigationState& before, double to, const NavigationState& after) {
+  const Eigen::AngleAxisd turn(before.q_nb.conjugate() * after.q_nb);
+  const double angle = std::remainder(turn.angle(), 2 * std::numbers::pi), step = to - from;
+  return step > 0 ? Vector3d(turn.axis() * (angle / step)) : Vector3d::Zero();
+}
 
 /// Numbers are aligned to their size after the encapsulation.
 std::string odometry_message(std::int64_t stamp, const Odometry& o) {
@@ -154,14 +137,29 @@ std::string odometry_message(std::int64_t stamp, const Odometry& o) {
 
 }  // namespace
 
-void write_odometry(const std::filesystem::path& path, const AidedNavigation& n) {
-  bag::McapWriter file(path, {"/imulab/odometry", "nav_msgs/msg/Odometry", odometry_definition});
-  const OdometryOf odometry(n);
-  for (std::size_t i = 0; i < n.solution.size(); ++i) {
-    const auto stamp = static_cast<std::int64_t>(std::llround(n.solution.time[i] * 1e9));
-    file.add(stamp, odometry_message(stamp, odometry.at(i)));
+OdometryFile::OdometryFile(const std::filesystem::path& path) : file_(path, {"/imulab/odometry", "nav_msgs/msg/Odometry", odometry_definition}) {}
+
+void OdometryFile::add(const AidedNavigation& n, double time, const NavigationState& state) {
+  const Reached now{time, state, covariance_at(n, time)};
+  if (!before_) {
+    map_ = east_north_up(state), origin_ = earth_fixed(state);
+    first_ = before_ = now;
+    return;
   }
-  file.commit();
+  const Vector3d rate = mean_rate(before_->time, before_->state, time, state);
+  if (first_) write(*first_, rate), first_.reset();
+  write(now, rate);
+  before_ = now;
+}
+
+void OdometryFile::write(const Reached& r, const Vector3d& rate) {
+  const auto stamp = static_cast<std::int64_t>(std::llround(r.time * 1e9));
+  file_.add(stamp, odometry_message(stamp, odometry_of(r.state, r.covariance, rate, map_, origin_)));
+}
+
+void OdometryFile::commit() {
+  if (first_) write(*first_, Vector3d::Zero());
+  file_.commit();
 }
 
 }  // namespace imulab

@@ -62,6 +62,12 @@ std::vector<ReadMessage> messages_of(const std::filesystem::path& file) {
   return out;
 }
 
+void write_odometry(const std::filesystem::path& path, const AidedNavigation& n) {
+  OdometryFile file(path);
+  for (std::size_t i = 0; i < n.solution.size(); ++i) file.add(n, n.solution.time[i], n.solution.states[i]);
+  file.commit();
+}
+
 TEST(Odometry, IsInTheAxesOfTheFirstPosition) {
   const TemporaryFolder folder;
   write_odometry(folder / "drive.mcap", short_drive());

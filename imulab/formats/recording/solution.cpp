@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/recording/csv.hpp"
+#include "imulab/formats/text/append_number.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/navigate.hpp"
 #include "imulab/units.hpp"
@@ -67,12 +68,19 @@ void SolutionFile::add(double time, const NavigationState& s) {
   waiting_.clear();
 }
 
+void append_state(std::string& to, double time, const NavigationState& s, const EulerAngles& angles) {
+  text::append_fixed(to, time, 9);
+  const auto add = [&](double value, int decimals) { to += ',', text::append_fixed(to, value, decimals); };
+  add(s.latitude / unit::deg, 12), add(s.longitude / unit::deg, 12), add(s.height, 6);
+  for (const double value : s.velocity) add(value, 8);
+  for (const double value : {angles.roll, angles.pitch, angles.heading}) add(value / unit::deg, 9);
+}
+
 void SolutionFile::write(double time, const NavigationState& s) {
   const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
   const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;  // a compass counts from 0 to 360
-  fmt::format_to(std::back_inserter(text_), "{:.9f},{:.12f},{:.12f},{:.6f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f}\n", time, s.latitude / unit::deg,
-                 s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), angles.roll / unit::deg, angles.pitch / unit::deg,
-                 heading / unit::deg);
+  append_state(text_, time, s, {angles.roll, angles.pitch, heading});
+  text_ += '\n';
   if (text_.size() < 1 << 20) return;
   file_.write(text_);
   text_.clear();

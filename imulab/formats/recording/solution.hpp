@@ -15,6 +15,9 @@ namespace imulab {
 
 struct HeightRecord;
 
+/// A row of a solution, without its end: time, place, velocity, and these angles.
+void append_state(std::string& to, double time, const NavigationState& state, const EulerAngles& angles);
+
 /// A solution's file as its states are reached. It appears whole at commit(), or not at all: states for a stream wait until then, in a temporary file
 /// where they are many. The heading is written from 0 to 360 deg. Throws Error where it cannot be written.
 class SolutionFile {

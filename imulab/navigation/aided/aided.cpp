@@ -26,22 +26,22 @@ using Eigen::VectorXd;
 
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
 
+double time_of(const Problem& p, std::size_t samples) { return samples > 0 ? p.time[samples - 1] : p.begin; }
+
+EpochStates epochs_of(const SmootherPass& smoothed) {
+  EpochStates out;
+  for (const SmoothedNode& node : smoothed.nodes) out.samples.push_back(node.samples), out.states.push_back(node.state);
+  return out;
+}
+
 /// The smoothed trajectory as the next point of linearization: constants and offsets by their means, slow errors of aids at zero, in which all is
 /// linear.
-AboutTrajectory about(const Problem& p, const FilterPass& pass, SmootherPass& smoothed) {
-  std::vector<std::size_t> samples;
-  std::vector<FullState> states;
+AboutTrajectory about(const Problem& p, SmootherPass& smoothed) {
   VectorXd mean = VectorXd::Zero(p.size);
-  for (std::size_t k = 0; k < pass.nodes.size(); ++k) {
-    samples.push_back(pass.nodes[k].samples), states.push_back(smoothed.nodes[k].state);
-    mean += states.back().x / static_cast<double>(pass.nodes.size());
-  }
-  AboutTrajectory out = trajectory_of(p, samples, states);
+  for (const SmoothedNode& node : smoothed.nodes) mean += node.state.x / static_cast<double>(smoothed.nodes.size());
   for (const StateBlock& b : p.blocks)
     if (std::isfinite(b.time)) mean.segment(b.first, b.size).setZero();
-  out.x = mean;
-  out.weights = std::move(smoothed.weights);
-  return out;
+  return {.at = trajectory_of(p, epochs_of(smoothed)), .x = std::move(mean), .weights = std::move(smoothed.weights)};
 }
 
 /// The state before a sample, from that after it.
@@ -55,49 +55,75 @@ NavigationState state_before(const Problem& p, std::size_t sample, const VectorX
 /// back to the start. Empty where the filter finds its own.
 AboutTrajectory first_trajectory(const Problem& p, const FoundStart& start) {
   if (!start.at_fix) return {};
-  const FilterPass pass = filter(p, *start.at_fix);
-  SmootherPass smoothed = smooth(p, pass);
-  AboutTrajectory out = about(p, pass, smoothed);
-  std::vector<NavigationState> back;
-  for (std::size_t i = start.at_fix->sample; i-- > start.start.sample;)
-    back.push_back(state_before(p, i, out.x, back.empty() ? out.states.front() : back.back()));
-  out.states.insert(out.states.begin(), back.rbegin(), back.rend());
+  SmootherPass smoothed = smooth(p, filter(p, *start.at_fix));
+  AboutTrajectory out = about(p, smoothed);
+  const std::size_t fix = start.at_fix->sample;
+  std::vector<NavigationState> back;  // from that before the fix to that at the start
+  for (std::size_t i = fix; i-- > start.start.sample;) back.push_back(state_before(p, i, out.x, back.empty() ? out.at(fix) : back.back()));
+  out.at = [fix, back = std::move(back), after = out.at](std::size_t samples) { return samples < fix ? back[fix - samples - 1] : after(samples); };
   return out;
 }
 
-void add_innovations(const Problem& p, const FilterPass& pass, AidedNavigation& out) {
+/// What the filter says at its epochs, one after the other.
+struct CausalPass {
+  const Problem& p;
+  AidedNavigation& out;
+  EpochStates epochs = {};  // and their covariance, where these are the solution
+  std::vector<Withheld> withheld = {};
   double squares = 0, doubted = 0;
-  std::size_t count = 0;
-  for (const Node& node : pass.nodes)
+
+  void add(const Node& node) {
     for (const EpochRows& e : node.rows)
       for (Index k = 0; k < e.innovation.size(); ++k) {
         const double sigmas = e.innovation[k] / std::sqrt(e.innovation_variance[k]);
         out.innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas});
-        squares += std::min(sigmas * sigmas, 25.), doubted += e.weight[k] < 1. / 3, ++count;
+        squares += std::min(sigmas * sigmas, 25.), doubted += e.weight[k] < 1. / 3;
       }
-  if (count == 0) return;
-  out.innovation_rms = std::sqrt(squares / static_cast<double>(count));
-  out.suspects = doubted / static_cast<double>(count);
-}
-
-double time_of(const Problem& p, std::size_t samples) { return samples > 0 ? p.time[samples - 1] : p.begin; }
-
-/// The filter's states between the epochs are integrated from the last one.
-void add_solution(const Problem& p, const FilterPass& pass, const std::vector<NavigationState>& states, AidedNavigation& out) {
-  const std::size_t first = pass.nodes.front().samples;
-  for (std::size_t i = 0; i < states.size(); ++i) out.solution.time.push_back(time_of(p, first + i));
-  out.solution.states = states;
-}
-
-std::vector<NavigationState> causal_states(const Problem& p, const FilterPass& pass) {
-  FullState now = plus(pass.nodes.front().reference, pass.nodes.front().error);
-  std::vector<NavigationState> states{now.motion};
-  for (std::size_t k = 0; k + 1 < pass.nodes.size(); ++k) {
-    integrate(p, pass.nodes[k].samples, pass.nodes[k + 1].samples, now, false, &states);
-    now = plus(pass.nodes[k + 1].reference, pass.nodes[k + 1].error);
-    states.back() = now.motion;
+    for (const EpochRows& e : node.withheld)
+      if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
+    if (!out.causal) return;
+    epochs.samples.push_back(node.samples), epochs.states.push_back(plus(node.reference, node.error));
+    out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
+
+  void finish() {
+    add_outages(p, withheld, &OutageResult::predicted, out.outages);
+    std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
+    if (out.innovations.empty()) return;
+    const auto count = static_cast<double>(out.innovations.size());
+    out.innovation_rms = std::sqrt(squares / count), out.suspects = doubted / count;
+  }
+};
+
+/// After each sample from epoch k to the next one. The filter's are integrated from the epoch, and corrected at the next.
+std::vector<NavigationState> solution_between(const Problem& p, const EpochStates& epochs, std::size_t k, bool causal) {
+  if (!causal) return states_between(p, epochs, k);
+  std::vector<NavigationState> states;
+  integrate(p, epochs.samples[k], epochs.samples[k + 1], epochs.states[k], false, &states);
+  states.back() = epochs.states[k + 1].motion;
   return states;
+}
+
+void add_states(const Problem& p, const EpochStates& epochs, const AidedOptions& options, AidedNavigation& out) {
+  constexpr std::size_t places = 5'000;
+  const std::size_t first = epochs.samples.front();
+  out.states = epochs.samples.back() - first + 1;
+  const std::size_t drawn = out.states / places + 1;
+  std::size_t taken = 0;
+  const auto add = [&](const NavigationState& state) {
+    Solution& kept = out.solution;
+    const double time = time_of(p, first + taken);
+    if (taken > 0) out.distance += (time - kept.time.back()) * state.velocity.norm();
+    if (!options.keep && kept.size() == 2) kept.time.pop_back(), kept.states.pop_back();
+    kept.time.push_back(time), kept.states.push_back(state);
+    if (taken % drawn == 0 || taken + 1 == out.states) out.track.push_back(state);
+    if (options.each) options.each(out, time, state);
+    ++taken;
+  };
+  if (options.keep) out.solution.time.reserve(out.states), out.solution.states.reserve(out.states);
+  add(epochs.states.front().motion);
+  for (std::size_t k = 0; k + 1 < epochs.samples.size(); ++k)
+    for (const NavigationState& state : solution_between(p, epochs, k, options.causal)) add(state);
 }
 
 /// Where no aid tells the position, a curved Earth is not linear in it, and no map needs it.
@@ -148,44 +174,33 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   if (!start.said.empty()) out.warnings.push_back(recording.name + ": " + start.said);
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   out.causal = options.causal, out.headings = start.candidates;
-  FilterPass pass;
   SmootherPass smoothed;
   AboutTrajectory trajectory = first_trajectory(p, start);
   FactorSearch search;
-  while (out.passes < options.passes && !out.converged) {
+  while (true) {
     count_iteration(options.passes);
-    pass = {}, smoothed = {};  // one at a time in memory
-    pass = filter(p, start.start, {.about = trajectory.states.empty() ? nullptr : &trajectory});
-    smoothed = smooth(p, pass);
+    smoothed = {};  // one at a time in memory
+    smoothed = smooth(p, filter(p, start.start, {.about = trajectory.at ? &trajectory : nullptr}));
     out.factors.clear();
     for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
-    ++out.passes;
-    trajectory = about(p, pass, smoothed);
-    if (out.passes == options.passes) break;  // the factors remain those of the states
+    if (++out.passes == options.passes) break;  // the factors remain those of the states
     out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
+    if (out.converged) break;
+    trajectory = about(p, smoothed);
   }
-  add_outages(p, pass, smoothed, &OutageResult::smoothed, out.outages);
+  trajectory = about(p, smoothed);
+  add_outages(p, smoothed.withheld, &OutageResult::smoothed, out.outages);
   if (terms)
     add_constants_with(*terms, p, start.start, trajectory, out);
   else
     add_constants(p, smoothed, out);
-  std::vector<NavigationState> states = trajectory.states;
-  for (std::size_t k = 0; k < pass.nodes.size() && !options.causal; ++k)
-    out.covariance.push_back({time_of(p, pass.nodes[k].samples), smoothed.nodes[k].covariance});
-  if (!options.causal) add_innovations(p, pass, out);
   std::vector<double> times;
-  for (const Node& node : pass.nodes) times.push_back(time_of(p, node.samples));
-  pass = {};
+  for (const SmoothedNode& node : smoothed.nodes) times.push_back(time_of(p, node.samples));
+  for (std::size_t k = 0; k < times.size() && !options.causal; ++k) out.covariance.push_back({times[k], smoothed.nodes[k].covariance});
   // What was known at each time, with the noise of the whole. A filter that linearizes about its own first states is too sure of its attitude.
-  pass = filter(p, start.start, {.about = &trajectory});
-  add_outages(p, pass, {}, &OutageResult::predicted, out.outages);
-  std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
-  if (options.causal) {
-    add_innovations(p, pass, out);
-    states = causal_states(p, pass);
-    for (const Node& node : pass.nodes) out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
-  }
-  add_solution(p, pass, states, out);
+  CausalPass known{p, out};
+  filter(p, start.start, {.about = &trajectory, .keep = false, .each = [&](const Transition*, const Node& node) { known.add(node); }});
+  known.finish();
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
@@ -198,6 +213,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     out.warnings.push_back(recording.name + ": " + doubt);
     out.doubts.push_back(std::move(doubt));
   }
+  add_states(p, options.causal ? known.epochs : epochs_of(smoothed), options, out);
   return out;
 }
 
@@ -213,15 +229,31 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
   return aided::navigate_under(aided::sensor_priors(calibration, session.imu), session, recording, aids, options);
 }
 
-Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time) {
+namespace {
+
+/// The epochs about a time, and how far it is from the first to the second.
+struct Neighbors {
+  const AidedCovariance &before, &after;
+  double part = 0;
+};
+Neighbors neighbors(const AidedNavigation& n, double time) {
   auto after = std::lower_bound(n.covariance.begin(), n.covariance.end(), time, [](const AidedCovariance& c, double t) { return c.time < t; });
   if (after == n.covariance.end()) --after;
-  if (after == n.covariance.begin()) return after->value;
+  if (after == n.covariance.begin()) return {*after, *after};
   const AidedCovariance& before = *std::prev(after);
-  const double part = std::clamp((time - before.time) / (after->time - before.time), 0., 1.);
-  return (1 - part) * before.value + part * after->value;
+  return {before, *after, std::clamp((time - before.time) / (after->time - before.time), 0., 1.)};
 }
 
-Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) { return covariance_at(n, time).diagonal().cwiseMax(0).cwiseSqrt(); }
+}  // namespace
+
+Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& n, double time) {
+  const auto [before, after, part] = neighbors(n, time);
+  return (1 - part) * before.value + part * after.value;
+}
+
+Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& n, double time) {
+  const auto [before, after, part] = neighbors(n, time);
+  return ((1 - part) * before.value.diagonal() + part * after.value.diagonal()).cwiseMax(0).cwiseSqrt();
+}
 
 }  // namespace imulab

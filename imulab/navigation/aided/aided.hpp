@@ -14,17 +14,12 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace imulab {
-
-struct AidedOptions {
-  bool causal = false;               // the solution is that of the filter: from the data before each time alone
-  std::vector<Outage> outages = {};  // withheld from the aids with a file, besides the aids' own
-  int passes = 10;                   // of the smoother, at most
-};
 
 /// An estimated constant [SI] beside its standard deviation before the data. Offsets, which wander, are those in the middle of the recording.
 struct AidedConstant {
@@ -69,7 +64,10 @@ struct AidedInnovation {
 };
 
 struct AidedNavigation {
-  Solution solution;                        // at every sample
+  Solution solution;                        // at every sample; or its first and last state
+  std::size_t states = 0;                   // at every sample: their number
+  std::vector<NavigationState> track;       // some thousand of them along the way, for drawings
+  double distance = 0;                      // m, along the way
   std::vector<AidedCovariance> covariance;  // at the epochs
   std::vector<std::string> aids;            // names, with which those of their constants and factors begin: "gnss", "gnss2"
   std::vector<AidedConstant> constants;
@@ -86,8 +84,17 @@ struct AidedNavigation {
   bool doubtful() const { return !doubts.empty(); }
 };
 
+struct AidedOptions {
+  bool causal = false;               // the solution is that of the filter: from the data before each time alone
+  std::vector<Outage> outages = {};  // withheld from the aids with a file, besides the aids' own
+  int passes = 10;                   // of the smoother, at most
+  bool keep = true;                  // every state in the solution; otherwise the first and the last
+  /// Called at the end with every state in turn, when all else is known.
+  std::function<void(const AidedNavigation& navigation, double time, const NavigationState& state)> each = {};
+};
+
 /// `recording` is raw, the aids have their records on its clock. Throws Error where no aid has an observation during the recording, or nothing gives
-/// a start; and as `compensate` does.
+/// a start; as `compensate` does; and where the epochs of a long recording find no place in a temporary file (TMPDIR).
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording recording, const std::vector<Aid>& aids,
                                const AidedOptions& options = {});
 

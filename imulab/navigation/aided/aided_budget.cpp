@@ -236,11 +236,12 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   session.site.latitude = motion.states.front().latitude, session.site.height = motion.states.front().height;
   const SensorPriors priors = priors_of(sources);
   const bool matrices = !priors.gyro_matrix.isZero(0) || !priors.accel_matrix.isZero(0) || !priors.g_sensitivity.isZero(0);
-  Problem p = make_problem(ideal_readings(motion), priors, aids, session, {.matrices = matrices, .outages = {}});
+  const Recording readings = ideal_readings(motion);
+  Problem p = make_problem(readings, priors, aids, session, {.matrices = matrices, .outages = {}});
   set_sizes(p);
   const AidLoss lost = withhold_lost(p, loss);
   const FilterStart start = start_of(p, motion, sources, priors);
-  AboutTrajectory truth{.states = motion.states, .x = start.mean.x, .weights = {}};
+  AboutTrajectory truth{.at = [&](std::size_t samples) { return motion.states[samples]; }, .x = start.mean.x, .weights = {}};
   truth.weights.assign(p.observations.size(), Eigen::VectorXd::Ones(6));  // without data there is no suspect
   SplitCovariance split(p, start);
   const std::vector<CovariancePart> parts = parts_of(p, start, sources);

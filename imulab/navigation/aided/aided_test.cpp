@@ -188,7 +188,8 @@ TEST(Aided, DerivativesAreThoseOfTheRows) {
     const Channel& c = p.channels[channel];
     Observation o{.stamp = 0, .channel = channel, .row = c.aid.kind == AidKind::gnss ? 18u : 0u};
     const Instant at = instant_at(p, end, state);
-    o.stamp = (at.time + (c.delay >= 0 ? state.x[c.delay] - state.x[c.delay + 1] * p.middle() : 0)) / (1 - (c.delay >= 0 ? state.x[c.delay + 1] : 0));
+    o.stamp =
+        (at.time + (c.delay >= 0 ? state.x[c.delay] - state.x[c.delay + 1] * p.delay_time() : 0)) / (1 - (c.delay >= 0 ? state.x[c.delay + 1] : 0));
     const ObservedRows rows = observe(p, o, at);
     for (Eigen::Index k = 0; k < p.size; ++k) {
       const bool of_sensors = k >= p.accel_offset && k < p.sensors_end;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -64,7 +65,7 @@ struct Filter {
   void update(Node& node, EpochRows& e, const Instant& at) {
     for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
       const VectorXd h = e.rows.derivative.row(k);
-      const VectorXd Ph = node.covariance * h;
+      const VectorXd Ph = times(node.covariance, h);
       const double spread = h.dot(Ph), noise = row_variance(p, e.rows, k);
       const double innovation = e.rows.residual[k] - h.dot(node.error);
       e.innovation[k] = innovation, e.innovation_variance[k] = spread + noise;
@@ -140,7 +141,7 @@ struct Filter {
     node.covariance = start_variance(p, start).asDiagonal();
     if (p.joint.size() > 0) node.covariance.topLeftCorner(p.sensors_end, p.sensors_end) += p.joint;
     if (!options.about) return node;
-    node.reference = {options.about->states.front(), options.about->x};
+    node.reference = {options.about->at(start.sample), options.about->x};
     node.error = difference(start.mean, node.reference);
     return node;
   }
@@ -151,7 +152,7 @@ struct Filter {
         .samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
     node.defect = VectorXd::Zero(p.size);
     if (options.about) {
-      reached.reference.motion = options.about->states[samples - start.sample];
+      reached.reference.motion = options.about->at(samples);
       node.defect.head<9>() = minus(step.end, reached.reference.motion);
     }
     // A slow state of the reference decays as well.
@@ -175,13 +176,22 @@ struct Filter {
       Node node = out.nodes.empty() ? first() : next(out.nodes.back(), samples);
       observe_all(node, observations);
       if (options.each) options.each(out.nodes.empty() ? nullptr : &out.nodes.back().next, node);
-      if (!options.keep) out.nodes.clear();
-      out.nodes.push_back(std::move(node));
+      if (options.keep)
+        out.nodes.push(std::move(node));
+      else
+        out.nodes.replace(std::move(node));
     }
   }
 };
 
 }  // namespace
+
+VectorXd times(const MatrixXd& matrix, const VectorXd& h) {
+  VectorXd out = VectorXd::Zero(matrix.rows());
+  for (Eigen::Index k = 0; k < h.size(); ++k)
+    if (h[k] != 0) out += h[k] * matrix.col(k);
+  return out;
+}
 
 VectorXd start_variance(const Problem& p, const FilterStart& start) {
   VectorXd out = start.sigma.cwiseAbs2();
@@ -191,10 +201,8 @@ VectorXd start_variance(const Problem& p, const FilterStart& start) {
 }
 
 void update_covariance(MatrixXd& covariance, const VectorXd& h, const VectorXd& gain, double noise) {
-  VectorXd Ph = covariance * h;
-  covariance.noalias() -= gain * Ph.transpose();
-  Ph.noalias() = covariance * h;
-  covariance.noalias() += (noise * gain - Ph) * gain.transpose();
+  covariance.noalias() -= gain * times(covariance, h).transpose();
+  covariance.noalias() += (noise * gain - times(covariance, h)) * gain.transpose();
 }
 
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options) {
@@ -203,18 +211,38 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
   return std::move(f.out);
 }
 
-AboutTrajectory trajectory_of(const Problem& p, const std::vector<std::size_t>& samples, const std::vector<FullState>& states) {
-  AboutTrajectory out;
-  out.states.push_back(states.front().motion);
-  for (std::size_t k = 0; k + 1 < states.size(); ++k) {
-    const std::size_t from = out.states.size();
-    const Integrated step = integrate(p, samples[k], samples[k + 1], states[k], false, &out.states);
-    const Eigen::Matrix<double, 9, 1> misfit = minus(states[k + 1].motion, step.end);
-    const double begin = samples[k] > 0 ? p.time[samples[k] - 1] : p.begin, length = p.time[samples[k + 1] - 1] - begin;
-    for (std::size_t i = from; i < out.states.size(); ++i)
-      out.states[i] = plus(out.states[i], Eigen::Matrix<double, 9, 1>((p.time[samples[k] + i - from] - begin) / length * misfit));
-  }
+std::vector<NavigationState> states_between(const Problem& p, const EpochStates& epochs, std::size_t k) {
+  const std::size_t first = epochs.samples[k], last = epochs.samples[k + 1];
+  std::vector<NavigationState> out;
+  out.reserve(last - first);
+  const Integrated step = integrate(p, first, last, epochs.states[k], false, &out);
+  const Eigen::Matrix<double, 9, 1> misfit = minus(epochs.states[k + 1].motion, step.end);
+  const double begin = first > 0 ? p.time[first - 1] : p.begin, length = p.time[last - 1] - begin;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = plus(out[i], Eigen::Matrix<double, 9, 1>((p.time[first + i] - begin) / length * misfit));
   return out;
+}
+
+namespace {
+
+/// Keeps the states of one step: neighbors are asked for one after the other.
+struct TrajectoryWalk {
+  const Problem& p;
+  EpochStates epochs;
+  std::size_t step = 0;
+  std::vector<NavigationState> states = {};  // of the step; empty: none was asked for
+
+  NavigationState at(std::size_t samples) {
+    const auto k = static_cast<std::size_t>(std::ranges::lower_bound(epochs.samples, samples) - epochs.samples.begin());
+    if (epochs.samples[k] == samples) return epochs.states[k].motion;
+    if (states.empty() || step != k - 1) step = k - 1, states = states_between(p, epochs, step);
+    return states[samples - epochs.samples[step] - 1];
+  }
+};
+
+}  // namespace
+
+std::function<NavigationState(std::size_t)> trajectory_of(const Problem& p, EpochStates epochs) {
+  return [walk = std::make_shared<TrajectoryWalk>(TrajectoryWalk{p, std::move(epochs)})](std::size_t samples) { return walk->at(samples); };
 }
 
 }  // namespace imulab::aided

@@ -1,6 +1,7 @@
 // The filter forward and the smoother backward.
 #pragma once
 
+#include "imulab/navigation/aided/node_stack.hpp"
 #include "imulab/navigation/aided/observation.hpp"
 #include "imulab/navigation/aided/problem.hpp"
 #include "imulab/navigation/aided/transition.hpp"
@@ -26,30 +27,9 @@ inline double row_variance(const Problem& problem, const ObservedRows& rows, Eig
   return problem.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k];
 }
 
-/// Observations at one epoch, linearized, with the weight of each row (1: within its noise).
-struct EpochRows {
-  std::size_t observation = 0;
-  ObservedRows rows;
-  Eigen::VectorXd weight;
-  Eigen::VectorXd innovation, innovation_variance;  // before the update
-};
-
-/// An epoch of the filter: the state after `samples` samples of the recording.
-struct Node {
-  std::size_t samples = 0;
-  FullState reference;              // the point of linearization after the update
-  Eigen::VectorXd correction;       // that was added to it by the update; zero where the references are given
-  Eigen::VectorXd error;            // filtered error state about `reference`
-  Eigen::MatrixXd covariance;       // filtered
-  Transition next;                  // to the next node
-  Eigen::VectorXd defect;           // what the integration from `reference` gives, less the reference there
-  std::vector<EpochRows> rows;      // used
-  std::vector<EpochRows> withheld;  // predicted
-};
-
-/// A trajectory about which a pass is linearized: a state before each sample and after the last, from the start's sample on; one x for all.
+/// A trajectory about which a pass is linearized: its state after so many samples of the recording, asked for in ascending order; one x for all.
 struct AboutTrajectory {
-  std::vector<NavigationState> states;
+  std::function<NavigationState(std::size_t samples)> at;
   Eigen::VectorXd x;
   std::vector<Eigen::VectorXd> weights;  // of the rows of each observation; empty: from the innovations
 };
@@ -57,10 +37,13 @@ struct AboutTrajectory {
 struct FilterOptions {
   const AboutTrajectory* about = nullptr;                     // null: the filter's own, corrected at each epoch
   std::size_t end = std::numeric_limits<std::size_t>::max();  // samples
-  bool keep = true;                                           // all nodes; otherwise the last
+  bool keep = true;                                           // all nodes, for the smoother; otherwise the last
   /// Called after each epoch's update, with the step from the epoch before; null at the first.
   std::function<void(const Transition* step, const Node& node)> each = {};
 };
+
+/// A matrix times a vector of which most is zero, as of a row's derivative.
+Eigen::VectorXd times(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& h);
 
 /// A row's update of a covariance by a gain K, (I - K h) P (I - K h)^T + K r K^T: positive, and right of every gain.
 void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& h, const Eigen::VectorXd& gain, double noise);
@@ -69,7 +52,7 @@ void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& h, co
 Eigen::VectorXd start_variance(const Problem& problem, const FilterStart& start);
 
 struct FilterPass {
-  std::vector<Node> nodes;
+  NodeStack nodes;
   double log_likelihood = 0;
 };
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options = {});
@@ -81,26 +64,35 @@ struct NoiseEvidence {
 };
 
 struct SmoothedNode {
+  std::size_t samples = 0;  // of the recording before it
   FullState state;
-  Eigen::VectorXd error;       // about the node's reference
   Eigen::MatrixXd covariance;  // of the first nine
-  Eigen::VectorXd variance;    // of all
+  Eigen::VectorXd variance;    // of all, at the last node alone
 };
-struct SmoothedWithheld {
-  std::size_t node = 0, index = 0;  // of Node::withheld
+/// What was withheld, less what the states predict, and the variance of that.
+struct Withheld {
+  std::size_t observation = 0, source = 0;  // of the first row
   Eigen::VectorXd residual, variance;
 };
 struct SmootherPass {
   std::vector<SmoothedNode> nodes;
   std::vector<NoiseEvidence> evidence;   // by source
   std::vector<Eigen::VectorXd> weights;  // by observation
-  std::vector<SmoothedWithheld> withheld;
+  std::vector<Withheld> withheld;
   std::size_t middle = 0;             // the node in the middle of the time
   Eigen::MatrixXd middle_covariance;  // of all states there
 };
-SmootherPass smooth(const Problem& problem, const FilterPass& pass);
+/// Takes the nodes from the pass.
+SmootherPass smooth(const Problem& problem, FilterPass pass);
 
-/// The state after each sample from the first node to the last: integrated from node to node, the small misfit at the end spread evenly.
-AboutTrajectory trajectory_of(const Problem& problem, const std::vector<std::size_t>& samples, const std::vector<FullState>& states);
+/// States after so many samples of the recording.
+struct EpochStates {
+  std::vector<std::size_t> samples;
+  std::vector<FullState> states;
+};
+/// The states after each sample from epoch k to the next, integrated from epoch k: the small misfit at the end spread evenly.
+std::vector<NavigationState> states_between(const Problem& problem, const EpochStates& epochs, std::size_t k);
+/// For AboutTrajectory; the problem has to outlive it.
+std::function<NavigationState(std::size_t samples)> trajectory_of(const Problem& problem, EpochStates epochs);
 
 }  // namespace imulab::aided

@@ -30,18 +30,19 @@ Recording ideal_readings(const motion::NominalMotion& motion) {
 
 namespace {
 
-/// White noise of the sensors, whose size the passes are to find as that of the aids.
-void draw_noise(Problem& p) {
+/// With white noise of the sensors, whose size the passes are to find as that of the aids.
+Recording with_noise(Recording r, const SensorPriors& priors) {
   constexpr std::uint64_t seed = 1;
   const RandomStream draws(seed, "foreseen sensors");
   std::uint64_t drawn = 0;
-  for (TimedIncrement& sample : p.samples) {
-    const double root = std::sqrt(sample.interval);
-    for (Index k = 0; k < 3; ++k) {
-      sample.increment.angle[k] += root * p.gyro_noise[k] * draws.normal(drawn++);
-      sample.increment.velocity[k] += root * p.accel_noise[k] * draws.normal(drawn++);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const double root = std::sqrt(r.interval(i, false));
+    for (std::size_t k = 0; k < 3; ++k) {
+      r.gyro[k][i] += priors.gyro_noise[static_cast<Index>(k)] / root * draws.normal(drawn++);
+      r.accel[k][i] += priors.accel_noise[static_cast<Index>(k)] / root * draws.normal(drawn++);
     }
   }
+  return r;
 }
 
 }  // namespace
@@ -51,17 +52,16 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
   const Recording recording = ideal_readings(motion);
   Problem p = make_problem(recording, priors, aids, session);
   add_first_rest(p, recording, session);
-  draw_noise(p);
+  const Recording noisy = with_noise(recording, priors);
+  p.samples = IncrementView(noisy);
   set_first_factors(p);
   const FilterStart start = start_near(p, motion.states.front());
-  AboutTrajectory about{.states = motion.states, .x = start.mean.x, .weights = {}};
+  AboutTrajectory about{.at = [&](std::size_t samples) { return motion.states[samples]; }, .x = start.mean.x, .weights = {}};
   AidedNavigation out;
-  FilterPass pass;
   SmootherPass smoothed;
   FactorSearch search;
   while (out.passes < passes && !out.converged) {
-    pass = filter(p, start, {.about = &about});
-    smoothed = smooth(p, pass);
+    smoothed = smooth(p, filter(p, start, {.about = &about}));
     about.weights = smoothed.weights;
     out.factors.clear();
     for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
@@ -79,8 +79,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
     for (Index k = 0; k < b.size; ++k)
       if (!std::isfinite(b.time) && b.prior[k] > 0) out.constants[at++].value = prior.mean[b.first + k];
   for (; at < out.constants.size(); ++at) out.constants[at].value = 0;
-  for (std::size_t k = 0; k < pass.nodes.size(); ++k)
-    out.covariance.push_back({pass.nodes[k].samples > 0 ? p.time[pass.nodes[k].samples - 1] : p.begin, smoothed.nodes[k].covariance});
+  for (const SmoothedNode& node : smoothed.nodes) out.covariance.push_back({node.samples > 0 ? p.time[node.samples - 1] : p.begin, node.covariance});
   if (std::string text = hidden_heading(out); !text.empty()) out.doubts.push_back(std::move(text));
   return out;
 }

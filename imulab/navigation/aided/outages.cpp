@@ -6,8 +6,6 @@
 namespace imulab::aided {
 namespace {
 
-using Eigen::VectorXd;
-
 /// The outage that a stamp is in: begun where the one before is over.
 std::vector<Outage> withheld_times(const Problem& p) {
   std::vector<Outage> out;
@@ -27,15 +25,14 @@ struct Sum {
 
 }  // namespace
 
-void add_outages(const Problem& p, const FilterPass& pass, const SmootherPass& smoothed, OutageErrors OutageResult::*part,
-                 std::vector<OutageResult>& outages) {
+void add_outages(const Problem& p, const std::vector<Withheld>& withheld, OutageErrors OutageResult::*part, std::vector<OutageResult>& outages) {
   if (outages.empty())
     for (const Outage& o : withheld_times(p)) outages.push_back({.begin = o.begin, .end = o.end, .predicted = {}, .smoothed = {}});
   std::vector<Sum> sums(outages.size());
-  const auto add = [&](const EpochRows& e, const VectorXd& residual, const VectorXd& variance) {
-    const Observation& o = p.observations[e.observation];
+  for (const auto& [observation, source, residual, variance] : withheld) {
+    const Observation& o = p.observations[observation];
     const Channel& c = p.channels[o.channel];
-    if (c.aid.kind != AidKind::gnss || residual.size() < 3 || e.rows.source.front() != c.first_noise) return;  // positions
+    if (c.aid.kind != AidKind::gnss || residual.size() < 3 || source != c.first_noise) continue;  // positions
     const auto at = std::ranges::find_if(outages, [&](const OutageResult& r) { return o.stamp >= r.begin && o.stamp <= r.end; });
     OutageErrors& errors = *at.*part;
     const double horizontal = std::hypot(residual[0], residual[1]);
@@ -43,12 +40,6 @@ void add_outages(const Problem& p, const FilterPass& pass, const SmootherPass& s
     errors.vertical = std::max(errors.vertical, std::abs(residual[2]));
     Sum& sum = sums[static_cast<std::size_t>(at - outages.begin())];
     sum.squares += (residual[0] * residual[0] / variance[0] + residual[1] * residual[1] / variance[1]) / 2, ++sum.fixes;
-  };
-  if (smoothed.nodes.empty()) {
-    for (const Node& node : pass.nodes)
-      for (const EpochRows& e : node.withheld) add(e, e.innovation, e.innovation_variance);
-  } else {
-    for (const SmoothedWithheld& w : smoothed.withheld) add(pass.nodes[w.node].withheld[w.index], w.residual, w.variance);
   }
   for (std::size_t k = 0; k < outages.size(); ++k) {
     outages[k].fixes = sums[k].fixes;

@@ -8,8 +8,7 @@
 
 namespace imulab::aided {
 
-/// Compares the withheld positions with the smoothed trajectory, or with the filter's where `smoothed` is empty, as this part of the results.
-void add_outages(const Problem& problem, const FilterPass& pass, const SmootherPass& smoothed, OutageErrors OutageResult::*part,
-                 std::vector<OutageResult>& outages);
+/// Compares the withheld positions with the smoothed trajectory, or with the filter's, as this part of the results.
+void add_outages(const Problem& problem, const std::vector<Withheld>& withheld, OutageErrors OutageResult::*part, std::vector<OutageResult>& outages);
 
 }  // namespace imulab::aided

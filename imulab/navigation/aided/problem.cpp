@@ -49,7 +49,7 @@ Increment corrected(const Problem& p, const TimedIncrement& sample, const Eigen:
 }
 
 double delay_at(const Problem& p, const Channel& c, const Eigen::VectorXd& x, double stamp) {
-  return c.delay >= 0 ? x[c.delay] + x[c.delay + 1] * (stamp - p.middle()) : 0;
+  return c.delay >= 0 ? x[c.delay] + x[c.delay + 1] * (stamp - p.delay_time()) : 0;
 }
 
 std::string in_words(std::string name) {

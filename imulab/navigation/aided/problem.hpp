@@ -9,7 +9,9 @@
 #include "imulab/aid.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/navigate.hpp"
+#include "imulab/navigation/increment_view.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -43,7 +45,7 @@ struct StateBlock {
   bool stationary() const { return std::isfinite(time) && noise; }
 };
 
-/// An aid and the places of its states; -1: absent. `delay`: that in the middle of the recording [s], and its drift [s/s], as clocks do.
+/// An aid and the places of its states; -1: absent. `delay`: that at delay_time [s], and its drift [s/s], as clocks do.
 struct Channel {
   std::string name;
   Aid aid;
@@ -67,12 +69,12 @@ struct OutputTerms {
 };
 
 struct Problem {
-  std::vector<TimedIncrement> samples;  // of the calibrated recording
-  std::vector<double> time;             // end of each [s]
-  double begin = 0;                     // of the first [s]
-  double interval = 0;                  // nominal [s]
-  std::optional<double> gravity;        // m/s^2
-  Vector3d gyro_noise, accel_noise;     // densities of each axis, SI
+  IncrementView samples;             // of the calibrated recording, which has to outlive it
+  std::vector<double> time;          // end of each [s]
+  double begin = 0;                  // of the first [s]
+  double interval = 0;               // nominal [s]
+  std::optional<double> gravity;     // m/s^2
+  Vector3d gyro_noise, accel_noise;  // densities of each axis, SI
   std::size_t gyro_source = 0, accel_source = 0;
   std::vector<NoiseSource> sources;
   std::vector<StateBlock> blocks;  // all but the first nine states
@@ -85,6 +87,9 @@ struct Problem {
   std::vector<Channel> channels;
   std::vector<Observation> observations;  // by stamp
   double middle() const { return (begin + time.back()) / 2; }
+  /// At which a delay counts: the middle, of the first ten minutes where it is longer. A drift of unknown size makes a delay of hours ago that of any
+  /// time.
+  double delay_time() const { return std::min(middle(), begin + 300); }
   double longest_step = 1;  // s: between two epochs
 };
 

@@ -269,8 +269,10 @@ SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration&
 Problem make_problem(const Recording& recording, const SensorPriors& priors, const std::vector<Aid>& aids, const Session& session,
                      const SetupOptions& options) {
   Problem p;
-  InertialSamples samples = inertial_samples(recording, {0, recording.size()});
-  p.samples = std::move(samples.steps), p.time = std::move(samples.time), p.begin = samples.begin, p.interval = recording.interval_s;
+  p.samples = IncrementView(recording);
+  p.time.reserve(p.samples.size());
+  for_each_increment(recording, {0, recording.size()}, [&](const TimedIncrement&, double end) { p.time.push_back(end); });
+  p.begin = recording.time_s(0) - recording.interval(0, false), p.interval = recording.interval_s;
   p.gravity = session.site.given_gravity;
   p.gyro_noise = priors.gyro_noise, p.accel_noise = priors.accel_noise;
   add_sensors(p, priors, options.matrices);

@@ -41,7 +41,7 @@ struct SetupOptions {
   std::vector<Outage> outages = {};                  // of all aids with a file, besides the aids' own
 };
 
-/// `recording`: compensated, in SI. Observations outside its time are left out. Throws Error where no aid has any.
+/// `recording`: compensated, in SI; the problem refers to it. Observations outside its time are left out. Throws Error where no aid has any.
 Problem make_problem(const Recording& recording, const SensorPriors& priors, const std::vector<Aid>& aids, const Session& session,
                      const SetupOptions& options = {});
 

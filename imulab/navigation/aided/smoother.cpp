@@ -20,15 +20,6 @@ struct Smoothed {
   MatrixXd covariance;
 };
 
-/// F^T from the right: the covariance with the state at the next epoch.
-MatrixXd with_next(const Transition& t, const MatrixXd& P) {
-  const Index n = P.rows(), m = t.motion.cols();
-  MatrixXd out(n, n);
-  out.leftCols<9>() = P.leftCols(m) * t.motion.transpose();
-  out.rightCols(n - 9) = P.rightCols(n - 9) * t.decay.tail(n - 9).asDiagonal();
-  return out;
-}
-
 struct Smoother {
   const Problem& p;
   std::vector<Index> changing{};  // states that are no constants
@@ -62,22 +53,24 @@ struct Smoother {
     }
   }
 
-  void judge_withheld(const Node& node, std::size_t index, const Smoothed& s) {
+  void judge_withheld(const Node& node, const Smoothed& s) {
     const VectorXd total = node.correction + s.error;
-    for (std::size_t i = 0; i < node.withheld.size(); ++i) {
-      const ObservedRows& rows = node.withheld[i].rows;
+    for (const EpochRows& e : node.withheld) {
+      const ObservedRows& rows = e.rows;
       VectorXd variance = (rows.derivative * s.covariance * rows.derivative.transpose()).diagonal();
       for (Index k = 0; k < variance.size(); ++k) variance[k] += row_variance(p, rows, k);
-      out.withheld.push_back({index, i, rows.residual - rows.derivative * total, variance});
+      if (variance.size() > 0) out.withheld.push_back({e.observation, rows.source.front(), rows.residual - rows.derivative * total, variance});
     }
   }
 
-  /// The noise between two epochs.
+  /// The noise between two epochs. `gain`: of the changing states.
   void judge_driving(const Node& node, const Smoothed& here, const Smoothed& next, const MatrixXd& gain) {
     const Transition& t = node.next;
     const Index m = t.motion.cols();
     const VectorXd noise = next.error - propagated_mean(t, here.error) - node.defect;
-    const MatrixXd common = gain.topRows(m) * next.covariance.leftCols<9>();  // of this epoch's sensors and motion with the next motion
+    MatrixXd with_motion = next.covariance.leftCols<9>();  // of this epoch's states with the next motion
+    with_motion(changing, Eigen::all) = gain * next.covariance.leftCols<9>();
+    const MatrixXd common = with_motion.topRows(m);
     const NineRows F = t.motion;
     const Matrix9 spread =
         next.covariance.topLeftCorner<9, 9>() - F * common - (F * common).transpose() + F * here.covariance.topLeftCorner(m, m) * F.transpose();
@@ -88,7 +81,7 @@ struct Smoother {
       if (b.noise)
         for (Index k = b.first; k < b.first + b.size; ++k) {
           if (q[k] == 0) continue;  // declared as constant
-          const double a = t.decay[k], both = gain.row(k).dot(next.covariance.col(k));
+          const double a = t.decay[k], both = gain.row(std::ranges::lower_bound(changing, k) - changing.begin()).dot(next.covariance.col(k));
           const double variance = next.covariance(k, k) - 2 * a * both + a * a * here.covariance(k, k);
           add_slow(*b.noise, noise[k] * noise[k] / q[k], variance / q[k]);
         }
@@ -104,10 +97,14 @@ struct Smoother {
   }
 
   /// J P J^T + G (Q + P') G^T with J = I - G F: positive by its form. Constants are those of the next epoch: their rows of G are those of the
-  /// identity, of J zero.
-  Smoothed step(const Node& node, const Node& after, const Smoothed& next) {
+  /// identity, of J zero. `correction`: by the next epoch's update.
+  Smoothed step(const Node& node, const VectorXd& correction, const Smoothed& next) {
     const Transition& t = node.next;
-    const MatrixXd cross = with_next(t, node.covariance)(changing, Eigen::all), predicted = propagated(p, t, node.covariance);
+    const NineRows moved = t.motion * node.covariance.topRows(t.motion.cols());
+    const MatrixXd predicted = propagated(p, t, node.covariance, moved);
+    MatrixXd cross(std::ssize(changing), p.size);  // of the changing states with all at the next epoch
+    cross.leftCols<9>() = moved(Eigen::all, changing).transpose();
+    cross.rightCols(p.size - 9) = node.covariance(changing, Eigen::seq(9, Eigen::last)) * t.decay.tail(p.size - 9).asDiagonal();
     const VectorXd scale = predicted.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const MatrixXd scaled = scale.asDiagonal() * predicted * scale.asDiagonal();
     const MatrixXd G = scaled.ldlt().solve(scale.asDiagonal() * cross.transpose()).transpose() * scale.asDiagonal();
@@ -120,32 +117,32 @@ struct Smoother {
     inner.diagonal() += slow_noise(p, t);
     const MatrixXd spread = G * inner;
     const MatrixXd own = J * node.covariance * J.transpose() + spread * G.transpose();
-    Smoothed here{next.error + after.correction, next.covariance};
+    Smoothed here{next.error + correction, next.covariance};
     here.covariance(changing, Eigen::all) = spread;
     here.covariance(Eigen::all, changing) = spread.transpose();
     here.covariance(changing, changing) = (own + own.transpose()) / 2;
-    const VectorXd learned = next.error + after.correction - propagated_mean(t, node.error) - node.defect;
+    const VectorXd learned = next.error + correction - propagated_mean(t, node.error) - node.defect;
     here.error(changing) = node.error(changing) + G * learned;
     Smoothed relative = next;
-    relative.error += after.correction;
-    MatrixXd gain = MatrixXd::Identity(p.size, p.size);
-    gain(changing, Eigen::all) = G;
-    judge_driving(node, here, relative, gain);
+    relative.error += correction;
+    judge_driving(node, here, relative, G);
     return here;
   }
 
   void keep(const Node& node, std::size_t index, const Smoothed& s) {
-    if (index == out.middle) out.middle_covariance = s.covariance;
-    out.nodes[index] = {plus(node.reference, s.error), s.error, s.covariance.topLeftCorner<9, 9>(), s.covariance.diagonal()};
+    const bool last = index + 1 == out.nodes.size();
+    if (last || (node.samples > 0 && p.time[node.samples - 1] >= p.middle())) out.middle = index, out.middle_covariance = s.covariance;
+    out.nodes[index] = {node.samples, plus(node.reference, s.error), s.covariance.topLeftCorner<9, 9>(), {}};
+    if (last) out.nodes[index].variance = s.covariance.diagonal();
     if (index == 0) judge_start(s, out.nodes[0].state);
     judge_rows(node, s);
-    judge_withheld(node, index, s);
+    judge_withheld(node, s);
   }
 };
 
 }  // namespace
 
-SmootherPass smooth(const Problem& problem, const FilterPass& pass) {
+SmootherPass smooth(const Problem& problem, FilterPass pass) {
   Smoother s{problem};
   for (Index k = 0; k < 9; ++k) s.changing.push_back(k);
   for (const StateBlock& b : problem.blocks)
@@ -154,15 +151,15 @@ SmootherPass smooth(const Problem& problem, const FilterPass& pass) {
   s.out.nodes.resize(pass.nodes.size());
   s.out.evidence.resize(problem.sources.size());
   s.out.weights.resize(problem.observations.size());
-  const auto before_middle = [&](const Node& node) { return node.samples == 0 || problem.time[node.samples - 1] < problem.middle(); };
-  s.out.middle = static_cast<std::size_t>(std::ranges::find_if_not(pass.nodes, before_middle) - pass.nodes.begin());
-  s.out.middle = std::min(s.out.middle, pass.nodes.size() - 1);
-  Smoothed now{pass.nodes.back().error, pass.nodes.back().covariance};
-  s.keep(pass.nodes.back(), pass.nodes.size() - 1, now);
-  for (std::size_t k = pass.nodes.size() - 1; k-- > 0;) {
-    now = s.step(pass.nodes[k], pass.nodes[k + 1], now);
+  Node node = pass.nodes.pop();
+  Smoothed now{node.error, node.covariance};
+  s.keep(node, pass.nodes.size(), now);
+  while (!pass.nodes.empty()) {
+    const VectorXd correction = std::move(node.correction);
+    node = pass.nodes.pop();
+    now = s.step(node, correction, now);
     stop_point();
-    s.keep(pass.nodes[k], k, now);
+    s.keep(node, pass.nodes.size(), now);
   }
   std::ranges::reverse(s.out.withheld);
   return std::move(s.out);

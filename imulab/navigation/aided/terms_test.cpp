@@ -30,16 +30,20 @@ struct WithTerms {
     problem.terms_first = add_block(problem, {.name = "terms", .size = 2, .prior = terms.sigma, .walk = {}, .noise = {}});
     problem.sensors_end = problem.size;
   }
-  /// The samples with a term taken off the readings.
-  Problem moved(Eigen::Index term, double c) const {
-    Problem out = problem;
+  /// What `use` makes of the problem with a term added to the readings.
+  auto moved(Eigen::Index term, double c, auto use) const {
+    Recording readings = recording;
     Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, 2);
-    for (std::size_t i = 0; i < out.samples.size(); ++i) {
+    for (std::size_t i = 0; i < readings.size(); ++i) {
       terms.at(i, changes);
-      out.samples[i].increment.angle += c * out.samples[i].interval * changes.col(term).head<3>();
-      out.samples[i].increment.velocity += c * out.samples[i].interval * changes.col(term).tail<3>();
+      for (Eigen::Index k = 0; k < 3; ++k) {
+        readings.gyro[static_cast<std::size_t>(k)][i] += c * changes(k, term);
+        readings.accel[static_cast<std::size_t>(k)][i] += c * changes(3 + k, term);
+      }
     }
-    return out;
+    Problem out = problem;
+    out.samples = IncrementView(readings);
+    return use(out);
   }
 };
 
@@ -51,7 +55,7 @@ TEST(AidedTerms, MoveTheMotionAsTheirReadingsDo) {
   const double size[] = {1e-4, 1e-5};
   for (const Eigen::Index term : {0, 1}) {
     const double c = size[term];
-    const auto reached = [&](double x) { return integrate(w.moved(term, x), begin, end, start, false).end; };
+    const auto reached = [&](double x) { return w.moved(term, x, [&](const Problem& p) { return integrate(p, begin, end, start, false).end; }); };
     const Eigen::Matrix<double, 9, 1> difference = minus(reached(c), reached(-c)) / (2 * c), column = t.motion.col(w.problem.terms_first + term);
     ASSERT_GT(difference.norm(), 1);
     // The transition takes the samples one by one to first order: a five hundredth of what moves in 20 ms.
@@ -64,10 +68,9 @@ TEST(AidedTerms, AreInTheRateOfARest) {
   Channel rest{.name = "zero_velocity", .aid = {.kind = AidKind::zero_velocity}};
   const Observation now{.stamp = 5, .channel = 0};
   const FullState state{w.motion.states[400], Eigen::VectorXd::Zero(w.problem.size)};
-  const auto residual = [&](double c) {
-    return aid_law(AidKind::zero_velocity).observe(w.moved(0, c), rest, now, instant_at(w.moved(0, c), 400, state)).residual;
-  };
-  const ObservedRows rows = aid_law(AidKind::zero_velocity).observe(w.problem, rest, now, instant_at(w.problem, 400, state));
+  const auto rows_of = [&](const Problem& p) { return aid_law(AidKind::zero_velocity).observe(p, rest, now, instant_at(p, 400, state)); };
+  const auto residual = [&](double c) { return w.moved(0, c, [&](const Problem& p) { return rows_of(p).residual; }); };
+  const ObservedRows rows = rows_of(w.problem);
   const Eigen::VectorXd difference = -(residual(1e-4) - residual(-1e-4)) / 2e-4;
   EXPECT_LT((rows.derivative.col(w.problem.terms_first) - difference).norm(), 0.01 * difference.norm());  // the row's rate is a mean over 0.1 s
 }

@@ -30,8 +30,9 @@ struct Integrated {
 Integrated integrate(const Problem& problem, std::size_t begin, std::size_t end, const FullState& start, bool with_transition,
                      std::vector<NavigationState>* each = nullptr);
 
-/// F P F^T + Q.
+/// F P F^T + Q. `moved`: transition.motion times the covariance's rows.
 Eigen::MatrixXd propagated(const Problem& problem, const Transition& transition, const Eigen::MatrixXd& covariance);
+Eigen::MatrixXd propagated(const Problem& problem, const Transition& transition, const Eigen::MatrixXd& covariance, const NineRows& moved);
 /// F x.
 Eigen::VectorXd propagated_mean(const Transition& transition, const Eigen::VectorXd& x);
 /// Q: the first nine as a matrix, the variances of the others.
