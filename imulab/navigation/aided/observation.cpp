@@ -30,7 +30,7 @@ double offset_in_time(const Problem& p, const Channel& c, const Observation& o, 
 void set_delay(const Problem& p, const Channel& c, const Observation& o, const VectorXd& rate, MatrixXd& derivative) {
   if (c.delay < 0) return;
   derivative.col(c.delay) = -rate;
-  derivative.col(c.delay + 1) = -(o.stamp - p.middle()) * rate;
+  derivative.col(c.delay + 1) = -(o.stamp - p.delay_time()) * rate;
 }
 
 Vector3d lever_of(const Channel& c, const Instant& at) { return c.lever >= 0 ? Vector3d(at.state.x.segment<3>(c.lever)) : Vector3d::Zero(); }
@@ -68,13 +68,14 @@ ObservedRows observe_position(const Problem& p, const Channel& c, const Observat
 ObservedRows observe_velocity(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& measured) {
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const Vector3d lever = lever_of(c, at), swung = C * at.rate_eb.cross(lever);
+  const Vector3d acceleration = at.acceleration + C * (at.rate_eb.cross(at.rate_eb.cross(lever)) + at.turning.cross(lever));  // of the antenna
   ObservedRows out = rows_of(3, p.size);
-  out.residual = measured - at.state.motion.velocity - swung - offset_in_time(p, c, o, at) * at.acceleration;
+  out.residual = measured - at.state.motion.velocity - swung - offset_in_time(p, c, o, at) * acceleration;
   out.derivative.middleCols<3>(At::attitude) = -skew<double>(swung);
   out.derivative.middleCols<3>(At::velocity).setIdentity();
   out.derivative.middleCols<3>(p.gyro_offset) = -C * skew<double>(lever);
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C * skew<double>(at.rate_eb);
-  set_delay(p, c, o, at.acceleration, out.derivative);
+  set_delay(p, c, o, acceleration, out.derivative);
   out.variance = velocity_sigma(c.aid, o.row).cwiseAbs2();
   std::ranges::fill(out.source, c.second_noise);
   return out;
@@ -243,12 +244,18 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
   constexpr double half = 0.05;  // s: shorter means are noise of the sensors
   const auto margin = static_cast<std::size_t>(std::max(1., std::round(half / p.interval)));
   Increment sum, raw;
-  double length = 0;
+  Vector3d before = Vector3d::Zero();
+  double length = 0, length_before = 0;
   for (std::size_t i = end > margin ? end - margin : 0; i < std::min(end + margin, p.samples.size()); ++i) {
-    const Increment sample = corrected(p, p.samples[i], state.x);
-    sum.angle += sample.angle, sum.velocity += sample.velocity, length += p.samples[i].interval;
-    raw.angle += p.samples[i].increment.angle, raw.velocity += p.samples[i].increment.velocity;
+    if (i == end) before = sum.angle, length_before = length;
+    const TimedIncrement& read = p.samples[i];
+    const Increment sample = corrected(p, read, state.x);
+    sum.angle += sample.angle, sum.velocity += sample.velocity, length += read.interval;
+    raw.angle += read.increment.angle, raw.velocity += read.increment.velocity;
   }
+  Vector3d turning = Vector3d::Zero();
+  if (const double after = length - length_before; length_before > 0 && after > 0)
+    turning = 2 / length * ((sum.angle - before) / after - before / length_before);
   const LocalEarth earth = local_earth(state.motion.latitude, state.motion.height);
   const Matrix3d C = state.motion.q_nb.toRotationMatrix();
   const Vector3d rate = sum.angle / length, &v = state.motion.velocity;
@@ -257,6 +264,7 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
           .time = end > 0 ? p.time[end - 1] : p.begin,
           .rate_ib = rate,
           .rate_eb = rate - C.transpose() * earth.rate,
+          .turning = turning,
           .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v),
           .raw_rate = raw.angle / length,
           .raw_force = raw.velocity / length,

@@ -1,7 +1,7 @@
 // The table of aids: what each kind of aid would read in a given state, its derivatives by all states, and its noise. The filter knows no kind.
 //
 //   GNSS position   z = p + C l - dt (v + C (w_eb x l))
-//   GNSS velocity   z = v + C (w_eb x l) - dt a
+//   GNSS velocity   z = v + C (w_eb x l) - dt (a + C (w_eb x (w_eb x l) + w_eb' x l))
 //   vehicle         (C_vb (C_bn v + w_eb x l))_right,up + slip = 0
 //   wheels          z = (1 + s) (C_vb (C_bn v + w_eb x l))_forward - dt (1 + s) (C_vb C_bn a)_forward + e
 //   barometer       z = h + (C l)_up - dt v_up + b
@@ -26,6 +26,7 @@ struct Instant {
   double time = 0;               // s
   Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over a tenth of a second
   Vector3d rate_eb;              // against the Earth
+  Vector3d turning;              // angular acceleration, body axes [rad/s^2], between the means of the halves of that time
   Vector3d acceleration;         // east-north-up [m/s^2]
   Vector3d raw_rate, raw_force;  // with the sensors' errors
   std::size_t sample = 0;        // the last before it
