@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <utility>
@@ -48,10 +49,13 @@ struct Terms {
   std::vector<Vector3d> play;
   Shared shared;
 
-  void at(std::size_t sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes) const {
-    EffectState state = states.at(sample);
+  void at(double time, const TimedIncrement& sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes) const {
+    const auto after = std::ranges::lower_bound(recording.time_ns, std::llround(1e9 * (time - recording.interval_s / 2)));
+    const auto row = static_cast<std::size_t>(std::min(after, recording.time_ns.end() - 1) - recording.time_ns.begin());
+    EffectState state = states.at(row);
     state.full_force = shared.full_force, state.full_rate = shared.full_rate;
-    state.rate = reading_at(recording.gyro, sample), state.force = reading_at(recording.accel, sample), state.play = play[sample];
+    state.rate = sample.increment.angle / sample.interval, state.force = sample.increment.velocity / sample.interval;
+    state.play = play[row];
     changes.setZero();
     Index k = 0;
     for (const CoefficientIndex index : curvature) {
@@ -100,7 +104,7 @@ aided::OutputTerms output_terms(const Recording& recording, const Session& sessi
     for (Index k = 0; k < group.size; ++k)
       out.names.push_back(fmt::format("{}{}.{}", effect_prefix, group.effect->name, k)), sigma.push_back(group.sigma);
   out.sigma = Eigen::Map<const VectorXd>(sigma.data(), std::ssize(sigma));
-  out.at = [terms](std::size_t sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes) { terms->at(sample, changes); };
+  out.at = [terms](double time, const TimedIncrement& sample, auto changes) { terms->at(time, sample, changes); };
   return out;
 }
 

@@ -186,7 +186,7 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
   }
   if (p.terms) {
     Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
-    p.terms->at(at.sample, changes);
+    p.terms->at(p.time[at.sample], p.samples[at.sample], changes);
     out.derivative.block(3, p.terms_first, 3, changes.cols()) = changes.topRows<3>();
   }
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();

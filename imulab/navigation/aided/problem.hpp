@@ -65,7 +65,8 @@ struct Observation {
 struct OutputTerms {
   std::vector<std::string> names;
   Eigen::VectorXd sigma;  // of the constants
-  std::function<void(std::size_t sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes)> at;
+  /// Over a sample, which ends at a time [s].
+  std::function<void(double time, const TimedIncrement& sample, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> changes)> at;
 };
 
 struct Problem {

@@ -17,11 +17,11 @@ struct WithTerms {
       motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::accelerate(10, 5), motion::turn(90 * unit::deg, 0.3, 1)}, {.banks = false}), 0.02);
   Session session;
   Recording recording = ideal_readings(motion);
-  OutputTerms terms{.names = {"of rate", "of force"}, .sigma = Eigen::Vector2d(1e-3, 1e-2), .at = [this](std::size_t i, auto changes) {
+  OutputTerms terms{.names = {"of rate", "of force"}, .sigma = Eigen::Vector2d(1e-3, 1e-2), .at = [](double, const TimedIncrement& s, auto changes) {
                       changes.setZero();
                       for (Eigen::Index k = 0; k < 3; ++k)
-                        changes(k, 0) = std::abs(recording.gyro[static_cast<std::size_t>(k)][i]),
-                                   changes(3 + k, 1) = std::pow(recording.accel[static_cast<std::size_t>(k)][i], 2);
+                        changes(k, 0) = std::abs(s.increment.angle[k] / s.interval),
+                                   changes(3 + k, 1) = std::pow(s.increment.velocity[k] / s.interval, 2);
                     }};
   Problem problem = make_problem(recording, sensor_priors({}, {}), {Aid{.kind = AidKind::vehicle}}, session);
 
@@ -35,7 +35,7 @@ struct WithTerms {
     Recording readings = recording;
     Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, 2);
     for (std::size_t i = 0; i < readings.size(); ++i) {
-      terms.at(i, changes);
+      terms.at(0, problem.samples[i], changes);
       for (Eigen::Index k = 0; k < 3; ++k) {
         readings.gyro[static_cast<std::size_t>(k)][i] += c * changes(k, term);
         readings.accel[static_cast<std::size_t>(k)][i] += c * changes(3 + k, term);

@@ -76,7 +76,7 @@ class ErrorGrowth {
       const NineByThree by_gyro = by_turn * s->C, by_accel = by_v * s->C;
       gyro[0] += dt * by_gyro, accel[0] += dt * by_accel;
       if (p_.terms) {
-        p_.terms->at(s->number, changes);
+        p_.terms->at(p_.time[s->number], s->raw, changes);
         terms += dt * by_gyro * changes.topRows<3>() + dt * by_accel * changes.bottomRows<3>();
       }
       for (Eigen::Index j = 0; j < 3 && p_.sensors_end > p_.accel_offset + 3; ++j) {
