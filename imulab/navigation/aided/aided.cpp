@@ -137,8 +137,8 @@ void judge_positions(AidedNavigation& out, const std::string& name) {
   const AidedCovariance& worst = *std::ranges::max_element(out.covariance, {}, sigma);
   if (sigma(worst) <= lost) return;
   const double typical = median(std::move(all));
-  std::string text = fmt::format("the position is lost: its sigma is {:.2g} m (median), {:.2g} m at {:.6g} s; expected positions by an aid", typical,
-                                 sigma(worst), worst.time);
+  std::string text = fmt::format("the position is lost: a sigma of {:.2g} m at {:.6g} s, {:.2g} m in the median; expected positions by an aid",
+                                 sigma(worst), worst.time, typical);
   out.warnings.push_back(name + ": " + text);
   if (typical > lost) out.doubts.push_back(std::move(text));
 }

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -84,10 +83,7 @@ Vector3d mean_force(const Problem& p, std::size_t from, double span) {
 double heading_of(const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; }
 
 /// The first sample after a time.
-std::size_t sample_after(const Problem& p, double time, std::string_view what) {
-  if (time < p.begin - p.interval / 2 || time >= p.time.back())
-    throw Error(fmt::format("start of navigation: {} is at {:.6f} s; expected inside the recording, {:.6f} s to {:.6f} s", what, time, p.begin,
-                            p.time.back()));
+std::size_t sample_after(const Problem& p, double time) {
   return static_cast<std::size_t>(std::ranges::upper_bound(p.time, time + p.interval / 2) - p.time.begin());
 }
 
@@ -116,9 +112,10 @@ Known known_start(const Problem& p, const Session& session, std::size_t sample, 
   Known out{.state = {}, .sample = sample};
   double begin = time_before(p, out.sample);
   Fixes fixes = first_fixes(p, begin);
+  if (fixes.time >= p.time.back()) fixes = {};
   const bool rests = resting(p, begin, fixes), any = std::isfinite(fixes.time);
   if (any && !given && !rests && fixes.time - begin > prompt) {
-    out.sample = sample_after(p, fixes.time, "the first fix"), begin = time_before(p, out.sample);
+    out.sample = sample_after(p, fixes.time), begin = time_before(p, out.sample);
     out.said = fmt::format("the solution begins with the first fix, {:.6g} s after the recording; an initial state would give an earlier start",
                            begin - p.begin);
   }
@@ -214,7 +211,10 @@ FilterStart start_near(const Problem& p, const NavigationState& state) {
 FoundStart find_start(const Problem& p, const Session& session) {
   if (!session.initial) return best_heading(p, known_start(p, session, 0, nullptr));
   const InitialState& given = *session.initial;
-  const Known known = known_start(p, session, sample_after(p, given.time, "the initial state"), &given);
+  if (given.time < p.begin - p.interval / 2 || given.time >= p.time.back())
+    throw Error(fmt::format("start of navigation: the initial state is at {:.6f} s; expected inside the recording, {:.6f} s to {:.6f} s", given.time,
+                            p.begin, p.time.back()));
+  const Known known = known_start(p, session, sample_after(p, given.time), &given);
   FoundStart out{.start = candidate(p, known, given.heading)};
   out.start.mean.motion.q_nb = Eigen::Quaterniond(attitude_matrix({given.roll, given.pitch, given.heading}));
   out.start.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, tilt_sigma;

@@ -22,7 +22,7 @@ FilterStart start_near(const Problem& problem, const NavigationState& state);
 /// The start is the time of the session's initial state; without one the recording's begin, where a fix is there within two seconds or a rest lasts
 /// until the first one, or else the first fix. Position and velocity are those of the fix of that time, or of the initial state or site; level from
 /// the mean force less the receiver's acceleration; the heading from the initial state, or the candidate with the largest likelihood. Throws Error
-/// where nothing gives a position, and for an initial state or first fix outside the recording.
+/// where nothing gives a position, and for an initial state outside the recording.
 FoundStart find_start(const Problem& problem, const Session& session);
 
 }  // namespace imulab::aided
