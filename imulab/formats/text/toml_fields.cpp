@@ -313,14 +313,8 @@ void TomlFields::read_tables(std::string_view key, const Body& body, bool all) {
     inner->table = element.as_table();
     inner->path = node_->name(key);
     TomlFields fields(std::move(inner));
-    const auto read = [&] {
-      body(fields);
-      fields.done();
-    };
-    if (all)
-      collect_problem(problems, read);
-    else
-      read();
+    const auto read = [&] { body(fields), fields.done(); };
+    all ? collect_problem(problems, read) : read();
   }
   throw_problems("", problems);
 }
