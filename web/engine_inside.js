@@ -19,7 +19,7 @@ Module["preRun"] = [].concat(Module["preRun"] || [], () => {
   FS.registerDevice(FS.makedev(5, 0), device(1, (stream) => isTerminal(stream.flags & 3 ? 1 : 0))); // /dev/stdin and /dev/stdout
   FS.registerDevice(FS.makedev(6, 0), device(2, () => isTerminal(2))); // /dev/stderr
   const noMemory = 48;
-  WORKERFS.stream_ops.mmap = (stream, length, position) => {
+  WORKERFS.stream_ops.mmap = (stream, address, length, position) => {
     const place = mmapAlloc(length);
     if (!place) throw new FS.ErrnoError(noMemory);
     const piece = 1 << 26; // the browser holds each once more
