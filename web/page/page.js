@@ -220,7 +220,11 @@ async function saveExport() {
 // Events
 
 function listen() {
-  at("files").addEventListener("change", () => at("files").files.length > 0 && open(byName(at("files").files)));
+  at("files").addEventListener("change", () => {
+    const chosen = byName(at("files").files);
+    at("files").value = ""; // the same log may be chosen again
+    if (Object.keys(chosen).length > 0) open(chosen);
+  });
   for (const kind of ["dragover", "dragleave", "drop"])
     addEventListener(kind, (/** @type {any} */ event) => {
       event.preventDefault();
