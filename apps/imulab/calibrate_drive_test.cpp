@@ -72,13 +72,13 @@ kind = "brake"
 duration_s = 4
 )";
 
-/// Session `name` with readings of the MEMS unit of unit/truth.json, without the state at its start, which no car knows.
+/// Session `name` with readings of the MEMS unit of unit/truth.json, without the state at its start, which no car knows, and without a site.
 void write_drive(const TemporaryFolder& folder, const std::string& segments, const std::string& name = "drive", int seed = 5) {
   folder.write(name + ".toml", mission_head + segments);
   const CommandResult made = run_shell(folder, "I='" + command_path() + "' D=" + name + " S=" + std::to_string(seed) + R"(
 [ -d unit ] || { $I procedure handheld --poses 9 --grade mems -o p.toml && $I simulate p.toml -o unit --seed 5; } &&
 $I trajectory $D.toml --unit unit/truth.json --seed $S -o $D &&
-sed -i -e '/^\[initial\]/,/^heading/d' $D/session.toml)");
+sed -i -e '/^\[initial\]/,/^heading/d' -e '/^\[site\]/,/^height/d' $D/session.toml)");
   ASSERT_EQ(made.exit_code, 0) << made.errors;
 }
 

@@ -31,10 +31,10 @@ std::map<CoefficientIndex, double> excesses_of(const Calibration& calibration, c
       const double ratio = std::isfinite(reached) ? reached / required.limit : not_known;
       if (ratio > 1) out[index] = std::max(out[index], ratio);
     }
-  if (requirements.empty())
-    for (const std::string& name : calibration.quality.considered)
-      if (const Coefficient& c = coefficient(coefficient_index(name)); c.term != Term::quadratic && c.term != Term::cubic)
-        out[coefficient_index(name)] = 1;
+  const std::vector<std::string>& considered = calibration.quality.considered;  // effects among them
+  for (const CoefficientIndex index : calibration.estimated)
+    if (const Coefficient& c = coefficient(index); requirements.empty() && std::ranges::find(considered, c.name) != considered.end())
+      if (c.term != Term::quadratic && c.term != Term::cubic) out[index] = 1;
   return out;
 }
 

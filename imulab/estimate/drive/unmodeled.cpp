@@ -4,6 +4,7 @@
 #include "imulab/estimate/drive/coefficients.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/recorded_states.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 
@@ -26,8 +27,14 @@ const Effect& effect_named(std::string name) {
   return *find_effect(name.substr(0, name.rfind('.')));
 }
 
+/// A drive needs no site. Where the effects are centered, and the play's width, a local gravity matters by a thousandth.
+Session with_gravity(Session session) {
+  if (!session.site.given_gravity && !session.site.latitude) session.site.given_gravity = unit::g;
+  return session;
+}
+
 kernel::EffectSizes sizes_of(const Session& session) {
-  kernel::EffectSizes out = kernel::effect_sizes(session, Vector3d::Zero());
+  kernel::EffectSizes out = kernel::effect_sizes(with_gravity(session), Vector3d::Zero());
   if (out.grade.empty()) out.grade = "mems";
   for (const char* name : {"accel.drift", "gyro.drift", "accel.turn_on", "gyro.turn_on", "accel.rectification"}) out.declared[name] = 0;
   return out;
@@ -78,7 +85,7 @@ bool is_effect_of_unit(const std::string& constant) { return is_effect(constant)
 Shared shared_by(std::span<const Recording> recordings, const Session& session) {
   Shared out;
   for (const Recording& recording : recordings) {
-    const kernel::RecordedStates states(recording, session, SensorModel{}, Scaling{});
+    const kernel::RecordedStates states(recording, with_gravity(session), SensorModel{}, Scaling{});
     out.thermometer = out.thermometer && states.thermometer();
     out.full_force = std::max(out.full_force, states.at(0).full_force), out.full_rate = std::max(out.full_rate, states.at(0).full_rate);
   }
@@ -90,8 +97,8 @@ aided::OutputTerms output_terms(const Recording& recording, const Session& sessi
   auto terms = std::make_shared<Terms>(Terms{recording,
                                              {},
                                              {sizes_of(session), {.accel = true, .gyro = true, .thermometer = shared.thermometer}},
-                                             kernel::RecordedStates(recording, session, SensorModel{}, Scaling{}),
-                                             plays(recording, session.site.gravity()),
+                                             kernel::RecordedStates(recording, with_gravity(session), SensorModel{}, Scaling{}),
+                                             plays(recording, with_gravity(session).site.gravity()),
                                              shared});
   aided::OutputTerms out;
   std::vector<double> sigma;
