@@ -97,20 +97,14 @@ void run_by_hand(const LiveOptions& options) {
       errors_at("--require", [&] { return live_requirements(options.require, source.accel.unit, session.site); });
   constexpr double usual_rest_s = 4;
   LiveProgress progress(session, recording_options(source), required, options.rest.value_or(usual_rest_s));
-  expect_free("-o", options.output, options.force);
-  expect_free("--save", options.save, options.force);
-  LiveInput input(options.input);
-  LiveCopy copy(options.save);
-  const CtrlC ctrl_c(input.descriptor());
-  RecordingStream stream(
-      input.descriptor(), name_of_stream(options), source, [&](std::string_view bytes) { copy.write(bytes); }, true);
+  LiveStream stream(options, source);
   Display display(output_of(options), options.json);
-  const std::exception_ptr failure = follow(stream, progress, [&](bool new_rest) { display.show(progress.view(), new_rest); });
+  const std::exception_ptr failure = follow(stream.rows, progress, [&](bool new_rest) { display.show(progress.view(), new_rest); });
   if (!progress.reached() && progress.recording().size() > 0) {
     progress.estimate();
     display.show(progress.view(), true);
   }
-  warn_of_stream(stream, progress.recording(), ": turns across one are not used");
+  warn_of_stream(stream.rows, progress.recording(), ": turns across one are not used");
   if (progress.result()) write_live(options, progress.result()->calibration, progress.recording(), session);
   if (failure) {
     if (progress.result()) summarize_by_hand(options, progress);

@@ -31,21 +31,15 @@ void run_live_drive(const LiveOptions& options) {
   const std::vector<Requirement> required =
       options.require ? errors_at("--require", [&] { return parse_requirements(*options.require); }) : std::vector<Requirement>();
   LiveDrive drive(method(options.method), session, recording_options(source), required);
-  expect_free("-o", options.output, options.force);
-  expect_free("--save", options.save, options.force);
-  LiveInput input(options.input);
-  LiveCopy copy(options.save);
-  const CtrlC ctrl_c(input.descriptor());
-  RecordingStream stream(
-      input.descriptor(), name_of_stream(options), source, [&](std::string_view bytes) { copy.write(bytes); }, true);
-  const std::exception_ptr failure = follow(stream, drive, [&](bool estimated) {
+  LiveStream stream(options, source);
+  const std::exception_ptr failure = follow(stream.rows, drive, [&](bool estimated) {
     if (estimated) show_drive(options, drive.view());
   });
   if (!drive.reached() && drive.view().samples > 1) {
     drive.estimate();
     show_drive(options, drive.view());
   }
-  warn_of_stream(stream, drive.recording(), "");
+  warn_of_stream(stream.rows, drive.recording(), "");
   if (drive.result()) {
     write_live(options, drive.result()->calibration, drive.recording(), session);
     summarize_drive(options, drive);

@@ -60,6 +60,23 @@ void LiveCopy::write(std::string_view bytes) {
     throw Error(fmt::format("--save {}: cannot be written: {}", name_, std::strerror(errno)));
 }
 
+namespace {
+
+const LiveOptions& with_free_outputs(const LiveOptions& options) {
+  expect_free("-o", options.output, options.force);
+  expect_free("--save", options.save, options.force);
+  return options;
+}
+
+}  // namespace
+
+LiveStream::LiveStream(const LiveOptions& options, const RecordingSource& source)
+    : input(with_free_outputs(options).input),
+      copy(options.save),
+      ctrl_c(input.descriptor()),
+      rows(
+          input.descriptor(), name_of_stream(options), source, [this](std::string_view bytes) { copy.write(bytes); }, true) {}
+
 std::FILE* output_of(const LiveOptions& options) { return options.output == "-" ? stderr : stdout; }
 std::string name_of_stream(const LiveOptions& options) { return options.input == "-" ? "standard input" : options.input; }
 

@@ -60,6 +60,15 @@ class LiveCopy {
   std::FILE* file_ = nullptr;
 };
 
+/// The rows of the input, read until Ctrl-C, while the copy is written. Throws Error where -o or --save would replace a file.
+struct LiveStream {
+  LiveStream(const LiveOptions& options, const RecordingSource& source);
+  LiveInput input;
+  LiveCopy copy;
+  CtrlC ctrl_c;
+  RecordingStream rows;
+};
+
 /// Standard output, or standard error where the calibration is written to that.
 std::FILE* output_of(const LiveOptions& options);
 std::string name_of_stream(const LiveOptions& options);

@@ -71,8 +71,8 @@ void expect_memory(double bytes, std::string_view work) {
 
 void give_back_freed_memory() {
 #ifdef __GLIBC__
-  static std::mutex
-      one_at_a_time;  // the first use of glibc's heap is not safe among threads where another allocator (a sanitizer's) stands in its place
+  // The first use of glibc's heap is not safe among threads where another allocator, as a sanitizer's, stands in its place.
+  static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
   malloc_trim(0);
 #endif

@@ -80,7 +80,7 @@ StatedUnit calibration_of(const AidedNavigation& n) {
   SensorModel constants = out.model;
   for (std::size_t k = 0; k < n.constants.size(); ++k) {
     const AidedConstant& c = n.constants[k];
-    if (!of_sensors(c) || is_effect(c.name)) continue;
+    if (!of_unit(c) || is_effect(c.name)) continue;
     const CoefficientIndex index = coefficient_index(c.name);
     set_coefficient(constants, index, coefficient_value(constants, index) + c.value);
     out.estimated.push_back(index), places.push_back(static_cast<Index>(k));

@@ -69,15 +69,15 @@ void add_gravity(Calibration& c, const Site& site) {
 }
 
 /// With all that a unit may have; chosen terms are all that it has.
-std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen, bool with_terms) {
+std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen, bool all_terms) {
   std::vector<Drive> out;
   const Shared shared = shared_by(input.recordings, input.session);
   for (const Recording& recording : input.recordings) {
     expect_si(recording);
     const Session session = session_of_drive(input.session, recording, input.recordings.size());
-    const aided::OutputTerms terms = output_terms(recording, input.session, shared);
+    const aided::OutputTerms terms = all_terms ? output_terms(recording, input.session, shared) : aided::OutputTerms{};
     out.push_back(drive_of(aided::navigate_under(unit_priors(input.session.imu, chosen), session, recording, session.aids, {.keep = false},
-                                                 with_terms ? &terms : nullptr),
+                                                 all_terms ? &terms : nullptr),
                            recording, input.session.imu));
   }
   return out;
@@ -153,7 +153,7 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
   out.notes = findings.warnings;
   std::string aids;
   for (const AidedConstant& c : n.constants)
-    if (!of_sensors(c) && !is_effect(c.name)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
+    if (of_aid(c)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
   if (!aids.empty()) out.notes.push_back(std::move(aids));
   if (!mission.imu.grade) out.notes.emplace_back("priors: of grade mems, since the mission declares none");
   for (const std::string& doubt : n.doubts) out.warnings.push_back(fmt::format("{}: {}", mission.file, doubt));

@@ -33,7 +33,7 @@ void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findi
   for (const AidedConstant& c : n.constants) {
     if (!c.undetermined()) continue;
     if (is_effect(c.name)) continue;
-    if (of_sensors(c)) quality.considered.push_back(c.name);
+    if (of_unit(c)) quality.considered.push_back(c.name);
     if (is_curvature(c.name)) continue;
     const std::string shown_by = showing_manoeuvre(c.name);
     auto group = std::ranges::find(groups, shown_by, &std::pair<std::string, std::string>::first);
@@ -95,7 +95,7 @@ void doubt_priors(const AidedNavigation& n, const Session& session, kernel::Find
   constexpr double many = 4, far = 2;  // sigma of the prior; mounting angles are linear to some 30 deg
   const AidedConstant* worst = nullptr;
   for (const AidedConstant& c : n.constants) {
-    if (of_sensors(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
+    if (of_unit(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
     if (c.name.find("mounting") != std::string::npos && std::abs(c.value) > far * c.prior)
       findings.doubt(fmt::format("{} is {:.0f} deg; declare the columns' axes (right, forward, up)", c.name, c.value / unit::deg));
   }
@@ -120,8 +120,7 @@ Calibration determined_part(const Calibration& c) {
 
 void add_aids(const AidedNavigation& n, Quality& quality) {
   for (const AidedConstant& c : n.constants)
-    if (!of_sensors(c) && !is_effect(c.name))
-      quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
+    if (of_aid(c)) quality.rig_errors.push_back({.name = c.name, .declared_sigma = c.prior, .value = c.value, .uncertainty = c.sigma});
 }
 
 namespace {
@@ -211,7 +210,7 @@ kernel::Findings judged(const std::vector<Drive>& drives, const Together& all, c
   name_undetermined(all.navigation, quality, findings);
   add_aids(all.navigation, quality);
   for (const AidedConstant& c : all.navigation.constants)
-    if (!of_sensors(c) && !is_effect(c.name)) findings.note(constant_text(c));
+    if (of_aid(c)) findings.note(constant_text(c));
   for (const Drive& drive : drives) doubt_drive(drive, in_front(drives, drive), findings);
   doubt_contradiction(all.contradictions, findings);
   doubt_priors(all.navigation, session, findings);

@@ -15,7 +15,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool of_sensors(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro.") || is_effect_of_unit(c.name); }
+bool of_unit(const AidedConstant& c) { return c.name.starts_with("accel.") || c.name.starts_with("gyro.") || is_effect_of_unit(c.name); }
+bool of_aid(const AidedConstant& c) { return !of_unit(c) && !is_effect(c.name); }
 
 namespace {
 
@@ -28,7 +29,7 @@ struct Said {
 std::vector<Index> sensor_places(const AidedNavigation& n) {
   std::vector<Index> out;
   for (std::size_t k = 0; k < n.constants.size(); ++k)
-    if (of_sensors(n.constants[k])) out.push_back(static_cast<Index>(k));
+    if (of_unit(n.constants[k])) out.push_back(static_cast<Index>(k));
   return out;
 }
 
@@ -93,7 +94,7 @@ Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& 
 /// The aids' constants of a drive as it has them, after those of the unit.
 void append_aids(const Drive& drive, AidedNavigation& out) {
   for (std::size_t k = 0; k < drive.navigation.constants.size(); ++k) {
-    if (of_sensors(drive.navigation.constants[k]) || is_effect(drive.navigation.constants[k].name)) continue;
+    if (!of_aid(drive.navigation.constants[k])) continue;
     AidedConstant& c = out.constants.emplace_back(drive.navigation.constants[k]);
     c.name = drive.name + ": " + c.name;
     const Index at = out.constants_covariance.rows();

@@ -26,7 +26,8 @@ struct Drive {
 };
 
 /// A constant of the unit; the others are of an aid, or an effect in one drive.
-bool of_sensors(const AidedConstant& constant);
+bool of_unit(const AidedConstant& constant);
+bool of_aid(const AidedConstant& constant);
 
 /// A drive against all others: the square of what it adds to them, in its covariance.
 struct Contradiction {
