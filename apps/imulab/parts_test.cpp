@@ -40,7 +40,7 @@ struct SharedRuns : ::testing::Test {
 
 TEST_F(SharedRuns, OfAPrediction) {
   run("procedure zhang-24 -o procedure.toml");
-  expect_the_same_bits("predict procedure.toml --runs 20000 --require \"gyro.offset <= 1 deg/h\"");
+  expect_the_same_bits("predict procedure.toml --runs 8000 --require \"gyro.offset <= 1 deg/h\"");
 }
 
 TEST_F(SharedRuns, OfABudget) {

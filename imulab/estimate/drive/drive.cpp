@@ -121,7 +121,8 @@ CalibrationResult calibration_result(const std::vector<Drive>& drives, const Cal
   for (const Drive& drive : drives) result.iterations = std::max(result.iterations, drive.navigation.passes);
   if (drives.size() == 1) {  // of several the change is part of each
     for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, input.recordings.front(), session.imu));
-    calibration.turn_on = {.accel = std::sqrt(drives.front().accel_turn_on), .gyro = std::sqrt(drives.front().gyro_turn_on)};
+    if (const Drive& d = drives.front(); d.accel_turn_on > 0 || d.gyro_turn_on > 0)
+      calibration.turn_on = {.accel = std::sqrt(d.accel_turn_on), .gyro = std::sqrt(d.gyro_turn_on)};
   }
   kernel::Findings findings = judged(drives, all, session, calibration);
   if (with_terms(options))

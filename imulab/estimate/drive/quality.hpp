@@ -12,15 +12,6 @@
 
 namespace imulab::drive {
 
-/// What innovations of one source have in common over several in a row, where chance does not explain it: the sigma of their mean over
-/// the stated one, the largest of all; 1: white. Innovations smaller than stated count by their stated size.
-struct SerialCorrelation {
-  std::string source;
-  std::size_t values = 0;  // in a row
-  double times = 1;
-};
-SerialCorrelation serial_correlation(const AidedNavigation& navigation);
-
 /// What the drives did not show, with the manoeuvre that would, and the constants of the aids: into quality and findings.
 void name_undetermined(const AidedNavigation& navigation, Quality& quality, kernel::Findings& findings);
 void add_aids(const AidedNavigation& navigation, Quality& quality);

@@ -81,6 +81,7 @@ struct Terms {
 
 bool is_effect(const std::string& constant) { return constant.starts_with(effect_prefix); }
 bool is_effect_of_unit(const std::string& constant) { return is_effect(constant) && effect_named(constant).each == Effect::Each::session; }
+std::string shown_name(const std::string& constant) { return is_effect(constant) ? std::string(effect_named(constant).name) : constant; }
 
 Shared shared_by(std::span<const Recording> recordings, const Session& session) {
   Shared out;

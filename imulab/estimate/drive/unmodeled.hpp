@@ -21,6 +21,8 @@ inline constexpr std::string_view effect_prefix = "effect.";
 /// Of the unit, or of each drive.
 bool is_effect(const std::string& constant);
 bool is_effect_of_unit(const std::string& constant);
+/// "gyro.asymmetry" of an effect, else the constant's name.
+std::string shown_name(const std::string& constant);
 
 /// What all drives of a unit share: temperatures in K, the largest force and rate.
 struct Shared {

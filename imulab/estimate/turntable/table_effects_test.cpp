@@ -15,6 +15,7 @@
 #include "tests/table_session.hpp"
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace imulab::turntable {
 namespace {
@@ -25,9 +26,10 @@ using Eigen::VectorXd;
 
 const kernel::EffectSizes mems_sizes{{}, "mems", 0};
 
-/// Raw readings of a unit with the effects c, sample by sample along the rig's motion: of each hold the means, of each turn the gyros' sum.
-VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const SensorModel& unit, const kernel::Effects& effects, const VectorXd& c,
-                   std::size_t moved_at) {
+/// What each effect of c changes in the raw readings of a unit (a column each), sample by sample along the rig's motion: of each hold the means, of
+/// each turn the gyros' sum.
+MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, const SensorModel& unit, const kernel::Effects& effects,
+                           const VectorXd& c, std::size_t moved_at) {
   constexpr double interval = 0.02;  // 1 deg of the fastest turn
   const RigMotion motion = rig_motion(plan.steps);
   const double gravity = table_site().gravity();
@@ -35,7 +37,8 @@ VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const Sensor
   const kernel::SiteChanges changes(table_site());
   const Matrix3d of_accel = unit.accel.matrix.inverse(), of_gyro = unit.gyro.matrix.inverse();
   PlayOperator play(gravity);
-  VectorXd sum = VectorXd::Zero(parts.rows());
+  const std::size_t groups = effects.groups().size();
+  MatrixXd sum = MatrixXd::Zero(parts.rows(), static_cast<Index>(groups));
   VectorXd weight = VectorXd::Zero(static_cast<Index>(parts.parts()));
   const auto samples = static_cast<int>(std::ceil(motion.end() / interval));
   for (int i = 0; i < samples; ++i) {
@@ -47,25 +50,32 @@ VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const Sensor
     state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
     state.play = play(truth.force);
     state.moved = t > plan.steps[moved_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
-    Vector3d force = truth.force, rate = truth.rate - unit.g_sensitivity * truth.force;
-    for (Index k = 0; k < effects.size(); ++k) {
-      const OutputChange change = effects.columns()[static_cast<std::size_t>(k)].at(state);
-      force += c[k] * change.force, rate += c[k] * change.rate;
+    std::vector<OutputChange> change(groups);
+    for (std::size_t g = 0; g < groups; ++g) {
+      const kernel::EffectGroup& group = effects.groups()[g];
+      for (Index k = group.first; k < group.first + group.size; ++k) {
+        const OutputChange one = effects.columns()[static_cast<std::size_t>(k)].at(state);
+        change[g].force += c[k] * one.force, change[g].rate += c[k] * one.rate;
+      }
+      change[g] = {.force = of_accel * change[g].force, .rate = of_gyro * change[g].rate};
     }
     for (std::size_t part = 0; part < parts.parts(); ++part) {
       const double inside = std::min(t + 0.5 * interval, parts.end(part)) - std::max(t - 0.5 * interval, parts.begin(part));
       if (inside <= 0) continue;
       weight[static_cast<Index>(part)] += inside;
-      if (parts.is_hold(part)) sum.segment<3>(parts.row(part)) += inside * of_accel * (force - unit.accel.offset);
-      sum.segment<3>(parts.gyro_row(part)) += inside * of_gyro * (rate - unit.gyro.offset);
+      for (std::size_t g = 0; g < groups; ++g) {
+        auto column = sum.col(static_cast<Index>(g));
+        if (parts.is_hold(part)) column.segment<3>(parts.row(part)) += inside * change[g].force;
+        column.segment<3>(parts.gyro_row(part)) += inside * change[g].rate;
+      }
     }
   }
   for (std::size_t part = 0; part < parts.parts(); ++part)
-    if (parts.is_hold(part)) sum.segment<6>(parts.row(part)) /= weight[static_cast<Index>(part)];
+    if (parts.is_hold(part)) sum.middleRows<6>(parts.row(part)) /= weight[static_cast<Index>(part)];
   return sum;
 }
 
-/// The columns of all effects against differences of simulated readings, each with its prior sigma and relative to its largest reading.
+/// The columns of all effects against changes of simulated readings, each with its prior sigma and relative to its largest reading.
 TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
   const RigDeclaration rig = table_of(2 * unit::arcsec);
   const TablePlan plan = table_plan(odd_steps(), rig);
@@ -78,14 +88,15 @@ TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
   const kernel::Effects& effects = options.effects.table;
   const RawNoise noise{raw_density(table_accel_noise, unit.accel.matrix), raw_density(table_gyro_noise, unit.gyro.matrix)};
   const Estimator estimator(motion, unit, noise, options);
-  const VectorXd none = VectorXd::Zero(effects.size()), without = simulated(plan, motion, unit, effects, none, moved_at);
-  for (const kernel::EffectGroup& g : effects.groups()) {
+  VectorXd c = effects.sigma();
+  for (const kernel::EffectGroup& g : effects.groups())  // all columns of an effect at once, by different sizes
+    for (Index k = 0; k < g.size; ++k) c[g.first + k] *= 1 + 0.3 * static_cast<double>(k);
+  const MatrixXd simulated = simulated_changes(plan, motion, unit, effects, c, moved_at);
+  for (std::size_t i = 0; i < effects.groups().size(); ++i) {
+    const kernel::EffectGroup& g = effects.groups()[i];
     if (g.effect->name == "accel.rectification") continue;  // nothing shakes
-    // All columns of an effect at once, by different sizes: one simulation for each effect.
-    VectorXd c = none;
-    for (Index k = 0; k < g.size; ++k) c[g.first + k] = g.sigma * (1 + 0.3 * static_cast<double>(k));
-    const VectorXd simulated_change = simulated(plan, motion, unit, effects, c, moved_at) - without;
-    const VectorXd change = estimator.readings_by_effects() * c;
+    const VectorXd simulated_change = simulated.col(static_cast<Index>(i));
+    const VectorXd change = estimator.readings_by_effects().middleCols(g.first, g.size) * c.segment(g.first, g.size);
     for (const int kind : {0, 1, 2}) {  // means of accelerometers, of gyros, sums of turns
       VectorXd rows = VectorXd::Zero(motion.rows());
       for (std::size_t part = 0; part < motion.parts(); ++part)

@@ -4,6 +4,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
+#include "imulab/navigation/aided/lasting.hpp"
 #include "imulab/navigation/aided/outages.hpp"
 #include "imulab/navigation/aided/plausible.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -153,6 +154,7 @@ void judge(AidedNavigation& out, const std::string& name) {
   if (out.innovation_rms > 1.5)
     doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
   if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
+  if (const std::string text = lasting_errors(out); !text.empty()) doubt(text);
   double squares = 0;
   for (const OutageResult& o : out.outages) squares += o.smoothed.ratio * o.smoothed.ratio / static_cast<double>(out.outages.size());
   if (out.outages.size() >= 3 && std::sqrt(squares) > 2)

@@ -1,5 +1,5 @@
 // Errors of aids that last, in innovations that are drawn.
-#include "imulab/estimate/drive/quality.hpp"
+#include "imulab/navigation/aided/lasting.hpp"
 
 #include "imulab/core/random.hpp"
 
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace imulab::drive {
+namespace imulab::aided {
 namespace {
 
 /// Of a receiver and a vehicle at 200 s: white, with a Markov error of `size` sigmas and `time` s on the velocities.
@@ -32,14 +32,14 @@ AidedNavigation drawn(std::uint64_t seed, double size, double time) {
   return out;
 }
 
-TEST(DriveQuality, WhiteInnovationsAreNotNamed) {
+TEST(LastingErrors, WhiteInnovationsAreNotNamed) {
   int named = 0;
   constexpr int drives = 1000;
   for (std::uint64_t seed = 1; seed <= drives; ++seed) named += serial_correlation(drawn(seed, 0, 1)).times > 1;
   EXPECT_LE(named, 4);  // 36 tests at 2e-5: 0.7 drives of a thousand; five or more once in 1,400 times
 }
 
-TEST(DriveQuality, LastingErrorsAreNamed) {
+TEST(LastingErrors, ThatAreThereAreNamed) {
   for (const auto& [size, time] : {std::pair(1., 4.), {1., 10.}, {0.7, 30.}}) {
     int named = 0;
     for (std::uint64_t seed = 1; seed <= 100; ++seed) {
@@ -51,4 +51,4 @@ TEST(DriveQuality, LastingErrorsAreNamed) {
 }
 
 }  // namespace
-}  // namespace imulab::drive
+}  // namespace imulab::aided

@@ -1,0 +1,94 @@
+#include "imulab/navigation/aided/lasting.hpp"
+
+#include "imulab/core/statistics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace imulab::aided {
+
+namespace {
+
+/// By source and component, in time.
+std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> series_of(const std::vector<AidedInnovation>& innovations) {
+  std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> out;
+  std::size_t component = 0;
+  constexpr double largest = 5;  // sigma: an outlier says nothing of the others
+  for (std::size_t k = 0; k < innovations.size(); ++k) {
+    const AidedInnovation& now = innovations[k];
+    const bool same = k > 0 && innovations[k - 1].time == now.time && innovations[k - 1].source == now.source;
+    component = same ? component + 1 : 0;
+    out[{now.source, component}].push_back(std::clamp(now.sigmas, -largest, largest));
+  }
+  return out;
+}
+
+constexpr std::array<std::size_t, 2> block_lengths{5, 20};
+
+/// Of one series or several. Of white values the first correlation is normal, and sums of blocks have a chi-square of as many degrees of freedom.
+struct Likeness {
+  double count = 0, squares = 0, products = 0;  // of neighbors
+  std::array<double, 2> chi2{}, blocks{};
+  void add(const Likeness& other) {
+    count += other.count, squares += other.squares, products += other.products;
+    for (std::size_t k = 0; k < 2; ++k) chi2[k] += other.chi2[k], blocks[k] += other.blocks[k];
+  }
+};
+Likeness likeness_of(const std::vector<double>& all) {
+  Likeness out{.count = static_cast<double>(all.size())};
+  const double squares = std::inner_product(all.begin(), all.end(), all.begin(), 0.), size = std::max(squares / out.count, 1.);
+  out.squares = squares / size, out.products = std::inner_product(all.begin() + 1, all.end(), all.begin(), 0.) / size;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto length = static_cast<std::ptrdiff_t>(block_lengths[k]);
+    for (auto block = all.begin(); all.end() - block >= length; block += length, ++out.blocks[k])
+      out.chi2[k] += std::pow(std::accumulate(block, block + length, 0.), 2) / static_cast<double>(length) / size;
+  }
+  return out;
+}
+
+void take_larger(const Likeness& l, const std::string& source, SerialCorrelation& out) {
+  constexpr double improbable = 2e-5;  // of a test: a drive of 15 series, those of all components included, has 45
+  const auto take = [&](std::size_t values, double variance, double chi2, double freedom) {
+    const double times = std::sqrt(std::max(variance, 0.));
+    if (times > out.times && log_chi_square_tail(chi2, freedom) < std::log(improbable)) out = {source, values, times};
+  };
+  const double first = l.products / l.count;
+  take(2, l.squares / l.count + 2 * first / std::max(1 - first, 0.01), first * first * l.count, 1);  // of a Markov process
+  for (std::size_t k = 0; k < 2; ++k)
+    if (l.blocks[k] > 0) take(block_lengths[k], l.chi2[k] / l.blocks[k], l.chi2[k], l.blocks[k]);
+}
+
+}  // namespace
+
+SerialCorrelation serial_correlation(const AidedNavigation& n) {
+  constexpr std::size_t fewest = 30;
+  SerialCorrelation out;
+  std::map<std::size_t, Likeness> together;  // all components of a source
+  for (const auto& [key, all] : series_of(n.innovations)) {
+    if (all.size() <= fewest) continue;
+    const Likeness own = likeness_of(all);
+    take_larger(own, n.factors[key.first].name, out);
+    together[key.first].add(own);
+  }
+  for (const auto& [source, all] : together) take_larger(all, n.factors[source].name, out);
+  return out;
+}
+
+std::string lasting_errors(const AidedNavigation& n) {
+  constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
+  const SerialCorrelation serial = serial_correlation(n);
+  if (serial.times <= much) return "";
+  return fmt::format("innovations of {} are alike over {} in a row: its errors last, and uncertainties may be {:.2g} times too small", serial.source,
+                     serial.values, serial.times);
+}
+
+}  // namespace imulab::aided
