@@ -36,6 +36,7 @@ struct AidedFactor {
   std::string name;  // "gnss.position"
   double factor = 1;
   double resolved = 0;  // number of values that the data resolve
+  double lasting = 1;   // errors that last: in the long run the values tell as much as with a sigma so many times larger
 };
 
 /// A withheld time: the largest horizontal error of the prediction, and the errors over their stated sigmas.

@@ -54,6 +54,10 @@ std::vector<std::string> elements_of(const Problem& p, const StateBlock& b) {
 
 }  // namespace
 
+void use_factors(const AidedNavigation& out, Problem& p) {
+  for (std::size_t k = 0; k < p.sources.size(); ++k) p.sources[k].factor = out.factors[k].factor * out.factors[k].lasting * out.factors[k].lasting;
+}
+
 void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigation& out) {
   const Eigen::VectorXd& x = smoothed.nodes[smoothed.middle].state.x;
   const Eigen::MatrixXd& P = smoothed.middle_covariance;
@@ -78,7 +82,7 @@ void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start,
   p.sensors_end = p.size;
   const Eigen::MatrixXd joint = p.joint;
   if (joint.size() > 0) p.joint.conservativeResizeLike(Eigen::MatrixXd::Zero(p.size, p.size));
-  for (std::size_t k = 0; k < p.sources.size(); ++k) p.sources[k].factor = out.factors[k].factor;
+  use_factors(out, p);
   const auto extend = [&](Eigen::VectorXd& x, const Eigen::VectorXd& by) { x = (Eigen::VectorXd(p.size) << x, by).finished(); };
   extend(start.mean.x, zero), extend(start.sigma, terms.sigma), extend(trajectory.x, zero);
   add_constants(p, smooth(p, filter(p, start, {.about = &trajectory})), out);

@@ -2,15 +2,12 @@
 
 #include "imulab/core/statistics.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <numeric>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,11 +52,11 @@ Likeness likeness_of(const std::vector<double>& all) {
   return out;
 }
 
-void take_larger(const Likeness& l, const std::string& source, SerialCorrelation& out) {
+void take_larger(const Likeness& l, SerialCorrelation& out) {
   constexpr double improbable = 2e-5;  // of a test: a drive of 15 series, those of all components included, has 45
   const auto take = [&](std::size_t values, double variance, double chi2, double freedom) {
     const double times = std::sqrt(std::max(variance, 0.));
-    if (times > out.times && log_chi_square_tail(chi2, freedom) < std::log(improbable)) out = {source, values, times};
+    if (times > out.times && log_chi_square_tail(chi2, freedom) < std::log(improbable)) out = {values, times};
   };
   const double first = l.products / l.count;
   take(2, l.squares / l.count + 2 * first / std::max(1 - first, 0.01), first * first * l.count, 1);  // of a Markov process
@@ -69,26 +66,26 @@ void take_larger(const Likeness& l, const std::string& source, SerialCorrelation
 
 }  // namespace
 
-SerialCorrelation serial_correlation(const AidedNavigation& n) {
+std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& n) {
   constexpr std::size_t fewest = 30;
-  SerialCorrelation out;
+  std::vector<SerialCorrelation> out(n.factors.size());
   std::map<std::size_t, Likeness> together;  // all components of a source
   for (const auto& [key, all] : series_of(n.innovations)) {
     if (all.size() <= fewest) continue;
     const Likeness own = likeness_of(all);
-    take_larger(own, n.factors[key.first].name, out);
+    take_larger(own, out[key.first]);
     together[key.first].add(own);
   }
-  for (const auto& [source, all] : together) take_larger(all, n.factors[source].name, out);
+  for (const auto& [source, all] : together) take_larger(all, out[source]);
   return out;
 }
 
-std::string lasting_errors(const AidedNavigation& n) {
+bool find_lasting(AidedNavigation& n) {
   constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
-  const SerialCorrelation serial = serial_correlation(n);
-  if (serial.times <= much) return "";
-  return fmt::format("innovations of {} are alike over {} in a row: its errors last, and uncertainties may be {:.2g} times too small", serial.source,
-                     serial.values, serial.times);
+  const std::vector<SerialCorrelation> found = serial_correlations(n);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (found[k].times > much) n.factors[k].lasting *= found[k].times;
+  return std::ranges::any_of(found, [](const SerialCorrelation& f) { return f.times > much; });
 }
 
 }  // namespace imulab::aided

@@ -1,23 +1,26 @@
 // Errors of aids that last: innovations that are alike over several in a row, of which a filter takes each for news.
+//
+// n white values tell their mean to sigma / sqrt(n). Where the mean of n innovations has a sigma that is `times` larger, a noise of `times` the sigma
+// tells as much in the long run as the values do: so the source is made that much noisier.
 #pragma once
 
 #include "imulab/navigation/aided/aided.hpp"
 
 #include <cstddef>
-#include <string>
+#include <vector>
 
 namespace imulab::aided {
 
 /// What innovations of one source have in common over several in a row, where chance does not explain it: the sigma of their mean over
 /// the stated one, the largest of all; 1: white. Innovations smaller than stated count by their stated size.
 struct SerialCorrelation {
-  std::string source;
   std::size_t values = 0;  // in a row
   double times = 1;
 };
-SerialCorrelation serial_correlation(const AidedNavigation& navigation);
+/// Of each source that has some, as many as there are factors.
+std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& navigation);
 
-/// The doubt in words; empty where there is none.
-std::string lasting_errors(const AidedNavigation& navigation);
+/// Adds to `lasting` of the factors what innovations still have in common. False where that is nothing.
+bool find_lasting(AidedNavigation& navigation);
 
 }  // namespace imulab::aided

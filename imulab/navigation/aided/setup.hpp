@@ -55,6 +55,9 @@ struct Prior {
 };
 Prior prior_of(const Problem& problem);
 
+/// Gives the problem's sources the noise that `out` states.
+void use_factors(const AidedNavigation& out, Problem& problem);
+
 /// The constants as the smoother has them in the middle of the time, with their covariance and their standard deviations before the data.
 void add_constants(const Problem& problem, const SmootherPass& smoothed, AidedNavigation& out);
 
