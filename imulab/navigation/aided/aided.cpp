@@ -25,7 +25,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int widenings = 3;                       // for errors that last
+constexpr int widenings = 5;                       // for errors that last
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
 
 double time_of(const Problem& p, std::size_t samples) { return samples > 0 ? p.time[samples - 1] : p.begin; }
@@ -78,8 +78,9 @@ struct CausalPass {
     for (const EpochRows& e : node.rows)
       for (Index k = 0; k < e.innovation.size(); ++k) {
         const double sigmas = e.innovation[k] / std::sqrt(e.innovation_variance[k]);
-        out.innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas});
-        squares += std::min(sigmas * sigmas, 25.), doubted += e.weight[k] < 1. / 3;
+        const bool suspect = e.weight[k] < 1. / 3;
+        out.innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas, suspect});
+        squares += std::min(sigmas * sigmas, 25.), doubted += suspect;
       }
     for (const EpochRows& e : node.withheld)
       if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
@@ -150,7 +151,7 @@ void judge_positions(AidedNavigation& out, const std::string& name) {
   if (typical > lost) out.doubts.push_back(std::move(text));
 }
 
-void judge(AidedNavigation& out, const std::string& name, bool lasting) {
+void judge(AidedNavigation& out, const std::string& name) {
   const auto doubt = [&](std::string text) {
     out.warnings.push_back(name + ": " + text);
     out.doubts.push_back(std::move(text));
@@ -160,12 +161,13 @@ void judge(AidedNavigation& out, const std::string& name, bool lasting) {
   if (out.innovation_rms > 1.5)
     doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
   if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
+  for (const std::string& text : runs_of_suspects(out)) out.warnings.push_back(name + ": " + text);
   for (const AidedFactor& f : out.factors)
     if (f.lasting > 1)
       out.warnings.push_back(
           fmt::format("{}: errors of {} last: in the long run its values tell as much as with {:.2g} times the sigma, and are so taken", name, f.name,
                       f.lasting));
-  if (lasting) doubt(fmt::format("innovations are still alike after {} times larger sigmas; uncertainties may be too small", widenings));
+  if (const std::string text = lasting_errors(out); !text.empty()) doubt(text);
   double squares = 0;
   for (const OutageResult& o : out.outages) squares += o.smoothed.ratio * o.smoothed.ratio / static_cast<double>(out.outages.size());
   if (out.outages.size() >= 3 && std::sqrt(squares) > 2)
@@ -203,15 +205,13 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   }
   // What was known at each time, with the noise of the whole. A filter that linearizes about its own first states is too sure of its attitude.
   CausalPass known{p, out};
-  bool lasting = false;
   for (int round = 0;; ++round) {
     use_factors(out, p);
     if (round > 0) smoothed = {}, smoothed = smooth(p, filter(p, start.start, {.about = &trajectory}));
     trajectory = about(p, smoothed);
     known.begin();
     filter(p, start.start, {.about = &trajectory, .keep = false, .each = [&](const Transition*, const Node& node) { known.add(node); }});
-    lasting = find_lasting(out);
-    if (!lasting || round == widenings) break;
+    if (round == widenings || !widen_lasting(p, out)) break;
   }
   add_outages(p, smoothed.withheld, &OutageResult::smoothed, out.outages);
   known.finish();
@@ -224,7 +224,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   for (std::size_t k = 0; k < times.size() && !options.causal; ++k) out.covariance.push_back({times[k], smoothed.nodes[k].covariance});
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
-  judge(out, recording.name, lasting);
+  judge(out, recording.name);
   if (std::ranges::none_of(p.observations, [&](const Observation& o) { return !o.withheld && has_record(p.channels[o.channel].aid.kind); })) {
     out.doubts.emplace_back("all values of the aids are withheld: nothing corrects the solution");
     out.warnings.push_back(recording.name + ": " + out.doubts.back());

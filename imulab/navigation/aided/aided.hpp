@@ -62,6 +62,7 @@ struct AidedInnovation {
   double time = 0;
   std::size_t source = 0;  // among the factors
   double sigmas = 0;
+  bool suspect = false;  // it is weighed by less than a third
 };
 
 struct AidedNavigation {

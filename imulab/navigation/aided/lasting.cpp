@@ -2,12 +2,15 @@
 
 #include "imulab/core/statistics.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,12 +22,11 @@ namespace {
 std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> series_of(const std::vector<AidedInnovation>& innovations) {
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> out;
   std::size_t component = 0;
-  constexpr double largest = 5;  // sigma: an outlier says nothing of the others
   for (std::size_t k = 0; k < innovations.size(); ++k) {
     const AidedInnovation& now = innovations[k];
     const bool same = k > 0 && innovations[k - 1].time == now.time && innovations[k - 1].source == now.source;
     component = same ? component + 1 : 0;
-    out[{now.source, component}].push_back(std::clamp(now.sigmas, -largest, largest));
+    if (!now.suspect) out[{now.source, component}].push_back(now.sigmas);
   }
   return out;
 }
@@ -80,12 +82,32 @@ std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& n) {
   return out;
 }
 
-bool find_lasting(AidedNavigation& n) {
-  constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
-  const std::vector<SerialCorrelation> found = serial_correlations(n);
+namespace {
+
+constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
+
+bool has_slow_error(const Problem& p, std::size_t source) {
+  return std::ranges::any_of(p.channels, [&](const Channel& c) { return c.slow >= 0 && c.first_noise == source; });
+}
+
+}  // namespace
+
+bool widen_lasting(const Problem& p, AidedNavigation& n) {
+  std::vector<SerialCorrelation> found = serial_correlations(n);
   for (std::size_t k = 0; k < found.size(); ++k)
-    if (found[k].times > much) n.factors[k].lasting *= found[k].times;
-  return std::ranges::any_of(found, [](const SerialCorrelation& f) { return f.times > much; });
+    if (has_slow_error(p, k)) found[k] = {};
+  const auto worst = std::ranges::max_element(found, {}, &SerialCorrelation::times);
+  if (worst == found.end() || worst->times <= much) return false;
+  n.factors[static_cast<std::size_t>(worst - found.begin())].lasting *= worst->times;
+  return true;
+}
+
+std::string lasting_errors(const AidedNavigation& n) {
+  const std::vector<SerialCorrelation> found = serial_correlations(n);
+  const auto worst = std::ranges::max_element(found, {}, &SerialCorrelation::times);
+  if (worst == found.end() || worst->times <= much) return "";
+  return fmt::format("innovations of {} are alike over {} in a row: its errors last, and uncertainties may be {:.2g} times too small",
+                     n.factors[static_cast<std::size_t>(worst - found.begin())].name, worst->values, worst->times);
 }
 
 }  // namespace imulab::aided

@@ -5,8 +5,10 @@
 #pragma once
 
 #include "imulab/navigation/aided/aided.hpp"
+#include "imulab/navigation/aided/problem.hpp"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace imulab::aided {
@@ -20,7 +22,10 @@ struct SerialCorrelation {
 /// Of each source that has some, as many as there are factors.
 std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& navigation);
 
-/// Adds to `lasting` of the factors what innovations still have in common. False where that is nothing.
-bool find_lasting(AidedNavigation& navigation);
+/// Widens `lasting` of the source whose innovations have most in common: those of others may be alike because it is believed. What has a slow error
+/// of its own is left as it is. False where there is none.
+bool widen_lasting(const Problem& problem, AidedNavigation& navigation);
+/// The doubt in words where innovations have much in common; otherwise empty.
+std::string lasting_errors(const AidedNavigation& navigation);
 
 }  // namespace imulab::aided

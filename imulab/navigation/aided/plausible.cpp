@@ -1,5 +1,6 @@
 #include "imulab/navigation/aided/plausible.hpp"
 
+#include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace imulab::aided {
@@ -20,6 +22,7 @@ constexpr std::size_t repeated = 5;  // positions in a row: numbers of few digit
 constexpr double far_level = 4.5;    // sizes of a slow error: a Gaussian one stays below, once in 1e5 values
 constexpr double far_constant = 5;   // sigmas of a prior
 constexpr double shaking = 50;       // times the declared noise: a car on a road has ten
+constexpr double wrong = 20;         // times an aid's usual noise: a receiver between houses has ten
 constexpr std::array axis_names{"east", "north", "up"};
 
 std::string take_repeats_of(AidRecord& r) {
@@ -86,13 +89,60 @@ std::vector<std::string> take_repeats(std::vector<Aid>& aids) {
   return out;
 }
 
+std::vector<std::string> runs_of_suspects(const AidedNavigation& n) {
+  struct Run {
+    double begin = 0, end = -INFINITY, last = -INFINITY;  // of suspects; the last value
+    std::size_t values = 0;
+  };
+  constexpr std::size_t many = 10;
+  std::vector<Run> now(n.factors.size()), longest = now;
+  for (const AidedInnovation& i : n.innovations) {
+    Run& run = now[i.source];
+    if (i.time > run.last && run.end < run.last) run.values = 0;  // no component of the last value was a suspect
+    run.last = i.time;
+    if (!i.suspect) continue;
+    if (run.values == 0) run.begin = i.time;
+    run.values += i.time > run.end || run.values == 0;
+    run.end = i.time;
+    if (run.values > longest[i.source].values) longest[i.source] = run;
+  }
+  std::vector<std::string> out;
+  for (std::size_t k = 0; k < longest.size(); ++k)
+    if (const Run& run = longest[k]; run.values >= many)
+      out.push_back(fmt::format("the values of {} from {:.6g} s to {:.6g} s contradict all else: suspects, which hardly count", n.factors[k].name,
+                                run.begin, run.end));
+  return out;
+}
+
+namespace {
+
+/// The change of a slow error within some seconds that its law forbids most, in sigmas of that.
+struct LevelStep {
+  double time = 0, change = 0, sigmas = 0;
+};
+LevelStep largest_step(const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size, double time_constant) {
+  constexpr double soon = 3;  // s: the smoothed level changes so quickly where it jumps
+  LevelStep out;
+  for (std::size_t from = 0, to = 1; to < times.size(); ++from) {
+    while (to + 1 < times.size() && times[to] - times[from] < soon) ++to;
+    const double kept = std::exp((times[from] - times[to]) / time_constant), change = level(to) - kept * level(from);
+    if (const double sigmas = std::abs(change) / (size * std::sqrt(1 - kept * kept)); kept < 1 && sigmas > out.sigmas)
+      out = {times[to], change, sigmas};
+    if (from + 1 == to) ++to;
+  }
+  return out;
+}
+
+}  // namespace
+
 void widen_by_levels(const Problem& p, const std::vector<double>& times, const SmootherPass& smoothed, AidedNavigation& out) {
   for (const Channel& c : p.channels) {
     if (c.aid.kind != AidKind::gnss || c.slow < 0) continue;
     const StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
     const double size = slow.sigma * std::sqrt(p.sources[*slow.noise].factor);
     for (Index axis = 0; axis < 3; ++axis) {
-      const auto level = [&](std::size_t k) { return std::abs(smoothed.nodes[k].state.x[c.slow + axis]); };
+      const auto signed_level = [&](std::size_t k) { return smoothed.nodes[k].state.x[c.slow + axis]; };
+      const auto level = [&](std::size_t k) { return std::abs(signed_level(k)); };
       // It lasts as the slow error does: a jump passes through zero.
       std::vector<double> around(times.size());
       for (std::size_t k = 0; k < around.size(); ++k)
@@ -102,26 +152,67 @@ void widen_by_levels(const Problem& p, const std::vector<double>& times, const S
       std::size_t worst = 0;
       for (std::size_t k = 1; k < smoothed.nodes.size(); ++k)
         if (level(k) > level(worst)) worst = k;
-      if (!(level(worst) > far_level * size)) continue;
+      const LevelStep step = largest_step(times, signed_level, size, c.time_constant);
+      const bool far = level(worst) > far_level * size;
+      if (!far && !(step.sigmas > far_level)) continue;
       std::size_t k = 0;
       for (AidedCovariance& covariance : out.covariance) {
         while (k + 1 < times.size() && times[k] < covariance.time) ++k;
         covariance.value(At::position + axis, At::position + axis) += around[k] * around[k];
       }
-      out.doubts.push_back(fmt::format(
-          "{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size: another datum or geoid, a jump, "
-          "or "
-          "aids that contradict each other; the sigmas of the position contain it",
-          place_of(c), level(worst), axis_names[static_cast<std::size_t>(axis)], times[worst], level(worst) / size));
+      const char* const direction = axis_names[static_cast<std::size_t>(axis)];
+      out.doubts.push_back(
+          (far ? fmt::format("{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size", place_of(c),
+                             level(worst), direction, times[worst], level(worst) / size)
+               : fmt::format("{}: its positions jump by {:.3g} m {} at {:.6g} s by the other data, {:.2g} times what its slow error lets expect",
+                             place_of(c), step.change, direction, step.time, step.sigmas)) +
+          ": another datum or geoid, a jump, or aids that contradict each other; the sigmas of the position contain it");
       out.warnings.push_back(out.doubts.back());
     }
   }
 }
 
+namespace {
+
+/// Records have the same positions: one receiver, whose errors count once.
+bool same_positions(const AidRecord& a, const AidRecord& b) {
+  constexpr double equal = 1e-10;  // rad: less than a millimeter
+  std::size_t common = 0, same = 0;
+  for (std::size_t i = 0, j = 0; i < a.position.size() && j < b.position.size(); ++i) {
+    while (j < b.position.size() && b.time[j] < a.time[i]) ++j;
+    if (j == b.position.size() || b.time[j] != a.time[i] || !(a.position[i] - b.position[j]).allFinite()) continue;
+    ++common, same += (a.position[i] - b.position[j]).head<2>().cwiseAbs().maxCoeff() < equal;
+  }
+  return common >= repeated && 2 * same > common;
+}
+
+/// How many times its usual size the noise of an aid is, the largest of its sources.
+double times_usual(const Problem& p, const Channel& c) {
+  const AidRecord& r = c.aid.record;
+  const AidLaw& law = aid_law(c.aid.kind);
+  const auto times = [&](const auto& values, double usual, std::size_t source, const auto& sigma) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < values.size(); ++i) all.push_back(sigma(c.aid, i));
+    return all.empty() ? 0 : median(std::move(all)) * std::sqrt(p.sources[source].factor) / usual;
+  };
+  return std::max({times(r.position, law.position_sigma, c.first_noise, [](const Aid& aid, std::size_t i) { return position_sigma(aid, i).mean(); }),
+                   times(r.velocity, law.velocity_sigma, c.second_noise, [](const Aid& aid, std::size_t i) { return velocity_sigma(aid, i).mean(); }),
+                   times(r.value, law.value_sigma, c.first_noise, value_sigma)});
+}
+
+}  // namespace
+
 std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedNode& last, const AidedNavigation& out) {
   std::vector<std::string> doubts;
   const Prior prior = prior_of(p);
-  for (const Channel& c : p.channels)
+  for (const Channel& c : p.channels) {
+    for (const Channel& before : p.channels)
+      if (&before < &c && same_positions(before.aid.record, c.aid.record))
+        doubts.push_back(
+            fmt::format("{}: has the positions of {}: one receiver, whose errors count once; leave one out", place_of(c), place_of(before)));
+    if (const double times = times_usual(p, c); times > wrong)
+      doubts.push_back(fmt::format("{}: its noise comes out {:.3g} times what a {} usually has: another unit, sign or frame", place_of(c), times,
+                                   aid_law(c.aid.kind).name));
     for (const StateBlock& b : p.blocks) {
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
       for (Index k = b.first; own && k < b.first + b.size; ++k) {
@@ -134,6 +225,7 @@ std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedN
                                        off / std::sqrt(added)));
       }
     }
+  }
   for (const std::size_t source : {p.gyro_source, p.accel_source})
     if (const double times = std::sqrt(out.factors[source].factor); times > shaking)
       doubts.push_back(

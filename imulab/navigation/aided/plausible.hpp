@@ -14,6 +14,9 @@ namespace imulab::aided {
 /// longitude swapped alone.
 std::vector<std::string> take_repeats(std::vector<Aid>& aids);
 
+/// Where many values of a source in a row are suspects.
+std::vector<std::string> runs_of_suspects(const AidedNavigation& navigation);
+
 /// Levels that a receiver's slow error reaches though its law forbids them: another datum or geoid, a permanent jump, a second receiver that
 /// contradicts. Which level is right is not known: the covariance of the positions gets its square.
 /// `times`: of the smoothed nodes [s].
