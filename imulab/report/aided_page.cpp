@@ -67,8 +67,9 @@ std::string innovations_section(const AidedNavigation& n) {
 
 std::string outages_section(const AidedNavigation& n) {
   if (n.outages.empty()) return "";
-  Table t{.head = {"withheld, s", "predicted: largest error [m]", "sigma", "error / sigma", "smoothed: largest error [m]", "sigma", "error / sigma"},
-          .rows = {}};
+  Table t{
+      .head = {"withheld, s", "predicted: largest error [m]", "its sigma", "RMS / sigma", "smoothed: largest error [m]", "its sigma", "RMS / sigma"},
+      .rows = {}};
   const double zero = n.solution.time.front();
   const auto cells = [](const OutageErrors& e) { return std::vector{number_text(e.horizontal), number_text(e.sigma, 2), number_text(e.ratio, 2)}; };
   for (const OutageResult& o : n.outages) {
@@ -79,9 +80,13 @@ std::string outages_section(const AidedNavigation& n) {
   }
   const OutageSummary p = outage_summary(n.outages, &OutageResult::predicted), s = outage_summary(n.outages, &OutageResult::smoothed);
   t.rows.push_back({"median; RMS", number_text(p.median), "", number_text(p.ratio, 2), number_text(s.median), "", number_text(s.ratio, 2)});
-  return section("outages", "Withheld times",
-                 "The aids were withheld there. The prediction uses the data before each time alone, the smoothed track also those after it.",
-                 table(t));
+  return section(
+      "outages", "Withheld times",
+      fmt::format(
+          "The aids were withheld there. The prediction uses the data before each time alone, the smoothed track also those after it. RMS: of "
+          "all errors there over their sigmas. Times count from the start, {:.2f} s of the recording.",
+          zero),
+      table(t));
 }
 
 std::string with_sigma(double value, double sigma) { return fmt::format("{} (u = {})", rounded_to(value, sigma), uncertainty_text(sigma)); }
@@ -98,8 +103,9 @@ std::string aids_section(const AidedNavigation& n) {
   for (const AidedAid& a : aided_aids(n))
     t.rows.push_back({escaped(a.name), joined(a.lever_arm, a.lever_arm_sigma, 1), a.delay ? with_sigma(*a.delay, *a.delay_sigma) : "",
                       a.drift ? number_text(*a.drift * 1e6) : "", joined(a.mounting, a.mounting_sigma, unit::deg), number_text(a.sigma_factor)});
-  Table noise{.head = {"source of noise", "sigma / stated", "values that the data resolve"}, .rows = {}};
-  for (const AidedFactor& f : n.factors) noise.rows.push_back({escaped(f.name), number_text(std::sqrt(f.factor)), number_text(f.resolved)});
+  Table noise{.head = {"source of noise", "sigma / stated", "errors that last: times that", "values that the data resolve"}, .rows = {}};
+  for (const AidedFactor& f : n.factors)
+    noise.rows.push_back({escaped(f.name), number_text(std::sqrt(f.factor)), number_text(f.lasting, 2), number_text(f.resolved)});
   return section("aids", "Aids", "", table(t) + folded("All sources of noise", table(noise)));
 }
 

@@ -68,8 +68,8 @@ std::string aided_headline(const AidedNavigation& n) {
                                  n.solution.time.back() - n.solution.time.front(), n.causal ? "filtered" : "smoothed", largest_sigma(n));
   if (n.outages.empty()) return text;
   const OutageSummary s = outage_summary(n.outages, n.causal ? &OutageResult::predicted : &OutageResult::smoothed);
-  return text +
-         fmt::format("; in {} withheld times off by {:.2g} m (median of the largest), {:.2g} times sigma", n.outages.size(), s.median, s.ratio);
+  return text + fmt::format("; in {} off by {:.2g} m (median of the largest), {:.2g} times sigma", text::plural(n.outages.size(), "withheld time"),
+                            s.median, s.ratio);
 }
 
 namespace {
@@ -104,7 +104,8 @@ std::string not_shown(const AidedNavigation& n) {
       at->second += ", " + c.name;
   }
   std::string text;
-  for (const auto& [manoeuvre, names] : groups) text += fmt::format("  {}\n    would show: {}\n", names, manoeuvre.empty() ? "no motion" : manoeuvre);
+  for (const auto& [manoeuvre, names] : groups)
+    text += text::wrapped("  ", names) + text::wrapped("    ", "would show: " + (manoeuvre.empty() ? "no motion" : manoeuvre));
   return text.empty() ? "" : "\nnot determined by this motion\n" + text;
 }
 
@@ -116,20 +117,22 @@ std::string aided_table(const std::string& session, const AidedNavigation& n) {
                   n.solution.time.front(), n.solution.time.back(), n.passes, text::plural(static_cast<std::size_t>(n.headings), "heading"));
   text += fmt::format("innovations {:.2f} times their stated size; {:.1f} % of the rows are suspects\n", n.innovation_rms, 100 * n.suspects);
   if (!n.outages.empty()) {
-    text += fmt::format("\n{:>22} {:>12} {:>8} {:>8} {:>12} {:>8} {:>8}\n", "withheld, s", "predicted, m", "sigma", "/sigma", "smoothed, m", "sigma",
-                        "/sigma");
+    text +=
+        fmt::format("\n{:>21} {:>12} {:>6} {:>6} {:>13} {:>6} {:>6}\n", "withheld, s", "predicted, m", "sigma", "RMS", "smoothed, m", "sigma", "RMS");
     for (const OutageResult& o : n.outages)
-      text += fmt::format("  {:>9.2f} to {:>7.2f} {:>12.3g} {:>8.2g} {:>8.2f} {:>12.3g} {:>8.2g} {:>8.2f}\n", o.begin, o.end, o.predicted.horizontal,
+      text += fmt::format("  {:>8.2f} to {:>7.2f} {:>12.3g} {:>6.2g} {:>6.2f} {:>13.3g} {:>6.2g} {:>6.2f}\n", o.begin, o.end, o.predicted.horizontal,
                           o.predicted.sigma, o.predicted.ratio, o.smoothed.horizontal, o.smoothed.sigma, o.smoothed.ratio);
     const OutageSummary p = outage_summary(n.outages, &OutageResult::predicted), s = outage_summary(n.outages, &OutageResult::smoothed);
-    text += fmt::format("  {:>20} {:>12.3g} {:>8} {:>8.2f} {:>12.3g} {:>8} {:>8.2f}\n", "median, RMS /sigma", p.median, "", p.ratio, s.median, "",
-                        s.ratio);
+    text += fmt::format("  {:>19} {:>12.3g} {:>6} {:>6.2f} {:>13.3g} {:>6} {:>6.2f}\n", "median, RMS", p.median, "", p.ratio, s.median, "", s.ratio);
+    text += "  largest error, its sigma; RMS of all errors over their sigmas\n";
   }
   text += fmt::format("\n  {:<26} {:>11} {:>9}\n", "determined", "value", "u");
   for (const AidedConstant& c : n.constants)
     if (!c.undetermined()) text += constant_row(c);
   text += fmt::format("\n  {:<26} {:>11}\n", "noise", "sigma / stated");
-  for (const AidedFactor& f : n.factors) text += fmt::format("  {:<26} {:>11.3g}\n", f.name, std::sqrt(f.factor));
+  for (const AidedFactor& f : n.factors)
+    text += fmt::format("  {:<26} {:>11.3g}{}\n", f.name, std::sqrt(f.factor),
+                        f.lasting > 1 ? fmt::format(", lasting: {:.2g} times that", f.lasting) : "");
   return text + not_shown(n);
 }
 

@@ -2,12 +2,17 @@
 
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/aided_page.hpp"
 #include "imulab/results/aided.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 namespace imulab {
@@ -41,6 +46,18 @@ void check_aided(const NavigateVerbOptions& o) {
     if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
 }
 
+namespace {
+
+/// The calibration was made of this recording too.
+bool made_of(const Calibration& calibration, const std::filesystem::path& recording) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(recording, error);
+  return !error &&
+         std::ranges::any_of(calibration.sources, [&](const SourceFile& s) { return s.bytes == bytes && s.sha256 == file_sum(recording).sha256; });
+}
+
+}  // namespace
+
 AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                        const NavigateVerbOptions& o, const std::vector<std::string>& told, AidedOptions options) {
   if (session.aids.empty())
@@ -48,7 +65,12 @@ AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibratio
   AidsReading reading = read_aids(session, session.recordings.front(), recording);
   options.causal = o.filter;
   if (!o.outages.empty()) options.outages = regular_outages(o.outages, recording.time_s(0), recording.time_s(recording.size() - 1));
-  const auto all = std::make_shared<const AidedNavigation>(navigate_aided(calibration, session, std::move(recording), reading.aids, options));
+  AidedNavigation navigation = navigate_aided(calibration, session, std::move(recording), reading.aids, options);
+  if (const std::string& file = session.recordings.front().file; made_of(calibration, session_path(session, file))) {
+    navigation.doubts.emplace_back("the calibration was made of this recording, which so counts twice: sigmas are too small; expected another one");
+    navigation.warnings.push_back(file + ": " + navigation.doubts.back());
+  }
+  const auto all = std::make_shared<const AidedNavigation>(std::move(navigation));
   std::vector<std::string> warnings = std::move(reading.warnings);
   warnings.insert(warnings.end(), all->warnings.begin(), all->warnings.end());
   const Conclusion conclusion = conclude(all->doubtful() ? "doubtful" : "good", aided_headline(*all), {});

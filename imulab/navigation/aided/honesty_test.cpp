@@ -77,5 +77,33 @@ TEST(AidedHonesty, APositionThatNothingTellsIsLost) {
               testing::Not(testing::Contains(testing::HasSubstr("the position is lost"))));
 }
 
+std::vector<std::string> doubts_of(const Drive& d) { return navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {}).doubts; }
+
+TEST(AidedHonesty, ACopyOfAReceiverIsNamed) {
+  Drive d = drive_of(1, 1.5);
+  d.aids.push_back(d.aids[0]);
+  EXPECT_THAT(doubts_of(d), testing::Contains(testing::HasSubstr("gnss2: has the positions of gnss: one receiver")));
+  const Drive other = drive_of(2, 1.5);
+  d.aids[1] = other.aids[0];
+  EXPECT_THAT(doubts_of(d), testing::IsEmpty());
+}
+
+TEST(AidedHonesty, AHeadingThatContradictsIsNamed) {
+  Drive d = drive_of(1, 1.5);
+  Aid& heading = d.aids.emplace_back(Aid{.kind = AidKind::heading, .scale = TimeScale::recording});
+  for (std::size_t i = 0; i < d.motion.time.size(); i += 20) {
+    heading.record.time.push_back(std::llround(1e9 * d.motion.time[i]));
+    heading.record.value.push_back(-euler_angles(d.motion.states[i].q_nb.toRotationMatrix()).heading);  // counted the other way
+  }
+  EXPECT_THAT(doubts_of(d), testing::Contains(testing::HasSubstr("heading: its")));
+}
+
+TEST(AidedHonesty, ValuesThatContradictInARowAreNamed) {
+  Drive d = drive_of(1, 1.5);
+  for (std::size_t i = 20; i < 35; ++i) d.aids[0].record.position[i].z() += 100;
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {});
+  EXPECT_THAT(n.warnings, testing::Contains(testing::HasSubstr("the values of gnss.position from 20 s to 34 s contradict all else")));
+}
+
 }  // namespace
 }  // namespace imulab::aided

@@ -133,41 +133,50 @@ LevelStep largest_step(const std::vector<double>& times, const std::function<dou
   return out;
 }
 
+/// What the law of a slow error forbids of its level; empty: nothing. `size`: its stationary sigma.
+std::string contradiction_of(const Channel& c, const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size,
+                             double time_constant, Index axis) {
+  std::size_t worst = 0;
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (std::abs(level(k)) > std::abs(level(worst))) worst = k;
+  const LevelStep step = largest_step(times, level, size, time_constant);
+  const bool far = std::abs(level(worst)) > far_level * size;
+  if (!far && !(step.sigmas > far_level)) return "";
+  const double by = far ? level(worst) : step.change;
+  return fmt::format(
+      "{}: its {} {} at {:.6g} s by the other data, {:.2g} times what its slow error lets expect: ", place_of(c),
+      c.aid.kind == AidKind::gnss ? fmt::format("positions are {:.3g} m {}", std::abs(by), axis_names[static_cast<std::size_t>(axis)]) : "values are",
+      far ? "off" : "more than before", far ? times[worst] : step.time, far ? std::abs(by) / size : step.sigmas);
+}
+
 }  // namespace
 
 void widen_by_levels(const Problem& p, const std::vector<double>& times, const SmootherPass& smoothed, AidedNavigation& out) {
   for (const Channel& c : p.channels) {
-    if (c.aid.kind != AidKind::gnss || c.slow < 0) continue;
+    if (c.slow < 0 || !has_record(c.aid.kind)) continue;
     const StateBlock& slow = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
     const double size = slow.sigma * std::sqrt(p.sources[*slow.noise].factor);
-    for (Index axis = 0; axis < 3; ++axis) {
-      const auto signed_level = [&](std::size_t k) { return smoothed.nodes[k].state.x[c.slow + axis]; };
-      const auto level = [&](std::size_t k) { return std::abs(signed_level(k)); };
+    for (Index axis = 0; axis < slow.size; ++axis) {
+      const auto level = [&](std::size_t k) { return smoothed.nodes[k].state.x[c.slow + axis]; };
+      const std::string contradiction = contradiction_of(c, times, level, size, slow.time, axis);
+      if (contradiction.empty()) continue;
+      const bool places = c.aid.kind == AidKind::gnss;
+      out.doubts.push_back(contradiction +
+                           (places ? "another datum or geoid, a jump, or aids that contradict each other; the sigmas of the position contain it"
+                                   : "another zero, unit or sign, or aids that contradict each other"));
+      out.warnings.push_back(out.doubts.back());
+      if (!places) continue;
       // It lasts as the slow error does: a jump passes through zero.
       std::vector<double> around(times.size());
       for (std::size_t k = 0; k < around.size(); ++k)
-        around[k] = k > 0 ? std::max(level(k), around[k - 1] * std::exp((times[k - 1] - times[k]) / c.time_constant)) : level(k);
+        around[k] = k > 0 ? std::max(std::abs(level(k)), around[k - 1] * std::exp((times[k - 1] - times[k]) / slow.time)) : std::abs(level(k));
       for (std::size_t k = around.size() - 1; k-- > 0;)
-        around[k] = std::max(around[k], around[k + 1] * std::exp((times[k] - times[k + 1]) / c.time_constant));
-      std::size_t worst = 0;
-      for (std::size_t k = 1; k < smoothed.nodes.size(); ++k)
-        if (level(k) > level(worst)) worst = k;
-      const LevelStep step = largest_step(times, signed_level, size, c.time_constant);
-      const bool far = level(worst) > far_level * size;
-      if (!far && !(step.sigmas > far_level)) continue;
+        around[k] = std::max(around[k], around[k + 1] * std::exp((times[k] - times[k + 1]) / slow.time));
       std::size_t k = 0;
       for (AidedCovariance& covariance : out.covariance) {
         while (k + 1 < times.size() && times[k] < covariance.time) ++k;
         covariance.value(At::position + axis, At::position + axis) += around[k] * around[k];
       }
-      const char* const direction = axis_names[static_cast<std::size_t>(axis)];
-      out.doubts.push_back(
-          (far ? fmt::format("{}: its positions are {:.3g} m {} off at {:.6g} s by the other data, {:.2g} times its slow error's size", place_of(c),
-                             level(worst), direction, times[worst], level(worst) / size)
-               : fmt::format("{}: its positions jump by {:.3g} m {} at {:.6g} s by the other data, {:.2g} times what its slow error lets expect",
-                             place_of(c), step.change, direction, step.time, step.sigmas)) +
-          ": another datum or geoid, a jump, or aids that contradict each other; the sigmas of the position contain it");
-      out.warnings.push_back(out.doubts.back());
     }
   }
 }

@@ -51,7 +51,6 @@ struct Channel {
   Aid aid;
   Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1;
   std::size_t first_noise = 0, second_noise = 0;  // of position (or value), of velocity
-  double time_constant = 0;                       // of its slow error [s]
 };
 
 /// A row of an aid's record, or a time at which a constraint holds.

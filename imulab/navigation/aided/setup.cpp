@@ -78,11 +78,10 @@ double typical_position_sigma(const Aid& aid) {
 }
 
 Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::Index size, double sigma, double time) {
-  c.time_constant = c.aid.correlation.value_or(time);
   return add_block(p, {.name = name,
                        .size = size,
                        .prior = VectorXd::Constant(size, sigma),
-                       .time = c.time_constant,
+                       .time = c.aid.correlation.value_or(time),
                        .sigma = sigma,
                        .walk = {},
                        .noise = add_source(p, name)});
