@@ -27,17 +27,16 @@ std::optional<std::uint64_t> rounded_product(double magnitude, double scale) {
 
 /// An integer with a point before its last digits.
 void append_digits(std::string& to, std::uint64_t digits, int decimals) {
+  const auto scale = static_cast<std::uint64_t>(scales[static_cast<std::size_t>(decimals)]);
   std::array<char, 24> text;
-  char* const end = std::to_chars(text.data(), text.data() + text.size(), digits).ptr;
-  const std::ptrdiff_t whole = end - text.data() - decimals;
-  if (whole > 0)
-    to.append(text.data(), static_cast<std::size_t>(whole));
-  else
-    to += '0';
-  if (decimals == 0) return;
-  to += '.';
-  if (whole < 0) to.append(static_cast<std::size_t>(-whole), '0');
-  to.append(whole > 0 ? text.data() + whole : text.data(), end);
+  char* const last = text.data() + text.size();
+  char* end = std::to_chars(text.data(), last, digits / scale).ptr;
+  if (decimals > 0) {
+    char* const point = end;
+    end = std::to_chars(point, last, scale + digits % scale).ptr;  // with a 1 before all of its zeros
+    *point = '.';
+  }
+  to.append(text.data(), static_cast<std::size_t>(end - text.data()));
 }
 
 }  // namespace

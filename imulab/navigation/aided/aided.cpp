@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace imulab {
@@ -25,6 +26,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+constexpr int fewest_passes = 3;                   // that may converge
 constexpr int widenings = 5;                       // for errors that last
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
 
@@ -69,8 +71,10 @@ AboutTrajectory first_trajectory(const Problem& p, const FoundStart& start) {
 /// What the filter says at its epochs, one after the other.
 struct CausalPass {
   const Problem& p;
-  AidedNavigation& out;
-  EpochStates epochs = {};  // and their covariance, where these are the solution
+  bool solution;            // then these are it:
+  EpochStates epochs = {};  // and their covariance
+  std::vector<AidedCovariance> covariance = {};
+  std::vector<AidedInnovation> innovations = {};
   std::vector<Withheld> withheld = {};
   double squares = 0, doubted = 0;
 
@@ -79,24 +83,21 @@ struct CausalPass {
       for (Index k = 0; k < e.innovation.size(); ++k) {
         const double sigmas = e.innovation[k] / std::sqrt(e.innovation_variance[k]);
         const bool suspect = e.weight[k] < 1. / 3;
-        out.innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas, suspect});
+        innovations.push_back({p.observations[e.observation].stamp, e.rows.source[static_cast<std::size_t>(k)], sigmas, suspect});
         squares += std::min(sigmas * sigmas, 25.), doubted += suspect;
       }
     for (const EpochRows& e : node.withheld)
       if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
-    if (!out.causal) return;
+    if (!solution) return;
     epochs.samples.push_back(node.samples), epochs.states.push_back(plus(node.reference, node.error));
-    out.covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
+    covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
 
-  void begin() {
-    out.innovations.clear(), out.covariance.clear(), epochs = {}, withheld.clear();
-    squares = doubted = 0;
-  }
-
-  void finish() {
+  void finish(AidedNavigation& out) {
     add_outages(p, withheld, &OutageResult::predicted, out.outages);
     std::erase_if(out.outages, [](const OutageResult& o) { return o.fixes == 0; });  // nothing was compared
+    if (solution) out.covariance = std::move(covariance);
+    out.innovations = std::move(innovations);
     if (out.innovations.empty()) return;
     const auto count = static_cast<double>(out.innovations.size());
     out.innovation_rms = std::sqrt(squares / count), out.suspects = doubted / count;
@@ -190,38 +191,45 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   out.causal = options.causal, out.headings = start.candidates;
   SmootherPass smoothed;
+  std::optional<CausalPass> known;
   AboutTrajectory trajectory = first_trajectory(p, start);
   FactorSearch search;
+  const auto pass = [&](bool covariances) {
+    smoothed = {}, known.emplace(CausalPass{p, options.causal});  // one at a time in memory
+    FilterPass filtered = filter(
+        p, start.start, {.about = trajectory.at ? &trajectory : nullptr, .each = [&](const Transition*, const Node& node) { known->add(node); }});
+    smoothed = smooth(p, std::move(filtered), covariances);
+  };
   while (true) {
     count_iteration(options.passes);
-    smoothed = {};  // one at a time in memory
-    smoothed = smooth(p, filter(p, start.start, {.about = trajectory.at ? &trajectory : nullptr}));
+    pass(out.passes + 1 >= std::min(fewest_passes, options.passes));
     out.factors.clear();
     for (std::size_t k = 0; k < p.sources.size(); ++k) out.factors.push_back({p.sources[k].name, p.sources[k].factor, smoothed.evidence[k].resolved});
     if (++out.passes == options.passes) break;  // the factors remain those of the states
-    out.converged = search.update(p, smoothed.evidence) < settled && out.passes > 2;
+    out.converged = search.update(p, smoothed.evidence) < settled && out.passes >= fewest_passes;
     if (out.converged) break;
     trajectory = about(p, smoothed);
   }
-  // What was known at each time, with the noise of the whole. A filter that linearizes about its own first states is too sure of its attitude.
-  CausalPass known{p, out};
-  for (int round = 0;; ++round) {
+  use_factors(out, p);
+  for (int round = 0; round < widenings; ++round) {
+    out.innovations = known->innovations;
+    if (!widen_lasting(p, out)) break;
     use_factors(out, p);
-    if (round > 0) smoothed = {}, smoothed = smooth(p, filter(p, start.start, {.about = &trajectory}));
     trajectory = about(p, smoothed);
-    known.begin();
-    filter(p, start.start, {.about = &trajectory, .keep = false, .each = [&](const Transition*, const Node& node) { known.add(node); }});
-    if (round == widenings || !widen_lasting(p, out)) break;
+    pass(true);
   }
   add_outages(p, smoothed.withheld, &OutageResult::smoothed, out.outages);
-  known.finish();
-  if (terms)
+  if (terms) {
+    trajectory = about(p, smoothed);
     add_constants_with(*terms, p, start.start, trajectory, out);
-  else
+  } else {
     add_constants(p, smoothed, out);
+  }
   std::vector<double> times;
   for (const SmoothedNode& node : smoothed.nodes) times.push_back(time_of(p, node.samples));
   for (std::size_t k = 0; k < times.size() && !options.causal; ++k) out.covariance.push_back({times[k], smoothed.nodes[k].covariance});
+  // What was known at each time: of the last pass, too. A filter that linearizes about its own first states is too sure of its attitude.
+  known->finish(out);
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
@@ -234,7 +242,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     out.warnings.push_back(recording.name + ": " + doubt);
     out.doubts.push_back(std::move(doubt));
   }
-  add_states(p, options.causal ? known.epochs : epochs_of(smoothed), options, out);
+  add_states(p, options.causal ? known->epochs : epochs_of(smoothed), options, out);
   return out;
 }
 

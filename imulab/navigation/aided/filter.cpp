@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace imulab::aided {
@@ -53,7 +54,7 @@ struct Filter {
   const FilterOptions& options;
   FilterPass out{};
 
-  double weight_of(const Instant&, std::size_t observation, Eigen::Index row, double innovation, double variance) const {
+  double weight_of(std::size_t observation, Eigen::Index row, double innovation, double variance) const {
     if (options.about && !options.about->weights.empty()) {
       const VectorXd& known = options.about->weights[observation];
       if (row < known.size()) return known[row];
@@ -62,37 +63,42 @@ struct Filter {
   }
 
   /// Rows one after the other, in the form that keeps the covariance positive.
-  void update(Node& node, EpochRows& e, const Instant& at) {
+  void update(Node& node, EpochRows& e) {
+    e.gain.resize(p.size, e.rows.residual.size());
     for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
       const VectorXd h = e.rows.derivative.row(k);
       const VectorXd Ph = times(node.covariance, h);
       const double spread = h.dot(Ph), noise = row_variance(p, e.rows, k);
       const double innovation = e.rows.residual[k] - h.dot(node.error);
       e.innovation[k] = innovation, e.innovation_variance[k] = spread + noise;
-      e.weight[k] = weight_of(at, e.observation, k, innovation, spread + noise);
+      e.weight[k] = weight_of(e.observation, k, innovation, spread + noise);
       const double variance = spread + noise / e.weight[k];
       out.log_likelihood -= (std::log(variance) + innovation * innovation / variance) / 2;
-      const VectorXd gain = Ph / variance;
-      node.error += gain * innovation;
-      update_covariance(node.covariance, h, gain, noise / e.weight[k]);
+      e.gain.col(k) = Ph / variance;
+      node.error += e.gain.col(k) * innovation;
+      update_covariance(node.covariance, h, e.gain.col(k), noise / e.weight[k]);
     }
     node.covariance = (node.covariance + node.covariance.transpose()).eval() / 2;
   }
 
-  EpochRows linearized(const Node& node, std::size_t k, const Instant& at) const {
-    EpochRows e{.observation = k, .rows = observe(p, p.observations[k], at), .weight = {}, .innovation = {}, .innovation_variance = {}};
-    const Eigen::Index n = e.rows.residual.size();
-    e.weight = VectorXd::Ones(n), e.innovation = e.rows.residual - e.rows.derivative * node.error;
-    e.innovation_variance = (e.rows.derivative * node.covariance * e.rows.derivative.transpose()).diagonal();
-    for (Eigen::Index i = 0; i < n; ++i) e.innovation_variance[i] += row_variance(p, e.rows, i);
+  EpochRows linearized(std::size_t k, const Instant& at) const {
+    EpochRows e{.observation = k, .rows = observe(p, p.observations[k], at), .weight = {}, .innovation = {}, .innovation_variance = {}, .gain = {}};
+    e.weight = e.innovation = e.innovation_variance = VectorXd::Ones(e.rows.residual.size());
     return e;
+  }
+
+  void predict(const Node& node, EpochRows& e) const {
+    e.innovation = e.rows.residual - e.rows.derivative * node.error;
+    for (Eigen::Index k = 0; k < e.innovation.size(); ++k) {
+      const VectorXd h = e.rows.derivative.row(k);
+      e.innovation_variance[k] = h.dot(times(node.covariance, h)) + row_variance(p, e.rows, k);
+    }
   }
 
   /// A steady motion looks like a rest to an IMU: one that the motion known so far excludes is none, not even an outlier.
   bool no_rest(const EpochRows& e) const {
     constexpr double beyond = 5;  // sigmas: a true rest comes out so far once in a million
-    return p.channels[p.observations[e.observation].channel].aid.kind == AidKind::zero_velocity &&
-           (e.innovation.array().square() > beyond * beyond * e.innovation_variance.array()).any();
+    return (e.innovation.array().square() > beyond * beyond * e.innovation_variance.array()).any();
   }
 
   /// Velocities in axes that turn by an angle are not linear in it.
@@ -105,15 +111,16 @@ struct Filter {
 
   void use(Node& node, const std::vector<std::size_t>& observations) {
     node.rows.clear(), node.withheld.clear();
-    const VectorXd begun = node.error;
     const Instant at = instant_at(p, node.samples, node.reference);
     for (const std::size_t k : observations) {
-      EpochRows e = linearized(node, k, at);
-      if (no_rest(e)) continue;
-      if (!p.observations[k].withheld) update(node, e, at);
-      if (!options.about) e.rows.residual -= e.rows.derivative * begun;  // about the mean before
-      (p.observations[k].withheld ? node.withheld : node.rows).push_back(std::move(e));
+      EpochRows e = linearized(k, at);
+      const bool withheld = p.observations[k].withheld, rest = p.channels[p.observations[k].channel].aid.kind == AidKind::zero_velocity;
+      if (withheld || rest) predict(node, e);
+      if (rest && no_rest(e)) continue;
+      if (!withheld) update(node, e);
+      (withheld ? node.withheld : node.rows).push_back(std::move(e));
     }
+    for (EpochRows& e : node.withheld) e.rows.residual -= e.rows.derivative * node.error;
   }
 
   /// The filter's own point of linearization is the mean after the update, repeated where that is far (Bell and Cathey 1993,
@@ -132,12 +139,11 @@ struct Filter {
       node.covariance = covariance, out.log_likelihood = likelihood;
       node.error = difference(before, node.reference);
     }
-    node.correction = difference(node.reference, before);
     node.error.setZero();
   }
 
   Node first() const {
-    Node node{.samples = start.sample, .reference = start.mean, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
+    Node node{.samples = start.sample, .reference = start.mean, .error = VectorXd::Zero(p.size)};
     node.covariance = start_variance(p, start).asDiagonal();
     if (p.joint.size() > 0) node.covariance.topLeftCorner(p.sensors_end, p.sensors_end) += p.joint;
     if (!options.about) return node;
@@ -148,21 +154,18 @@ struct Filter {
 
   Node next(Node& node, std::size_t samples) const {
     Integrated step = integrate(p, node.samples, samples, node.reference, true);
-    Node reached{
-        .samples = samples, .reference = {step.end, node.reference.x}, .correction = VectorXd::Zero(p.size), .error = VectorXd::Zero(p.size)};
-    node.defect = VectorXd::Zero(p.size);
+    Node reached{.samples = samples, .reference = {step.end, node.reference.x}};
+    reached.error = propagated_mean(step.transition, node.error);
+    // What the integration gives, less the reference there; a slow state of the reference decays as well.
     if (options.about) {
       reached.reference.motion = options.about->at(samples);
-      node.defect.head<9>() = minus(step.end, reached.reference.motion);
+      reached.error.head<9>() += minus(step.end, reached.reference.motion);
     }
-    // A slow state of the reference decays as well.
-    node.defect.tail(p.size - 9) = (step.transition.decay.tail(p.size - 9).array() - 1) * node.reference.x.tail(p.size - 9).array();
-    reached.error = propagated_mean(step.transition, node.error) + node.defect;
+    reached.error.tail(p.size - 9).array() += (step.transition.decay.tail(p.size - 9).array() - 1) * node.reference.x.tail(p.size - 9).array();
     reached.covariance = propagated(p, step.transition, node.covariance);
     node.next = std::move(step.transition);
     if (!options.about) {
       reached.reference = plus(reached.reference, reached.error);
-      node.defect.setZero();
       reached.error.setZero();
     }
     return reached;
@@ -201,8 +204,8 @@ VectorXd start_variance(const Problem& p, const FilterStart& start) {
 }
 
 void update_covariance(MatrixXd& covariance, const VectorXd& h, const VectorXd& gain, double noise) {
-  covariance.noalias() -= gain * times(covariance, h).transpose();
-  covariance.noalias() += (noise * gain - times(covariance, h)) * gain.transpose();
+  const VectorXd Ph = times(covariance, h), left = (h.dot(Ph) + noise) * gain - Ph;
+  for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) += gain[k] * left - Ph[k] * gain;
 }
 
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options) {
@@ -211,35 +214,47 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
   return std::move(f.out);
 }
 
-std::vector<NavigationState> states_between(const Problem& p, const EpochStates& epochs, std::size_t k) {
-  const std::size_t first = epochs.samples[k], last = epochs.samples[k + 1];
-  std::vector<NavigationState> out;
-  out.reserve(last - first);
-  const Integrated step = integrate(p, first, last, epochs.states[k], false, &out);
-  const Eigen::Matrix<double, 9, 1> misfit = minus(epochs.states[k + 1].motion, step.end);
-  const double begin = first > 0 ? p.time[first - 1] : p.begin, length = p.time[last - 1] - begin;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = plus(out[i], Eigen::Matrix<double, 9, 1>((p.time[first + i] - begin) / length * misfit));
-  return out;
-}
-
 namespace {
 
-/// Keeps the states of one step: neighbors are asked for one after the other.
+/// A step integrated from its first epoch: the small misfit at the end spread evenly.
+struct StepStates {
+  std::vector<NavigationState> integrated = {};
+  Eigen::Matrix<double, 9, 1> misfit = {};
+  double begin = 0, length = 0;
+
+  StepStates(const Problem& p, const EpochStates& epochs, std::size_t k) {
+    const std::size_t first = epochs.samples[k], last = epochs.samples[k + 1];
+    integrated.reserve(last - first);
+    misfit = minus(epochs.states[k + 1].motion, integrate(p, first, last, epochs.states[k], false, &integrated).end);
+    begin = first > 0 ? p.time[first - 1] : p.begin, length = p.time[last - 1] - begin;
+  }
+  NavigationState at(std::size_t i, double time) const { return plus(integrated[i], Eigen::Matrix<double, 9, 1>((time - begin) / length * misfit)); }
+};
+
+/// Keeps the last step: neighbors are asked for one after the other.
 struct TrajectoryWalk {
   const Problem& p;
   EpochStates epochs;
-  std::size_t step = 0;
-  std::vector<NavigationState> states = {};  // of the step; empty: none was asked for
+  std::size_t number = 0;
+  std::optional<StepStates> step = {};
 
   NavigationState at(std::size_t samples) {
     const auto k = static_cast<std::size_t>(std::ranges::lower_bound(epochs.samples, samples) - epochs.samples.begin());
     if (epochs.samples[k] == samples) return epochs.states[k].motion;
-    if (states.empty() || step != k - 1) step = k - 1, states = states_between(p, epochs, step);
-    return states[samples - epochs.samples[step] - 1];
+    if (!step || number != k - 1) number = k - 1, step.emplace(p, epochs, number);
+    return step->at(samples - epochs.samples[number] - 1, p.time[samples - 1]);
   }
 };
 
 }  // namespace
+
+std::vector<NavigationState> states_between(const Problem& p, const EpochStates& epochs, std::size_t k) {
+  const StepStates step(p, epochs, k);
+  std::vector<NavigationState> out;
+  out.reserve(step.integrated.size());
+  for (std::size_t i = 0; i < step.integrated.size(); ++i) out.push_back(step.at(i, p.time[epochs.samples[k] + i]));
+  return out;
+}
 
 std::function<NavigationState(std::size_t)> trajectory_of(const Problem& p, EpochStates epochs) {
   return [walk = std::make_shared<TrajectoryWalk>(TrajectoryWalk{p, std::move(epochs)})](std::size_t samples) { return walk->at(samples); };

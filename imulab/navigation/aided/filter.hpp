@@ -82,8 +82,8 @@ struct SmootherPass {
   std::size_t middle = 0;             // the node in the middle of the time
   Eigen::MatrixXd middle_covariance;  // of all states there
 };
-/// Takes the nodes from the pass.
-SmootherPass smooth(const Problem& problem, FilterPass pass);
+/// Takes the nodes from the pass. Without `covariances` those of the nodes are left out.
+SmootherPass smooth(const Problem& problem, FilterPass pass, bool covariances = true);
 
 /// States after so many samples of the recording.
 struct EpochStates {

@@ -10,7 +10,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t full_block = std::size_t{2} << 20;  // numbers: 16 MB
+constexpr std::size_t full_block = std::size_t{4} << 20;  // numbers: 32 MB
 
 /// Appends to numbers; `NodeUnpacker` takes the same from them in the same order. Integers below 2^53 are exact.
 class NodePacker {
@@ -71,11 +71,11 @@ class NodeUnpacker {
 void transfer(auto& by, EpochRows& e) {
   by(e.observation), by(e.rows.residual), by(e.rows.derivative), by(e.rows.variance);
   by.list(e.rows.source, [&](std::size_t& source) { by(source); });
-  by(e.weight), by(e.innovation), by(e.innovation_variance);
+  by(e.weight), by(e.innovation), by(e.innovation_variance), by(e.gain);
 }
 
 void transfer(auto& by, Node& node) {
-  by(node.samples), by(node.reference.x), by(node.correction), by(node.error), by(node.defect);
+  by(node.samples), by(node.reference.x), by(node.error);
   NavigationState& motion = node.reference.motion;
   by(motion.q_nb.coeffs()), by(motion.velocity), by(motion.latitude), by(motion.longitude), by(motion.height);
   by.symmetric(node.covariance);
@@ -95,6 +95,7 @@ void NodeStack::push(Node node) {
       block_.clear();
     }
     const std::size_t before = block_.size();
+    if (before == 0) block_.reserve(full_block + full_block / 64);  // not moved as it grows
     NodePacker pack(block_);
     transfer(pack, last_);
     numbers_.push_back(block_.size() - before);

@@ -1,7 +1,7 @@
 // The epochs of a pass of the filter, for the smoother, which reads them from the last to the first.
 //
-// An epoch of 50 states is 19 kB, a day at 1 Hz 1.6 GB: the last one is in memory, those before it as numbers in a block, and full blocks in a
-// temporary file, from which they are taken back. A quarter of an hour at 1 Hz makes no file.
+// An epoch of 50 states is 20 kB, a day at 1 Hz 1.8 GB: the last one is in memory, those before it as numbers in a block, and full blocks in a
+// temporary file, from which they are taken back. Twenty minutes at 1 Hz make no file.
 #pragma once
 
 #include "imulab/core/temporary_file.hpp"
@@ -23,19 +23,18 @@ struct EpochRows {
   ObservedRows rows;
   Eigen::VectorXd weight;
   Eigen::VectorXd innovation, innovation_variance;  // before the update
+  Eigen::MatrixXd gain;                             // of each row, a column; of those that were used
 };
 
 /// An epoch of the filter: the state after `samples` samples of the recording.
 struct Node {
   std::size_t samples = 0;
   FullState reference;              // the point of linearization after the update
-  Eigen::VectorXd correction;       // that was added to it by the update; zero where the references are given
   Eigen::VectorXd error;            // filtered error state about `reference`
   Eigen::MatrixXd covariance;       // filtered; symmetric
   Transition next;                  // to the next node
-  Eigen::VectorXd defect;           // what the integration from `reference` gives, less the reference there
   std::vector<EpochRows> rows;      // used
-  std::vector<EpochRows> withheld;  // predicted
+  std::vector<EpochRows> withheld;  // predicted; their residuals are about the mean after the update
 };
 
 /// Throws Error where a temporary file cannot be made, written or read.

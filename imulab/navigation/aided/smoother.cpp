@@ -1,7 +1,15 @@
+// The fixed-interval smoother in its adjoint form (Bryson and Frazier 1963; de Jong 1989; Koopman 1993), which inverts no covariance. Backward go the
+// derivatives of the likelihood of all later data by the state: the gradient r and, with the other sign, the matrix of second derivatives N.
+//
+//   row     u = v / S - K r,   D = 1 / S + K N K        its noise comes out R u, of variance R - R D R
+//           r <- r + h u,      N <- (I - h K) N (I - K h) + h h / S
+//   step    its noise comes out Q r, of variance Q - Q N Q
+//           r <- F^T r,        N <- F^T N F
+//   state   x + P r of covariance P - P N P             x, P: filtered
+//
+// It is what the form of Rauch, Tung and Striebel gives.
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/stop.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -14,153 +22,120 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Smoothed error and covariance of all states at one epoch.
-struct Smoothed {
-  VectorXd error;
-  MatrixXd covariance;
-};
-
 struct Smoother {
   const Problem& p;
-  std::vector<Index> changing{};  // states that are no constants
+  VectorXd r = VectorXd::Zero(p.size);
+  MatrixXd N = MatrixXd::Zero(p.size, p.size);
   SmootherPass out{};
 
-  void add(std::size_t source, double square_over_variance, double explained) {
-    out.evidence[source].squares += square_over_variance;
-    out.evidence[source].resolved += std::max(0., 1 - explained);
+  /// Noise: its square over its variance, and how much of the variance the data resolve.
+  void add(std::size_t source, double square, double resolved) {
+    out.evidence[source].squares += square;
+    out.evidence[source].resolved += resolved;
   }
 
-  /// A jump is no noise: it does not make that of the slow error larger.
-  void add_slow(std::size_t source, double square_over_variance, double explained) {
-    const double weight = tail_weight(square_over_variance + explained);
-    add(source, weight * square_over_variance, weight * explained);
+  /// Of a slow error. A jump is no noise: it does not make it larger.
+  void add_slow(std::size_t source, Index state, double variance) {
+    const double square = variance * r[state] * r[state], explained = 1 - variance * N(state, state), weight = tail_weight(square + explained);
+    add(source, weight * square, 1 - weight * explained);
   }
 
-  /// The rows' noise as it is smoothed, and their new weights.
-  void judge_rows(const Node& node, const Smoothed& s) {
-    const VectorXd total = node.correction + s.error;
-    for (const EpochRows& e : node.rows) {
-      VectorXd& weight = out.weights[e.observation];
-      weight = VectorXd::Ones(e.weight.size());
-      for (Index k = 0; k < e.rows.residual.size(); ++k) {
-        const VectorXd h = e.rows.derivative.row(k);
-        const std::size_t source = e.rows.source[static_cast<std::size_t>(k)];
-        const double noise = p.sources[source].factor * e.rows.variance[k], residual = e.rows.residual[k] - h.dot(total);
-        const double spread = h.dot(s.covariance * h);
-        add(source, residual * residual * e.weight[k] / noise, spread * e.weight[k] / noise);
-        weight[k] = tail_weight((residual * residual + spread) / noise);
+  /// Back over a row; gives the weight that its noise gets as it comes out.
+  double row(const EpochRows& e, Index k) {
+    const VectorXd h = e.rows.derivative.row(k), K = e.gain.col(k), NK = N * K;
+    const double noise = row_variance(p, e.rows, k), R = noise / e.weight[k], S = e.innovation_variance[k] - noise + R;
+    const double u = e.innovation[k] / S - K.dot(r), D = 1 / S + K.dot(NK);
+    add(e.rows.source[static_cast<std::size_t>(k)], R * u * u, R * D);
+    for (Index i = 0; i < p.size; ++i)
+      if (h[i] != 0) {
+        const VectorXd change = h[i] * (NK - D / 2 * h);
+        r[i] += h[i] * u;
+        N.col(i) -= change, N.row(i) -= change.transpose();
       }
+    return tail_weight(R / noise * (R * u * u + std::max(0., 1 - R * D)));
+  }
+
+  void rows(const Node& node) {
+    for (auto e = node.rows.rbegin(); e != node.rows.rend(); ++e) {
+      VectorXd& weight = out.weights[e->observation] = e->weight;
+      for (Index k = weight.size() - 1; k >= 0; --k) weight[k] = row(*e, k);
     }
   }
 
-  void judge_withheld(const Node& node, const Smoothed& s) {
-    const VectorXd total = node.correction + s.error;
-    for (const EpochRows& e : node.withheld) {
-      const ObservedRows& rows = e.rows;
-      VectorXd variance = (rows.derivative * s.covariance * rows.derivative.transpose()).diagonal();
-      for (Index k = 0; k < variance.size(); ++k) variance[k] += row_variance(p, rows, k);
-      if (variance.size() > 0) out.withheld.push_back({e.observation, rows.source.front(), rows.residual - rows.derivative * total, variance});
-    }
-  }
-
-  /// The noise between two epochs. `gain`: of the changing states.
-  void judge_driving(const Node& node, const Smoothed& here, const Smoothed& next, const MatrixXd& gain) {
-    const Transition& t = node.next;
-    const Index m = t.motion.cols();
-    const VectorXd noise = next.error - propagated_mean(t, here.error) - node.defect;
-    MatrixXd with_motion = next.covariance.leftCols<9>();  // of this epoch's states with the next motion
-    with_motion(changing, Eigen::all) = gain * next.covariance.leftCols<9>();
-    const MatrixXd common = with_motion.topRows(m);
-    const NineRows F = t.motion;
-    const Matrix9 spread =
-        next.covariance.topLeftCorner<9, 9>() - F * common - (F * common).transpose() + F * here.covariance.topLeftCorner(m, m) * F.transpose();
+  /// Back over the time between two epochs.
+  void step(const Transition& t) {
     const Matrix9 Q = motion_noise(p, t);
-    for (Index k = 0; k < 6; ++k) add(k < 3 ? p.gyro_source : p.accel_source, noise[k] * noise[k] / Q(k, k), spread(k, k) / Q(k, k));
+    const Eigen::Matrix<double, 9, 1> noise = Q * r.head<9>(), resolved = (Q * N.topLeftCorner<9, 9>() * Q).diagonal();
+    for (Index k = 0; k < 6; ++k) add(k < 3 ? p.gyro_source : p.accel_source, noise[k] * noise[k] / Q(k, k), resolved[k] / Q(k, k));
     const VectorXd q = slow_noise(p, t);
     for (const StateBlock& b : p.blocks)
-      if (b.noise)
-        for (Index k = b.first; k < b.first + b.size; ++k) {
-          if (q[k] == 0) continue;  // declared as constant
-          const double a = t.decay[k], both = gain.row(std::ranges::lower_bound(changing, k) - changing.begin()).dot(next.covariance.col(k));
-          const double variance = next.covariance(k, k) - 2 * a * both + a * a * here.covariance(k, k);
-          add_slow(*b.noise, noise[k] * noise[k] / q[k], variance / q[k]);
-        }
+      for (Index k = b.first; b.noise && k < b.first + b.size; ++k)
+        if (q[k] > 0) add_slow(*b.noise, k, q[k]);  // others are declared as constant
+    const Index m = t.motion.cols();
+    const Eigen::Matrix<double, 9, 1> of_motion = r.head<9>();
+    r.head<9>().setZero();
+    r = t.decay.cwiseProduct(r);
+    r.head(m) += t.motion.transpose() * of_motion;
+    // With F = [M; 0 D]: M^T A M + M^T B D + D B^T M + D C D.
+    NineRows half = N.topRows<9>() * t.decay.asDiagonal();
+    half.leftCols<9>().setZero();
+    half.leftCols(m) += N.topLeftCorner<9, 9>() * t.motion / 2;
+    const MatrixXd both = t.motion.transpose() * half;
+    N.topRows<9>().setZero(), N.leftCols<9>().setZero();
+    decay_slow(t, N);
+    N.topRows(m) += both, N.leftCols(m) += both.transpose();
   }
 
   /// Slow errors at the start, drawn from what their noise has made before.
-  void judge_start(const Smoothed& s, const FullState& state) {
+  void begin() {
     for (const StateBlock& b : p.blocks)
-      for (Index k = b.first; b.stationary() && k < b.first + b.size; ++k) {
-        const double variance = p.sources[*b.noise].factor * b.prior[k - b.first] * b.prior[k - b.first];
-        add_slow(*b.noise, state.x[k] * state.x[k] / variance, s.covariance(k, k) / variance);
+      for (Index k = b.first; b.stationary() && k < b.first + b.size; ++k)
+        add_slow(*b.noise, k, p.sources[*b.noise].factor * b.prior[k - b.first] * b.prior[k - b.first]);
+  }
+
+  /// Of the first `size` states.
+  MatrixXd covariance(const MatrixXd& P, Index size) const {
+    const MatrixXd NP = N * P.leftCols(size), less = P.topRows(size) * NP;
+    return P.topLeftCorner(size, size) - (less + less.transpose()) / 2;
+  }
+
+  void state(const Node& node, std::size_t index, bool with_covariance) {
+    const VectorXd learned = node.covariance * r;
+    out.nodes[index] = {node.samples, plus(node.reference, node.error + learned), {}, {}};
+    if (with_covariance) out.nodes[index].covariance = covariance(node.covariance, 9);
+    for (const EpochRows& e : node.withheld) {
+      VectorXd variance(e.rows.residual.size());
+      for (Index k = 0; k < variance.size(); ++k) {
+        const VectorXd h = e.rows.derivative.row(k), Ph = times(node.covariance, h);
+        variance[k] = h.dot(Ph) - Ph.dot(N * Ph) + row_variance(p, e.rows, k);
       }
-  }
-
-  /// J P J^T + G (Q + P') G^T with J = I - G F: positive by its form. Constants are those of the next epoch: their rows of G are those of the
-  /// identity, of J zero. `correction`: by the next epoch's update.
-  Smoothed step(const Node& node, const VectorXd& correction, const Smoothed& next) {
-    const Transition& t = node.next;
-    const NineRows moved = t.motion * node.covariance.topRows(t.motion.cols());
-    const MatrixXd predicted = propagated(p, t, node.covariance, moved);
-    MatrixXd cross(std::ssize(changing), p.size);  // of the changing states with all at the next epoch
-    cross.leftCols<9>() = moved(Eigen::all, changing).transpose();
-    cross.rightCols(p.size - 9) = node.covariance(changing, Eigen::seq(9, Eigen::last)) * t.decay.tail(p.size - 9).asDiagonal();
-    const VectorXd scale = predicted.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    const MatrixXd scaled = scale.asDiagonal() * predicted * scale.asDiagonal();
-    const MatrixXd G = scaled.ldlt().solve(scale.asDiagonal() * cross.transpose()).transpose() * scale.asDiagonal();
-    MatrixXd J = MatrixXd::Zero(G.rows(), p.size);
-    J.rightCols(p.size - 9) = -G.rightCols(p.size - 9) * t.decay.tail(p.size - 9).asDiagonal();
-    J.leftCols(t.motion.cols()) -= G.leftCols<9>() * t.motion;
-    for (Index k = 0; k < J.rows(); ++k) J(k, changing[static_cast<std::size_t>(k)]) += 1;
-    MatrixXd inner = next.covariance;
-    inner.topLeftCorner<9, 9>() += motion_noise(p, t);
-    inner.diagonal() += slow_noise(p, t);
-    const MatrixXd spread = G * inner;
-    const MatrixXd own = J * node.covariance * J.transpose() + spread * G.transpose();
-    Smoothed here{next.error + correction, next.covariance};
-    here.covariance(changing, Eigen::all) = spread;
-    here.covariance(Eigen::all, changing) = spread.transpose();
-    here.covariance(changing, changing) = (own + own.transpose()) / 2;
-    const VectorXd learned = next.error + correction - propagated_mean(t, node.error) - node.defect;
-    here.error(changing) = node.error(changing) + G * learned;
-    Smoothed relative = next;
-    relative.error += correction;
-    judge_driving(node, here, relative, G);
-    return here;
-  }
-
-  void keep(const Node& node, std::size_t index, const Smoothed& s) {
-    const bool last = index + 1 == out.nodes.size();
-    if (last || (node.samples > 0 && p.time[node.samples - 1] >= p.middle())) out.middle = index, out.middle_covariance = s.covariance;
-    out.nodes[index] = {node.samples, plus(node.reference, s.error), s.covariance.topLeftCorner<9, 9>(), {}};
-    if (last) out.nodes[index].variance = s.covariance.diagonal();
-    if (index == 0) judge_start(s, out.nodes[0].state);
-    judge_rows(node, s);
-    judge_withheld(node, s);
+      if (variance.size() > 0)
+        out.withheld.push_back({e.observation, e.rows.source.front(), e.rows.residual - e.rows.derivative * learned, variance});
+    }
   }
 };
 
 }  // namespace
 
-SmootherPass smooth(const Problem& problem, FilterPass pass) {
+SmootherPass smooth(const Problem& problem, FilterPass pass, bool covariances) {
   Smoother s{problem};
-  for (Index k = 0; k < 9; ++k) s.changing.push_back(k);
-  for (const StateBlock& b : problem.blocks)
-    for (Index k = b.first; k < b.first + b.size; ++k)
-      if (std::isfinite(b.time) || b.walk.size() > 0) s.changing.push_back(k);
   s.out.nodes.resize(pass.nodes.size());
   s.out.evidence.resize(problem.sources.size());
   s.out.weights.resize(problem.observations.size());
-  Node node = pass.nodes.pop();
-  Smoothed now{node.error, node.covariance};
-  s.keep(node, pass.nodes.size(), now);
+  const VectorXd variance = pass.nodes.back().covariance.diagonal();
+  const auto late = [&](const Node& node) { return node.samples > 0 && problem.time[node.samples - 1] >= problem.middle(); };
   while (!pass.nodes.empty()) {
-    const VectorXd correction = std::move(node.correction);
-    node = pass.nodes.pop();
-    now = s.step(node, correction, now);
     stop_point();
-    s.keep(node, pass.nodes.size(), now);
+    const Node node = pass.nodes.pop();
+    const std::size_t index = pass.nodes.size();
+    if (index + 1 < s.out.nodes.size()) s.step(node.next);
+    s.state(node, index, covariances);
+    if (index == 0 ? s.out.middle_covariance.size() == 0 : late(node) && !late(pass.nodes.back()))
+      s.out.middle = index, s.out.middle_covariance = s.covariance(node.covariance, problem.size);
+    s.rows(node);
   }
+  s.begin();
+  s.out.nodes.back().variance = variance;
   std::ranges::reverse(s.out.withheld);
   return std::move(s.out);
 }

@@ -30,9 +30,10 @@ struct Integrated {
 Integrated integrate(const Problem& problem, std::size_t begin, std::size_t end, const FullState& start, bool with_transition,
                      std::vector<NavigationState>* each = nullptr);
 
-/// F P F^T + Q. `moved`: transition.motion times the covariance's rows.
+/// F P F^T + Q.
 Eigen::MatrixXd propagated(const Problem& problem, const Transition& transition, const Eigen::MatrixXd& covariance);
-Eigen::MatrixXd propagated(const Problem& problem, const Transition& transition, const Eigen::MatrixXd& covariance, const NineRows& moved);
+/// D X D of a matrix over all states, D their own laws; 1 for the first nine.
+void decay_slow(const Transition& transition, Eigen::MatrixXd& both);
 /// F x.
 Eigen::VectorXd propagated_mean(const Transition& transition, const Eigen::VectorXd& x);
 /// Q: the first nine as a matrix, the variances of the others.
