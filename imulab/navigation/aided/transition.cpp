@@ -2,10 +2,13 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
+#include "imulab/navigation/integration/increment.hpp"
 #include "imulab/navigation/integration/local_earth.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace imulab::aided {
@@ -136,21 +139,32 @@ class ErrorGrowth {
 
 Integrated integrate(const Problem& p, std::size_t begin, std::size_t end, const FullState& start, bool with_transition,
                      std::vector<NavigationState>* each) {
+  constexpr double served = 0.1;  // s, by the Earth at a place: the mean error of gravity is 1e-7 m/s^2 at 2 g
   const StrapdownOptions options{.gravity = p.gravity};
-  Strapdown strapdown(start.motion, options);
+  NavigationState state = start.motion;
   ErrorGrowth growth(p);
-  LocalEarth earth = integration::earth_at(start.motion.latitude, start.motion.height, options);
+  const LocalEarth first = integration::earth_at(state.latitude, state.height, options);
+  LocalEarth earth = first;
+  Vector3d slow = integration::slow_acceleration(earth, state.velocity);
+  double left = 0;  // s: for which that Earth serves
+  std::optional<Increment> previous;
+  if (begin > 0) previous = corrected(p, p.samples[begin - 1], start.x);
   for (std::size_t i = begin; i < end; ++i) {
     const TimedIncrement raw = p.samples[i];
     const Increment sample = corrected(p, raw, start.x);
     if (with_transition) {
-      const Matrix3d C = strapdown.state().q_nb.toRotationMatrix();
-      growth.add(i, C + C * skew<double>(sample.angle / 2), raw, sample, strapdown.state(), earth);
+      const Matrix3d C = state.q_nb.toRotationMatrix();
+      growth.add(i, C + C * skew<double>(sample.angle / 2), raw, sample, state, first);
     }
-    strapdown.step(sample, raw.interval);
-    if (each) each->push_back(strapdown.state());
+    if (left < raw.interval / 2) earth = integration::earth_ahead(state, std::max(raw.interval, served) / 2, earth, options), left = served;
+    left -= raw.interval;
+    const integration::BodyStep body = previous ? integration::body_step(sample, *previous) : integration::body_step({&sample, 1});
+    integration::advance(state, body, raw.interval, earth, slow);
+    previous = sample;
+    if (each) each->push_back(state);
   }
-  return {strapdown.state(), with_transition ? growth.finish(earth) : Transition{}};
+  integration::expect_latitude(state.latitude);
+  return {state, with_transition ? growth.finish(first) : Transition{}};
 }
 
 Matrix9 motion_noise(const Problem& p, const Transition& t) {

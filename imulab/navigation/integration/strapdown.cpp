@@ -63,13 +63,21 @@ Strapdown::Strapdown(const NavigationState& start, const StrapdownOptions& optio
   state_.q_nb.normalize();
   if (options_.vertical == VerticalChannel::fixed) state_.velocity.z() = 0;
   earth_ = earth_at(state_.latitude, state_.height, options_);
-  slow_ = earth_.gravity - (2 * earth_.rate + earth_.transport_rate(state_.velocity)).cross(state_.velocity);
+  slow_ = integration::slow_acceleration(earth_, state_.velocity);
 }
 
 LocalEarth integration::earth_at(double latitude, double height, const StrapdownOptions& options) {
   LocalEarth earth = local_earth(latitude, height);
   if (options.gravity) earth.gravity = {0, 0, -*options.gravity};
   return earth;
+}
+
+Vector3d integration::slow_acceleration(const LocalEarth& earth, const Vector3d& velocity) {
+  return earth.gravity - (2 * earth.rate + earth.transport_rate(velocity)).cross(velocity);
+}
+
+LocalEarth integration::earth_ahead(const NavigationState& s, double ahead, const LocalEarth& near, const StrapdownOptions& options) {
+  return earth_at(s.latitude + ahead * s.velocity.y() / near.meridian_radius, s.height + ahead * s.velocity.z(), options);
 }
 
 void integration::expect_latitude(double latitude, double limit) {
@@ -103,37 +111,40 @@ void Strapdown::step(std::span<const Increment> samples, double interval, std::o
   if (barometer) aid(*barometer, interval);
 }
 
-/// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
-/// increments themselves and the last step's middle: what is left of its velocity is 1e-7 m/s at 100 Hz.
 void Strapdown::advance(const BodyStep& body, double interval) {
   if (!(interval > 0)) throw Error(fmt::format("navigation: a step of {} s; expected a positive duration", interval));
-  NavigationState& s = state_;
+  earth_ = integration::earth_ahead(state_, interval / 2, earth_, options_);
+  integration::advance(state_, body, interval, earth_, slow_, options_.vertical == VerticalChannel::fixed);
+  integration::expect_latitude(state_.latitude, options_.latitude_limit);
+}
+
+/// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
+/// increments themselves and the last step's middle: what is left of its velocity is 1e-7 m/s at 100 Hz.
+void integration::advance(NavigationState& s, const BodyStep& body, double interval, const LocalEarth& earth, Vector3d& slow, bool level) {
   const double half = interval / 2;
   const Eigen::Matrix3d C_nb = s.q_nb.toRotationMatrix();
   const Vector3d pushed = C_nb * body.velocity;  // in the axes of the start
 
   // The middle.
-  Vector3d middle = s.velocity + half * slow_ + pushed / 2;
-  if (options_.vertical == VerticalChannel::fixed) middle.z() = 0;
-  earth_ = earth_at(s.latitude + half * s.velocity.y() / earth_.meridian_radius, s.height + half * s.velocity.z(), options_);
-  const Vector3d transport = earth_.transport_rate(middle);
-  const Vector3d turn = interval * (earth_.rate + transport);  // of east-north-up against inertial space
+  Vector3d middle = s.velocity + half * slow + pushed / 2;
+  if (level) middle.z() = 0;
+  const Vector3d transport = earth.transport_rate(middle);
+  const Vector3d turn = interval * (earth.rate + transport);  // of east-north-up against inertial space
 
   // Velocity: n turns while the force acts, by half of its turn on the average; a force that turns with the body weighs the later part more.
   const Vector3d turned = turn.cross(pushed / 2 + (C_nb * body.rotation - 2 * turn).cross(pushed) / 12);
-  slow_ = earth_.gravity - (2 * earth_.rate + transport).cross(middle);
-  Vector3d end = s.velocity + pushed - turned + interval * slow_;
-  if (options_.vertical == VerticalChannel::fixed) end.z() = 0;
+  slow = earth.gravity - (2 * earth.rate + transport).cross(middle);
+  Vector3d end = s.velocity + pushed - turned + interval * slow;
+  if (level) end.z() = 0;
 
   // Position with the mean velocity; attitude C_nb <- exp(-turn) C_nb exp(rotation).
   const Vector3d path = half * (s.velocity + end);
-  s.latitude += path.y() / earth_.meridian_radius;
-  s.longitude += path.x() / (earth_.transverse_radius * earth_.cos_latitude);
+  s.latitude += path.y() / earth.meridian_radius;
+  s.longitude += path.x() / (earth.transverse_radius * earth.cos_latitude);
   s.height += path.z();
   s.velocity = end;
   s.q_nb = rotation_quaternion(-turn) * s.q_nb * rotation_quaternion(body.rotation);
   s.q_nb.coeffs() *= 1.5 - s.q_nb.squaredNorm() / 2;  // keeps the length at one against rounding
-  integration::expect_latitude(s.latitude, options_.latitude_limit);
 }
 
 /// Aided: three equal poles at -1/T; the third state carries the accelerometer's bias.
