@@ -204,8 +204,10 @@ VectorXd start_variance(const Problem& p, const FilterStart& start) {
 }
 
 void update_covariance(MatrixXd& covariance, const VectorXd& h, const VectorXd& gain, double noise) {
-  const VectorXd Ph = times(covariance, h), left = (h.dot(Ph) + noise) * gain - Ph;
-  for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) += gain[k] * left - Ph[k] * gain;
+  const VectorXd Ph = times(covariance, h);
+  for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) -= Ph[k] * gain;
+  const VectorXd rest = noise * gain - times(covariance, h);  // rounding is undone by what is left
+  for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) += gain[k] * rest;
 }
 
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options) {
