@@ -182,7 +182,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
                                const AidedOptions& options, const OutputTerms* terms) {
   AidedNavigation out;
   std::vector<Aid> measured = aids;
-  out.warnings = take_repeats(measured);
+  take_unmeasured(measured, session, recording, out);
   Problem p = make_problem(recording, priors, measured, session, {.outages = options.outages});
   add_first_rest(p, recording, session);
   set_first_factors(p);
@@ -233,10 +233,6 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
-  if (std::ranges::none_of(p.observations, [&](const Observation& o) { return !o.withheld && has_record(p.channels[o.channel].aid.kind); })) {
-    out.doubts.emplace_back("all values of the aids are withheld: nothing corrects the solution");
-    out.warnings.push_back(recording.name + ": " + out.doubts.back());
-  }
   widen_by_levels(p, times, smoothed, out);
   for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
     out.warnings.push_back(recording.name + ": " + doubt);

@@ -9,10 +9,11 @@
 
 namespace imulab::aided {
 
-/// Takes away what a receiver did not measure: positions that repeat the one before exactly, five times in a row or more, and with them a velocity
-/// that repeats and is not zero. Returns what was taken, in words. Throws Error where a receiver's displacements fit its velocities with latitude and
-/// longitude swapped alone.
-std::vector<std::string> take_repeats(std::vector<Aid>& aids);
+/// Takes away what a receiver did not measure, and says so in `out`; a doubt where that is most of its positions: rows of latitude and longitude 0;
+/// positions that repeat the one before exactly, five times in a row or more, and with them a velocity that repeats and is not zero; and at the begin
+/// of the navigation positions from which no motion leads to the others. Names an aid that is nowhere near the initial state or the site. Throws
+/// Error where a receiver's displacements fit its velocities with latitude and longitude swapped alone.
+void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recording& recording, AidedNavigation& out);
 
 /// Where many values of a source in a row are suspects.
 std::vector<std::string> runs_of_suspects(const AidedNavigation& navigation);
@@ -22,7 +23,8 @@ std::vector<std::string> runs_of_suspects(const AidedNavigation& navigation);
 /// `times`: of the smoothed nodes [s].
 void widen_by_levels(const Problem& problem, const std::vector<double>& times, const SmootherPass& smoothed, AidedNavigation& out);
 
-/// Doubts about estimates that the declarations exclude: constants far from their priors, noise of the IMU far above its declaration.
+/// Doubts about a navigation without observations, and about estimates that the declarations exclude: constants far from their priors, noise of the
+/// IMU far above its declaration.
 std::vector<std::string> implausible_estimates(const Problem& problem, const SmoothedNode& last, const AidedNavigation& out);
 
 }  // namespace imulab::aided

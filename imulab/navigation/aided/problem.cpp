@@ -27,6 +27,12 @@ FullState plus(const FullState& state, const Eigen::VectorXd& error) {
   return out;
 }
 
+NavigationState at_place(const Vector3d& place) {
+  NavigationState s;
+  s.latitude = place.x(), s.longitude = place.y(), s.height = place.z();
+  return s;
+}
+
 Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from) {
   const LocalEarth earth = local_earth(from.latitude, from.height);
   Eigen::Matrix<double, 9, 1> error;

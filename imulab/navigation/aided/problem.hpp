@@ -109,6 +109,8 @@ struct FilterStart {
 /// The state with an error state added.
 FullState plus(const FullState& state, const Eigen::VectorXd& error);
 NavigationState plus(const NavigationState& state, const Eigen::Matrix<double, 9, 1>& error);
+/// Latitude, longitude, height, and nothing else.
+NavigationState at_place(const Vector3d& place);
 /// The first nine of the error state that takes `from` to `to`.
 Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from);
 

@@ -30,12 +30,6 @@ struct Fixes {
   double velocity_noise = 0;  // m/s: one sigma
 };
 
-NavigationState at_place(const Vector3d& place) {
-  NavigationState s;
-  s.latitude = place.x(), s.longitude = place.y(), s.height = place.z();
-  return s;
-}
-
 Fixes first_fixes(const Problem& p, double begin) {
   Fixes out;
   constexpr double span = 2, longest = 10;  // s: of a mean acceleration or velocity
