@@ -77,11 +77,11 @@ Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSourc
   if (known && !origin) fail_apart(aid, counted, span_of(stamps));
   shift(stamps, origin ? zero + *origin : stamps.front() - own.begin);
   aid.scale = known ? TimeScale::recording : TimeScale::own;
-  if (!known)
-    notes.push_back(
-        fmt::format("{}: the scale of {} is not known (time = {{ scale = \"gps\" }} or \"utc\" says it); their offset is estimated, from {} on",
-                    aid.file, source.time.scale == TimeScale::own ? "the recording's clock" : "the aid's clock",
-                    origin ? "that of their dates" : "both beginning together"));
+  if (known) return aid;
+  if (aid.delay_sigma) aid.delay_sigma = std::hypot(*aid.delay_sigma, guessed_offset_sigma);
+  notes.push_back(fmt::format(
+      "{}: the scale of {} is not known (time = {{ scale = \"gps\" }} or \"utc\" says it); their offset is estimated, from {} on", aid.file,
+      source.time.scale == TimeScale::own ? "the recording's clock" : "the aid's clock", origin ? "that of their dates" : "both beginning together"));
   return aid;
 }
 

@@ -190,6 +190,10 @@ TEST(AidClock, AnUnknownClockIsGuessedAndSaid) {
   const AidsReading by_begin = AidCase("a.pos", text, 77, TimeScale::own).read();
   EXPECT_THAT(by_begin.warnings, ElementsAre(HasSubstr("from both beginning together on")));
   EXPECT_THAT(by_begin.aids[0].record.time, ElementsAre(77'000'000'000, 78'000'000'000));
+  AidCase declared("a.pos", text, 77, TimeScale::own);
+  EXPECT_FALSE(declared.read().aids[0].delay_sigma);
+  declared.session.aids[0].delay_sigma = 0.02;  // of the receiver, not of the guess
+  EXPECT_NEAR(declared.read().aids[0].delay_sigma.value(), 1, 1e-3);
 }
 
 TEST(AidReader, SwappedPlacesAreSeenByTheSession) {

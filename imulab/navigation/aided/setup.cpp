@@ -4,6 +4,7 @@
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
+#include "imulab/recording/aid_clock.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ using Eigen::VectorXd;
 
 // Where an aid declares nothing: one sigma.
 constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
-constexpr double delay_sigma = 0.2, offset_sigma = 1;  // s: of an aid on the recording's clock, on another one
+constexpr double delay_sigma = 0.2;                    // s: of an aid on the recording's clock
 constexpr double clock_sigma = 300e-6;                 // of a logger's clock against the aid's
 constexpr double mount_sigma = 20 * unit::deg;
 constexpr double flicker_time = 100;  // s: over which the flicker of an offset is as large as its bias instability
@@ -93,7 +94,7 @@ void add_channel(Problem& p, const Aid& aid, const std::string& name) {
   const auto delay = [&] {
     c.delay = add_block(
         p, constants(name + ".delay",
-                     Eigen::Vector2d(aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : offset_sigma), clock_sigma)));
+                     Eigen::Vector2d(aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : guessed_offset_sigma), clock_sigma)));
   };
   const auto mount = [&] { c.mount = add_block(p, constants(name + ".mounting", VectorXd::Constant(2, mount_sigma))); };
   switch (aid.kind) {
