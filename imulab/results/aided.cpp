@@ -80,7 +80,7 @@ std::string constant_row(const AidedConstant& c) {
     double size;
   };
   const auto shown = [&]() -> Shown {
-    if (c.name.find("lever_arm") != std::string::npos) return {"m", 1};
+    if (c.name.find("lever_arm") != std::string::npos || c.name.ends_with("height_level")) return {"m", 1};
     if (c.name.find("mounting") != std::string::npos) return {"deg", unit::deg};
     if (c.name.ends_with("delay")) return {"s", 1};
     if (c.name.ends_with("drift") || c.name.ends_with("scale")) return {"ppm", 1e-6};

@@ -86,8 +86,11 @@ TEST(Nmea, WhatIsLostIsSaid) {
   EXPECT_THAT(aid.warnings, ElementsAre(HasSubstr("2 of 7 sentences are damaged (checksum)"), HasSubstr("1 sentences without a fix"),
                                         HasSubstr("1 heights have no geoid separation"), HasSubstr("1 rows repeat")));
   EXPECT_EQ(aid.record.time.size(), 2u);
+  EXPECT_EQ(aid.record.position_sigma.at(1).z(), 30) << "the geoid's size";
   const ReadAid undated = read_aid_text(second_row);
   EXPECT_EQ(undated.scale, TimeScale::own);
+  const ReadAid known = read_aid_text(nmea + second_row);
+  EXPECT_NEAR(known.record.position.at(1).z(), 1601.5, 1e-9) << "a separation holds until the next one";
   EXPECT_THAT(aid_text_error(nmea, AidKind::barometer), HasSubstr("is a receiver's log (NMEA 0183), and the aid's kind is barometer"));
 }
 

@@ -173,8 +173,9 @@ AidRows read_log(const AidRequest& request) {
       ++without_fix;
   }
   if (without_fix > 0) out.warnings.push_back(fmt::format("{}: {}: {} messages without a fix are left out", out.file, table->name, without_fix));
-  if (source->message == "GPS" && beside.empty())
-    out.warnings.push_back(out.file + ": its heights are above sea level (no message GPA): up to 100 m from the ellipsoid");
+  if (source->message != "GPS" || !beside.empty()) return out;
+  std::ranges::for_each(out.rows, widen_by_geoid);
+  out.warnings.push_back(out.file + ": its heights are above sea level (no message GPA): up to 100 m from the ellipsoid");
   return out;
 }
 

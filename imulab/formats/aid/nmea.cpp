@@ -115,8 +115,9 @@ class NmeaReader {
     if (f.size() < 12 || !put_time(f[1], row)) return false;
     const auto latitude = degrees_of(f[2], f[3]), longitude = degrees_of(f[4], f[5]), altitude = number_of(f[9]), geoid = number_of(f[11]);
     if (f[6].empty() || f[6] == "0" || !latitude || !longitude || !altitude) return ++without_fix_, false;
-    if (!geoid) ++above_sea_;
-    row.position = {*latitude, *longitude, *altitude + geoid.value_or(0)};
+    if (geoid) geoid_ = geoid;
+    row.position = {*latitude, *longitude, *altitude + geoid_.value_or(0)};
+    if (!geoid_) ++above_sea_, widen_by_geoid(row);
     return true;
   }
   bool put_velocity(std::string_view speed, double unit, std::string_view course, AidRow& row) {
@@ -140,12 +141,15 @@ class NmeaReader {
   bool read_gst(const std::vector<std::string_view>& f, AidRow& row) {
     if (f.size() < 9 || !put_time(f[1], row)) return false;
     const auto north = number_of(f[6]), east = number_of(f[7]), up = number_of(f[8]);
-    if (north && east && up) row.position_sigma = {*east, *north, *up};
-    return north && east && up;
+    if (!north || !east || !up) return false;
+    row.position_sigma = {*east, *north, *up};
+    if (!geoid_) widen_by_geoid(row);
+    return true;
   }
 
   AidRows out_;
   std::optional<std::int64_t> last_, time_;
+  std::optional<double> geoid_;  // its last separation
   std::int64_t days_ = 0, first_date_ = 0;
   bool date_ = false;
   std::size_t sentences_ = 0, damaged_ = 0, without_fix_ = 0, above_sea_ = 0;

@@ -86,6 +86,12 @@ std::string AidRows::place(const AidRow& at) const {
   return row == "line" ? fmt::format("{}:{}", file, at.line) : fmt::format("{}: {} {}", file, row, at.line);
 }
 
+void widen_by_geoid(AidRow& row) {
+  constexpr double geoid = 30;  // m
+  double& sigma = row.position_sigma.z();
+  sigma = std::isnan(sigma) ? geoid : std::hypot(sigma, geoid);
+}
+
 AidReading make_record(AidRows all) {
   std::vector<AidRow> rows;
   std::size_t repeated = 0, zeros = 0;

@@ -36,6 +36,10 @@ struct AidRows {
   std::string place(const AidRow& row) const;
 };
 
+/// The standard deviation of a height above sea level as one above the ellipsoid: the geoid is 30 m off (RMS over the Earth, EGM2008), alike for all
+/// heights of a drive.
+void widen_by_geoid(AidRow& row);
+
 struct AidReading {
   AidRecord record;
   std::vector<std::string> warnings;

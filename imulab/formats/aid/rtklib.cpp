@@ -143,9 +143,10 @@ AidRows read_rtklib(const AidRequest& request) {
     }
     out.rows.push_back(PosRow(out, *layout, lines.number(), std::move(parts)).read());
   }
-  if (geodetic)
-    out.warnings.push_back(out.file +
-                           ": heights are above sea level (WGS84/geodetic); the geoid's undulation, up to 100 m, is an error of every height");
+  if (!geodetic) return out;
+  std::ranges::for_each(out.rows, widen_by_geoid);
+  out.warnings.push_back(out.file +
+                         ": heights are above sea level (WGS84/geodetic); the geoid's undulation, up to 100 m, is an error of every height");
   return out;
 }
 

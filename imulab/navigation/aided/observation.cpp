@@ -15,7 +15,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool stated(const Vector3d& sigma) { return sigma.allFinite() && (sigma.array() > 0).all(); }
+/// Of each axis, where the row states it.
+Vector3d stated_or(const std::vector<Vector3d>& rows, std::size_t row, double otherwise) {
+  Vector3d out = Vector3d::Constant(otherwise);
+  for (Eigen::Index k = 0; row < rows.size() && k < 3; ++k)
+    if (std::isfinite(rows[row][k]) && rows[row][k] > 0) out[k] = rows[row][k];
+  return out;
+}
 
 ObservedRows rows_of(Eigen::Index count, Eigen::Index size) {
   return {VectorXd::Zero(count), MatrixXd::Zero(count, size), VectorXd::Zero(count), std::vector<std::size_t>(static_cast<std::size_t>(count))};
@@ -60,6 +66,7 @@ ObservedRows observe_position(const Problem& p, const Channel& c, const Observat
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C;
   set_delay(p, c, o, velocity, out.derivative);
   if (c.slow >= 0) out.derivative.middleCols<3>(c.slow).setIdentity();
+  if (c.level >= 0) out.residual[2] -= at.state.x[c.level], out.derivative(2, c.level) = 1;
   out.variance = position_sigma(c.aid, o.row).cwiseAbs2();
   std::ranges::fill(out.source, c.first_noise);
   return out;
@@ -221,13 +228,11 @@ ObservedRows observe(const Problem& p, const Observation& o, const Instant& inst
 const AidLaw& aid_law(AidKind kind) { return *std::ranges::find(laws, kind, &AidLaw::kind); }
 
 Vector3d position_sigma(const Aid& aid, std::size_t row) {
-  if (row < aid.record.position_sigma.size() && stated(aid.record.position_sigma[row])) return aid.record.position_sigma[row];
-  return Vector3d::Constant(aid.position_sigma.value_or(aid_law(aid.kind).position_sigma));
+  return stated_or(aid.record.position_sigma, row, aid.position_sigma.value_or(aid_law(aid.kind).position_sigma));
 }
 
 Vector3d velocity_sigma(const Aid& aid, std::size_t row) {
-  if (row < aid.record.velocity_sigma.size() && stated(aid.record.velocity_sigma[row])) return aid.record.velocity_sigma[row];
-  return Vector3d::Constant(aid.velocity_sigma.value_or(aid_law(aid.kind).velocity_sigma));
+  return stated_or(aid.record.velocity_sigma, row, aid.velocity_sigma.value_or(aid_law(aid.kind).velocity_sigma));
 }
 
 double value_sigma(const Aid& aid, std::size_t row) {

@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -117,6 +118,26 @@ TEST(AidedPlausible, ConstraintsAloneMeasureNoPosition) {
   session.site.latitude = 48 * unit::deg;
   const AidedNavigation n = navigate_under(sensor_priors({}, {}), session, ideal_readings(motion), {Aid{.kind = AidKind::vehicle}}, {});
   EXPECT_THAT(n.doubts, testing::Contains(HasSubstr("no aid measures the position; expected an [[aid]]")));
+}
+
+// Heights above an unknown geoid, 45 m off: the rest is as good as without.
+TEST(AidedPlausible, ALevelOfAllHeightsStaysUncertain) {
+  const motion::NominalMotion motion = motion::nominal_motion(
+      motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::accelerate(10, 10), motion::turn(90 * unit::deg, 0.2, 2), motion::straight(20)},
+                     {.banks = false}),
+      0.1);
+  Aid aid{.scale = TimeScale::recording, .lever_arm_sigma = 0, .delay_sigma = 0};
+  for (std::size_t i = 0; i < motion.time.size(); i += 10) {
+    const NavigationState& s = motion.states[i];
+    aid.record.time.push_back(std::llround(1e9 * motion.time[i]));
+    aid.record.position.emplace_back(s.latitude, s.longitude, s.height - 45);
+    aid.record.position_sigma.emplace_back(0.1, 0.1, 30);
+  }
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, ideal_readings(motion), {aid}, {});
+  const Eigen::Matrix<double, 9, 1> sigma = sigmas_at(n, motion.time.back());
+  EXPECT_NEAR(sigma[At::position + 2], 30, 1);
+  EXPECT_LT(sigma.segment<2>(At::position).maxCoeff(), 0.5);
+  EXPECT_TRUE(std::ranges::find(n.constants, "gnss.height_level", &AidedConstant::name)->undetermined());
 }
 
 }  // namespace

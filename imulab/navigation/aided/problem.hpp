@@ -45,11 +45,11 @@ struct StateBlock {
   bool stationary() const { return std::isfinite(time) && noise; }
 };
 
-/// An aid and the places of its states; -1: absent. `delay`: that at delay_time [s], and its drift [s/s], as clocks do.
+/// An aid and the places of its states; -1: absent. `delay`: that at delay_time [s], and its drift [s/s], as clocks do. `level`: of all its heights.
 struct Channel {
   std::string name;
   Aid aid;
-  Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1;
+  Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1, level = -1;
   std::size_t first_noise = 0, second_noise = 0;  // of position (or value), of velocity
 };
 

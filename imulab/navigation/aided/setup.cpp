@@ -78,6 +78,20 @@ double typical_position_sigma(const Aid& aid) {
   return median(all);
 }
 
+/// Heights that a receiver states far worse than the place have no reference, as above an unknown geoid: takes what they have in common out of the
+/// rows' sigmas. 0: nothing.
+double take_level(Aid& aid) {
+  constexpr double dilution = 4, usual = 2;  // of the vertical over the horizontal: of satellites above
+  std::vector<Vector3d>& rows = aid.record.position_sigma;
+  std::vector<double> levels;
+  const auto stated = [&](std::size_t row) { return position_sigma(aid, row); };
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (stated(i).z() > dilution * stated(i).head<2>().mean()) levels.push_back(stated(i).z());
+  if (2 * levels.size() <= rows.size()) return 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].z() = std::min(stated(i).z(), usual * stated(i).head<2>().mean());
+  return median(std::move(levels));
+}
+
 Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::Index size, double sigma, double time) {
   return add_block(p, {.name = name,
                        .size = size,
@@ -102,7 +116,8 @@ void add_channel(Problem& p, const Aid& aid, const std::string& name) {
       c.first_noise = add_source(p, name + ".position"), c.second_noise = add_source(p, name + ".velocity");
       lever(), delay();
       if (aid.record.position.empty()) break;
-      const double sigma = typical_position_sigma(aid);
+      if (const double level = take_level(c.aid); level > 0) c.level = add_block(p, constants(name + ".height_level", VectorXd::Constant(1, level)));
+      const double sigma = typical_position_sigma(c.aid);
       c.slow = add_slow(p, c, name + ".slow_error", 3, sigma, sigma < 0.1 ? 20 : 60);
       break;
     }

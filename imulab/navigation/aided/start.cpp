@@ -199,6 +199,9 @@ FilterStart start_near(const Problem& p, const NavigationState& state) {
   out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
   out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
   out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
+  constexpr double vague = 10;  // of a level: the height is that of a fix, and must not count for one that knows better
+  for (const Channel& c : p.channels)
+    if (c.level >= 0) out.sigma[At::position + 2] = std::max(out.sigma[At::position + 2], vague * prior.sigma[c.level]);
   return out;
 }
 
