@@ -31,8 +31,8 @@ class RangeCheck {
   RangeCheck(std::string place, std::vector<std::string>& problems) : place_(std::move(place)), problems_(problems) {}
 
   void number(std::string_view key, double value, const Number& kind) {
-    const double in_unit = value / kind.factor, rounding = 1e-12 * std::abs(in_unit);  // of the conversion to SI and back
-    if (std::isfinite(value) && (in_range(in_unit, kind) || in_range(in_unit - rounding, kind) || in_range(in_unit + rounding, kind))) return;
+    const double in_unit = value / kind.factor, rounded = 1e-12 * std::abs(in_unit);  // of the conversion to SI and back
+    if (std::isfinite(value) && (in_range(in_unit, kind) || in_range(in_unit - rounded, kind) || in_range(in_unit + rounded, kind))) return;
     std::string problem = std::isfinite(value) ? out_of_range(in_unit, kind) : fmt::format("{} is not finite; expected a finite number", value);
     if (kind.factor != 1) problem += fmt::format(" (in memory it is in SI units and radians: {:g})", value);
     add(key, problem);

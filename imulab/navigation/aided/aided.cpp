@@ -9,6 +9,7 @@
 #include "imulab/navigation/aided/plausible.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/start.hpp"
+#include "imulab/navigation/aided/unmeasured.hpp"
 #include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
@@ -29,8 +30,6 @@ using Eigen::VectorXd;
 constexpr int fewest_passes = 3;                   // that may converge
 constexpr int widenings = 5;                       // for errors that last
 constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
-
-double time_of(const Problem& p, std::size_t samples) { return samples > 0 ? p.time[samples - 1] : p.begin; }
 
 EpochStates epochs_of(const SmootherPass& smoothed) {
   EpochStates out;
@@ -90,7 +89,7 @@ struct CausalPass {
       if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
     if (!solution) return;
     epochs.samples.push_back(node.samples), epochs.states.push_back(plus(node.reference, node.error));
-    covariance.push_back({time_of(p, node.samples), node.covariance.topLeftCorner<9, 9>()});
+    covariance.push_back({p.time_after(node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
 
   void finish(AidedNavigation& out) {
@@ -121,7 +120,7 @@ void add_states(const Problem& p, const EpochStates& epochs, const AidedOptions&
   std::size_t taken = 0;
   const auto add = [&](const NavigationState& state) {
     Solution& kept = out.solution;
-    const double time = time_of(p, first + taken);
+    const double time = p.time_after(first + taken);
     if (taken > 0) out.distance += (time - kept.time.back()) * state.velocity.norm();
     if (!options.keep && kept.size() == 2) kept.time.pop_back(), kept.states.pop_back();
     kept.time.push_back(time), kept.states.push_back(state);
@@ -219,21 +218,18 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     pass(true);
   }
   add_outages(p, smoothed.withheld, &OutageResult::smoothed, out.outages);
-  if (terms) {
-    trajectory = about(p, smoothed);
-    add_constants_with(*terms, p, start.start, trajectory, out);
-  } else {
+  if (terms)
+    add_constants_with(*terms, p, start.start, trajectory = about(p, smoothed), out);
+  else
     add_constants(p, smoothed, out);
-  }
-  std::vector<double> times;
-  for (const SmoothedNode& node : smoothed.nodes) times.push_back(time_of(p, node.samples));
-  for (std::size_t k = 0; k < times.size() && !options.causal; ++k) out.covariance.push_back({times[k], smoothed.nodes[k].covariance});
+  if (!options.causal)
+    for (const SmoothedNode& node : smoothed.nodes) out.covariance.push_back({p.time_after(node.samples), node.covariance});
   // What was known at each time: of the last pass, too. A filter that linearizes about its own first states is too sure of its attitude.
   known->finish(out);
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
   judge(out, recording.name);
-  widen_by_levels(p, times, smoothed, out);
+  widen_by_levels(p, smoothed, out);
   for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
     out.warnings.push_back(recording.name + ": " + doubt);
     out.doubts.push_back(std::move(doubt));

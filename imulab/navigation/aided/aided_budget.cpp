@@ -252,7 +252,7 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   filter(p, start, {.about = &truth, .end = end, .keep = false, .each = [&](const Transition* step, const Node& node) {
                       if (step != nullptr) split.step(*step);
                       split.update(node);
-                      const double time = node.samples > 0 ? p.time[node.samples - 1] : p.begin;
+                      const double time = p.time_after(node.samples);
                       const bool absent = time > loss.begin - p.interval / 2;
                       if (step != nullptr && ((absent ? after.due(time + p.interval / 2) : before.due(time)) || node.samples == end))
                         outputs.add(time, split);

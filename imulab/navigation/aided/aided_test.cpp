@@ -267,8 +267,7 @@ TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
   AidRecord& r = d.aids[0].record;
   for (std::size_t i = 40; i < 60; ++i) r.position[i] = r.position[39], r.velocity[i] = r.velocity[39];
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-  ASSERT_FALSE(n.warnings.empty());
-  EXPECT_THAT(n.warnings.front(), HasSubstr("20 of "));
+  EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("20 of ")));
   EXPECT_LT(worst_ratio(d, n), falsely_sure);
 }
 

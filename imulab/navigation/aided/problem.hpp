@@ -86,6 +86,8 @@ struct Problem {
   Eigen::MatrixXd joint = {};  // covariances at the start of two of them, besides the variances; empty: none
   std::vector<Channel> channels;
   std::vector<Observation> observations;  // by stamp
+  /// The end of so many samples [s].
+  double time_after(std::size_t count) const { return count > 0 ? time[count - 1] : begin; }
   double middle() const { return (begin + time.back()) / 2; }
   /// At which a delay counts: the middle, of the first ten minutes where it is longer. A drift of unknown size makes a delay of hours ago that of any
   /// time.

@@ -1,5 +1,5 @@
 // What a receiver did not measure.
-#include "imulab/navigation/aided/plausible.hpp"
+#include "imulab/navigation/aided/unmeasured.hpp"
 
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -55,7 +55,7 @@ Checked checked(Aid aid, const Session& session = {}) {
 
 constexpr double far_off = 50e3 / 6.37e6;  // rad
 
-TEST(AidedPlausible, TheStartFollowsTheMostFixes) {
+TEST(AidedUnmeasured, TheStartFollowsTheMostFixes) {
   Aid aid = northward(12);
   for (const std::size_t wrong : {0u, 1u, 20u}) aid.record.position[wrong].x() -= far_off;
   const Checked lost = checked(aid);
@@ -76,7 +76,7 @@ TEST(AidedPlausible, TheStartFollowsTheMostFixes) {
   EXPECT_THAT(checked(slow).taken(), ElementsAre(0)) << "from there any motion leads to fixes of minutes later";
 }
 
-TEST(AidedPlausible, ZerosAreNoFixes) {
+TEST(AidedUnmeasured, ZerosAreNoFixes) {
   Aid aid = northward(12);
   for (std::size_t i = 0; i < 3; ++i) aid.record.position[i].setZero(), aid.record.velocity[i].setZero();
   aid.record.position[7] = Vector3d(0, 0, 500);
@@ -90,7 +90,7 @@ TEST(AidedPlausible, ZerosAreNoFixes) {
   EXPECT_THAT(checked(aid).doubts, ElementsAre(HasSubstr("40 of 40 positions are zeros, or held while it moves")));
 }
 
-TEST(AidedPlausible, MostlyHeldPositionsAreDoubtful) {
+TEST(AidedUnmeasured, MostlyHeldPositionsAreDoubtful) {
   Aid aid = northward(12);
   for (std::size_t i = 0; i < 30; ++i) aid.record.position[i] = aid.record.position[0];
   EXPECT_THAT(checked(aid).doubts, ElementsAre(HasSubstr("29 of 40 positions are zeros, or held while it moves")));
@@ -103,7 +103,7 @@ TEST(AidedPlausible, MostlyHeldPositionsAreDoubtful) {
   EXPECT_THAT(kept.doubts, IsEmpty());
 }
 
-TEST(AidedPlausible, AnAidElsewhereIsNamed) {
+TEST(AidedUnmeasured, AnAidElsewhereIsNamed) {
   Session session;
   session.site.latitude = 20 * unit::deg;
   EXPECT_THAT(checked(northward(12), session).doubts, ElementsAre(HasSubstr("its positions are 3113 km and more from [site], latitude 20 deg;")));
@@ -111,7 +111,7 @@ TEST(AidedPlausible, AnAidElsewhereIsNamed) {
   EXPECT_THAT(checked(northward(12), session).doubts, IsEmpty());
 }
 
-TEST(AidedPlausible, ConstraintsAloneMeasureNoPosition) {
+TEST(AidedUnmeasured, ConstraintsAloneMeasureNoPosition) {
   const motion::NominalMotion motion =
       motion::nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::rest(5), motion::accelerate(10, 10)}, {.banks = false}), 0.1);
   Session session;
@@ -121,7 +121,7 @@ TEST(AidedPlausible, ConstraintsAloneMeasureNoPosition) {
 }
 
 // Heights above an unknown geoid, 45 m off: the rest is as good as without.
-TEST(AidedPlausible, ALevelOfAllHeightsStaysUncertain) {
+TEST(AidedUnmeasured, ALevelOfAllHeightsStaysUncertain) {
   const motion::NominalMotion motion = motion::nominal_motion(
       motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::accelerate(10, 10), motion::turn(90 * unit::deg, 0.2, 2), motion::straight(20)},
                      {.banks = false}),
