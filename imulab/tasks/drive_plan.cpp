@@ -119,8 +119,8 @@ PredictionSummary summary_of(const PlannedDrive& p) {
 
 std::string plan_headline(const PlannedDrive& p) {
   if (p.added.empty() && p.worst <= 1) return fmt::format("the mission as it is, {}", text::minutes(p.duration));
-  return fmt::format("{} in {}", p.added.empty() ? "nothing that helps" : fmt::format("{}", fmt::join(p.added, ", ")),
-                     text::minutes(p.duration - p.before));
+  if (p.added.empty()) return fmt::format("no maneuver helps; the mission lasts {}", text::minutes(p.duration));
+  return fmt::format("added {}: {} longer, {} in all", fmt::join(p.added, ", "), text::minutes(p.duration - p.before), text::minutes(p.duration));
 }
 
 }  // namespace
