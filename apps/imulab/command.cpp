@@ -8,6 +8,7 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/unfinished.hpp"
 #include "imulab/parallel.hpp"
@@ -129,6 +130,17 @@ ParsedOption parsed(CLI::App& app, VerbOption& row) {
   return {&row, option};
 }
 
+/// A file's folder is there already, but for one that -o names, which the verb may make.
+void check_place(const std::vector<ParsedOption>& options, const std::string& file) {
+  const std::string folder = std::filesystem::path(file).parent_path().lexically_normal().string();
+  for (const auto& [row, option] : options)
+    for (const std::string& made : option->results())
+      if (row->names.ends_with("--output") && !folder.empty() && made != file &&
+          (folder + "/").starts_with((std::filesystem::path(made) / "").lexically_normal().string()))
+        return;
+  expect_place_for(file);
+}
+
 /// Checks the files that options name, then does the work of the verb.
 void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
   using enum VerbOption::File;
@@ -143,7 +155,7 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
         if (part.starts_with("auto"))
           will_fill(shortest_name(*row), file);
         else if (use == written || (use == created && !part.empty()))
-          will_write(shortest_name(*row), file);
+          will_write(shortest_name(*row), file), check_place(options, file);
         else if (use == created)
           will_create(shortest_name(*row), file);
         if (use == read) will_read(file), streams += file == "-";

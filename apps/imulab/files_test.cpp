@@ -118,6 +118,20 @@ TEST_F(Files, NoOutputReplacesAFolderOrATruth) {
   for (const Row& row : makers) expect_refused(row, "S", HasSubstr("exists; expected a new or an empty folder"));
 }
 
+TEST_F(Files, AnOutputWithoutItsFolderEndsItAtOnce) {
+  for (const Row& row : written_by) {
+    if (row.verb == "compensate" || row.verb == "export") continue;  // whose -o makes its folder, or is read late
+    const bool with_output =
+        row.option == "--report" && row.command.find(" -o") == std::string::npos && row.verb != "report" && row.verb != "compare";
+    const CommandResult result = run(row, with_output ? "none/x -o first.csv" : "none/x");
+    EXPECT_EQ(result.exit_code, 2) << row.command;
+    EXPECT_THAT(result.errors, HasSubstr("imulab: none/x: cannot be written: No such file")) << row.command;
+    EXPECT_FALSE(fs::exists(folder / "first.csv")) << row.command;
+  }
+  EXPECT_EQ(run_imulab(folder, "simulate p.toml -o made/S").exit_code, 0);  // a verb that makes a folder makes those above
+  EXPECT_EQ(run_imulab(folder, "compensate c.json S -o made2 --report made2/page.html").exit_code, 0);
+}
+
 TEST_F(Files, NoTwoOutputsAreOneFile) {
   fs::create_symlink("x", folder / "link");
   for (const char* command : {"calibrate S --method hybrid -o x --curves @", "calibrate S --method handheld -o x --report @",

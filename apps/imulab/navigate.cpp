@@ -82,7 +82,7 @@ NavigatedSession navigated(const NavigateVerbOptions& o, const NavigateOptions& 
 void run(const NavigateVerbOptions& o) {
   check_aided(o), check_inertial(o);
   if (o.aided && o.output == "-") throw OptionError("output", "with --aided expected a file");
-  if (!o.aided && has_aided_ending(o.output)) throw OptionError("output", o.output + ": belongs to --aided; expected it, or a .csv file");
+  errors_of_option("output", [&] { expect_solution_ending(o.output, o.aided); });
   if (o.json && o.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
   const auto [calibration, warnings] = calibration_of(o.calibration, o.allow_undetermined);
   if (o.aided) return run_aided(o, {calibration, warnings});

@@ -59,6 +59,7 @@ TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {
   };
   refused("--filter", "belongs to --aided");
   refused("-o track.KML", "track.KML: belongs to --aided");
+  refused("--aided -o track.foo", "--output: track.foo: expected a .csv file, or with --aided .geojson, .kml, .pos, .mcap");
   refused("--aided --vertical fixed", "does not go with --aided");
   refused("--aided --outages 10", "is no EVERY,LENGTH");
   refused("--aided --outages 10,20", "is no EVERY,LENGTH");

@@ -101,9 +101,12 @@ std::string lower_ending(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool has_aided_ending(const std::filesystem::path& path) {
+void expect_solution_ending(const std::filesystem::path& path, bool aided) {
   const std::string ending = lower_ending(path);
-  return ending == odometry_ending || (ending != ".csv" && std::ranges::find(texts, std::string_view(ending), &SolutionText::ending) != texts.end());
+  if (ending.empty() || ending == texts.front().ending || is_stream(path)) return;
+  const bool known = ending == odometry_ending || std::ranges::find(texts, std::string_view(ending), &SolutionText::ending) != texts.end();
+  if (!known) throw Error(fmt::format("{}: expected a .csv file, or with --aided .geojson, .kml, .pos, .mcap", path.string()));
+  if (!aided) throw Error(path.string() + ": belongs to --aided; expected it, or a .csv file");
 }
 
 bool needs_dates(const std::filesystem::path& path) { return lower_ending(path) == dated_ending; }

@@ -38,7 +38,7 @@ bool needs_dates(const std::filesystem::path& path);
 /// Throws Error, which says what to declare, where there are none.
 void expect_dates(const std::filesystem::path& path, const std::optional<std::int64_t>& gps_ahead);
 
-/// One that is not CSV.
-bool has_aided_ending(const std::filesystem::path& path);
+/// Throws Error for a name with an ending that is none of these; without `aided`, for all but .csv. A device or a pipe may have any.
+void expect_solution_ending(const std::filesystem::path& path, bool aided);
 
 }  // namespace imulab

@@ -37,6 +37,11 @@ fs::path behind_links(fs::path path) {
   return path;
 }
 
+void expect_place_for(const fs::path& path) {
+  errno = 0;
+  if (!is_stream(path) && ::access((behind_links(path).parent_path() / ".").c_str(), W_OK | X_OK) != 0) fail(path, "cannot be written");
+}
+
 namespace {
 
 /// The permissions that the user gives new files and folders.
@@ -80,9 +85,7 @@ WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "s
     if (descriptor_ < 0) fail(path_, "cannot be written");
     return;
   }
-  // A device or a pipe takes what comes; a file in its place would end it.
-  const fs::file_status status = fs::status(path);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
+  if (is_stream(path)) {  // a file in its place would end it
     temporary_.clear();
     descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor_ < 0) fail(path, "cannot be written");

@@ -93,6 +93,9 @@ class NewFolder {
 /// The file that a symbolic link leads to, even if it is not there yet; any other path as it is.
 std::filesystem::path behind_links(std::filesystem::path path);
 
+/// Throws Error where no file can begin under this name: its folder is not there, or nothing may be written into it.
+void expect_place_for(const std::filesystem::path& path);
+
 /// The name of a file in messages: "-" is "standard input".
 std::string input_name(const std::filesystem::path& path);
 
