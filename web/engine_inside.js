@@ -18,6 +18,16 @@ Module["preRun"] = [].concat(Module["preRun"] || [], () => {
   const isTerminal = (number) => (streams.isTerminal(number) ? { ops: {} } : undefined);
   FS.registerDevice(FS.makedev(5, 0), device(1, (stream) => isTerminal(stream.flags & 3 ? 1 : 0))); // /dev/stdin and /dev/stdout
   FS.registerDevice(FS.makedev(6, 0), device(2, () => isTerminal(2))); // /dev/stderr
+  const cut = FS.ftruncate; // in node by a file's name, which a temporary file has no more
+  FS.ftruncate = (descriptor, length) => {
+    const { nfd } = FS.getStream(descriptor) ?? {};
+    if (nfd === undefined) return cut(descriptor, length);
+    try {
+      fs.ftruncateSync(nfd, length);
+    } catch (error) {
+      throw new FS.ErrnoError(NODEFS.convertNodeCode(error));
+    }
+  };
   const noMemory = 48;
   WORKERFS.stream_ops.mmap = (stream, address, length, position) => {
     const place = mmapAlloc(length);

@@ -1,4 +1,4 @@
-// Live: rows of a phone's sensors or of a serial port; the verb `live` says after each second which turns are missing.
+// Live: rows of a phone's sensors or of a serial port; the verb `live` says again and again which turns are missing.
 import { command, inspect } from "./module/imulab.js";
 import { turnPicture } from "./picture.js";
 import { questionField } from "./questions.js";
@@ -136,8 +136,9 @@ async function advise(own) {
 
 /** @param {any} view @param {Stream} own */
 function show(view, own) {
-  const heading = view.done ? "Done: every requirement is met." : [view.problem, view.next].filter(Boolean).map((text) => `${text}.`).join(" ");
-  say(`${view.rests} rests in ${view.time_s.toFixed(0)} s. ${heading} ${own.note}`);
+  const time = `${view.rests} rests in ${view.time_s.toFixed(0)} s`;
+  const parts = [time, view.done && "Done: every requirement is met", view.problem, view.next && `Next: ${view.next}`];
+  say(`${parts.filter(Boolean).join(". ")}. ${own.note}`);
   at("live-picture").replaceChildren(turnPicture(view.up ?? "", view.next ?? ""));
   at("live-requirements").replaceChildren(
     ...view.requirements.map((/** @type {any} */ r) =>
@@ -158,13 +159,16 @@ function begin(session) {
 
 /** @param {Stream} own */
 async function watch(own) {
+  let took = 0; // of the last advice, ms: all rows are read again, and at most half of the time is spent so
   while (stream === own) {
-    await new Promise((ready) => setTimeout(ready, 1000));
+    await new Promise((ready) => setTimeout(ready, Math.max(1000, took)));
     if (stream !== own) return;
     const ended = own.ended;
     if (own.rows.length > own.seen || !own.session) {
       own.seen = own.rows.length;
+      const begin = performance.now();
       await advise(own).catch((error) => say(error.message));
+      took = performance.now() - begin;
     }
     if (ended && own.session) stop();
   }

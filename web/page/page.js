@@ -159,7 +159,8 @@ async function compute() {
     const all = { ...options, set };
     if (state.inspected !== JSON.stringify(set)) takeInspection(await inspect(state.files, all), set);
     state.session = graded(state.inspection?.files["session.toml"], form.grade.value);
-    const [files, more] = form.grade.value && state.session ? [{ ...state.files, "session.toml": state.session }, options] : [state.files, all];
+    const bySession = state.session && (form.grade.value || Object.keys(state.files).length > 1); // files of one recording belong together there
+    const [files, more] = bySession ? [{ ...state.files, "session.toml": state.session }, options] : [state.files, all];
     if (verb === "noise") return noise(files, more);
     if (verb === "compensate") return compensate(calibration, files, more);
     return calibrate(files, { ...more, method });
@@ -251,6 +252,7 @@ function listen() {
   at("go-live").addEventListener("click", async () => {
     forget();
     at("live").hidden = false;
+    at("live").scrollIntoView({ behavior: "smooth" });
     (await import("./live.js")).startLive(open);
   });
 }
@@ -267,8 +269,12 @@ async function startModule() {
   document.documentElement.dataset.ready = "true";
 }
 
+/** After the module, with which its own requests would share the line. */
+function keepForOffline() {
+  try {
+    navigator.serviceWorker?.register("offline.js").catch(() => {});
+  } catch {} // without storage the page works all the same, online
+}
+
 listen();
-startModule().catch((error) => showProblem(error.message));
-try {
-  navigator.serviceWorker?.register("offline.js").catch(() => {});
-} catch {} // without storage the page works all the same, online
+startModule().catch((error) => showProblem(error.message)).finally(keepForOffline);

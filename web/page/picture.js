@@ -57,8 +57,10 @@ function box(up, axis, title, shift) {
     const end = /** @type {Vector} */ ([0, 0, 0]);
     end[i] = size[i] + 0.45;
     const [x2, y2] = view(end);
+    const [x, y] = view(/** @type {Vector} */ (end.map((c) => 1.25 * c)));
     group.append(part("line", { x1: 0, y1: 0, x2, y2, "stroke-dasharray": 0.06 }));
-    group.append(part("text", { x: x2, y: y2, "font-size": 0.26, fill: "currentColor", stroke: "none", "text-anchor": "middle" }, `+${name}`));
+    const middle = { "text-anchor": "middle", "dominant-baseline": "central" };
+    group.append(part("text", { x, y, "font-size": 0.26, fill: "currentColor", stroke: "none", ...middle }, `+${name}`));
   }
   if (axis) {
     const [x, y] = view(/** @type {Vector} */ (axis.map((c) => 1.3 * c)));
@@ -71,7 +73,7 @@ function box(up, axis, title, shift) {
 
 /** @param {string} up the side that points up now @param {string} next "turn by 90 deg about -y until +x points up" */
 export function turnPicture(up, next) {
-  const picture = part("svg", { viewBox: "0 0 320 220", role: "img", "aria-label": next || up });
+  const picture = part("svg", { viewBox: "0 0 320 200", role: "img", "aria-label": next || up });
   const now = directionOf(up);
   const [, axis, then] = /about (\S+) until (.*) points up/.exec(next) ?? [];
   if (now) picture.append(box(now, axis ? directionOf(axis) : null, "now", 80));

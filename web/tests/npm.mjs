@@ -6,6 +6,7 @@ import os from "node:os";
 import path from "node:path";
 
 const packed = path.resolve(process.argv[2]);
+const source = process.cwd();
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "imulab-npm-"));
 process.chdir(folder);
 try {
@@ -52,6 +53,12 @@ try {
   fs.writeFileSync("still.toml", `${head.slice(0, head.indexOf("[[step]]"))}[[step]]\nkind = "hold"\nduration_s = 300\n`);
   assert.equal(imulab("simulate", "still.toml", "-o", "still").status, 0);
   assert.equal((await noise(fs.readFileSync("still/recording.csv"), { set: { "gyro.unit": "rad/s" } })).data.axes.length, 6);
+
+  // A drive whose epochs go to a temporary file, in memory.
+  assert.equal(imulab("trajectory", path.join(source, "tests/portable/drive.toml"), "--errors", "-o", "drive").status, 0);
+  const drive = Object.fromEntries(fs.readdirSync("drive").map((name) => [name, fs.readFileSync(`drive/${name}`)]));
+  assert.equal(imulab("calibrate", "drive", "--method", "drive", "-o", "drive.json").status, 0);
+  assert.deepEqual((await calibrate(drive, { method: "drive" })).data.model, JSON.parse(fs.readFileSync("drive.json", "utf8")).model);
 
   // Errors and the end of a call.
   await assert.rejects(inspect("no numbers\n"), ImulabError);

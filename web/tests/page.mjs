@@ -1,4 +1,4 @@
-// web/tests/page.mjs PAGE IMULAB PICTURES: the page in Chromium: each flow, wrong and hostile files, a cancelled work, no storage, offline, live by
+// web/tests/page.mjs PAGE IMULAB PICTURES [LOGS...]: the page in Chromium: each flow, wrong and hostile files, a cancelled work, no storage, offline, live by
 // injected events; its answers against those of the native command.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -6,8 +6,10 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import { Browser, serve } from "./browser.mjs";
+import { sameWordsAsNative } from "./records.mjs";
+import { Unit } from "./unit.mjs";
 
-const [page, imulab, pictures] = process.argv.slice(2).map((name) => path.resolve(name));
+const [page, imulab, pictures, ...logs] = process.argv.slice(2).map((name) => path.resolve(name));
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "imulab-page-"));
 fs.mkdirSync(pictures, { recursive: true });
 process.chdir(folder);
@@ -43,10 +45,13 @@ function assertSameModel(a, b) {
 }
 
 async function firstVisit() {
-  const begin = Date.now();
+  const line = (rate) => tab.send("Network.emulateNetworkConditions", { offline: false, latency: 0, downloadThroughput: rate, uploadThroughput: rate });
   await tab.size(1280, 900);
+  await line(10e6 / 8); // bytes a second
+  const begin = Date.now();
   await tab.open(server.address);
-  figures["ready, s"] = (Date.now() - begin) / 1000;
+  figures["ready at 10 Mbit/s, s"] = (Date.now() - begin) / 1000;
+  await line(-1);
   assert.match(await text("version"), /^imulab \d/);
 }
 
@@ -158,6 +163,25 @@ async function outOfMemory() {
   await shown("work");
 }
 
+/** Half a gigabyte at rest: mapped in pieces, inspected, and its noise. */
+async function large() {
+  const head = fs.readFileSync(file("hand.toml"), "utf8");
+  fs.writeFileSync(file("still.toml"), `${head.slice(0, head.indexOf("[[step]]"))}[[step]]\nkind = "hold"\nduration_s = 38000\n`);
+  native("simulate", "still.toml", "-o", "still");
+  const log = file("still/recording.csv");
+  figures["large, MB"] = fs.statSync(log).size / 1e6;
+  await tab.choose("#files", [log]);
+  figures["large inspected, s"] = await tab.until("!document.getElementById('questions').hidden", 300);
+  await set("[name='gyro.unit']", "rad/s");
+  await tab.click("#questions [type=submit]");
+  await tab.until("!document.getElementById('work').hidden", 300);
+  await tab.value("document.querySelector('[value=noise]').click()");
+  await tab.click("#work-form [type=submit]");
+  figures["noise of large, s"] = await tab.until("!document.getElementById('result').hidden", 300);
+  assert.equal(JSON.parse(await saved("noise.json")).axes.length, 6);
+  fs.rmSync(log);
+}
+
 async function cancel() {
   const head = fs.readFileSync(recording, "utf8").split("\n");
   const rows = head.slice(1, -1).map((row) => row.slice(row.indexOf(",")));
@@ -188,42 +212,73 @@ async function speed() {
   figures["10 MB calibrated, s"] = await tab.until("!document.getElementById('result').hidden", 300);
 }
 
-/** Samples of a recording as a phone's events, faster than it would give them, with accelerations of the other sign. */
+/** By the keyboard alone; each control has a name for a screen reader. */
+async function keyboard() {
+  const { nodes } = await tab.send("Accessibility.getFullAXTree");
+  const controls = nodes.filter((node) => !node.ignored && /^(button|textbox|spinbutton|radio|combobox|link)$/.test(node.role.value));
+  assert.ok(controls.length > 12);
+  for (const { role, name } of controls) assert.notEqual(name.value, "", role.value);
+  const press = async (key, windowsVirtualKeyCode, text) => {
+    for (const type of ["keyDown", "keyUp"]) await tab.send("Input.dispatchKeyEvent", { type, key, code: key, windowsVirtualKeyCode, text });
+  };
+  await tab.value("scrollTo(0, 0), document.activeElement.blur()");
+  for (let presses = 0; !(await tab.value("document.activeElement.dataset.example === 'handheld'")); ++presses) {
+    assert.ok(presses < 30);
+    await press("Tab", 9);
+  }
+  await press("Enter", 13, "\r");
+  await tab.until("work.hidden");
+  await shown("work");
+}
+
+/** Real records, and logs as people bring them. */
+async function records() {
+  for (const folder of logs) figures[path.basename(folder)] = await sameWordsAsNative(tab, imulab, folder);
+}
+
+/** A hand that turns a phone as `live` says, until it is done. Its events come faster than a phone's, with accelerations of the other sign. */
 async function live() {
-  const session = native("simulate", "hand.toml", "-o", "other", "--seed", "2");
-  assert.ok(session);
-  const rows = fs.readFileSync(file("other/recording.csv"), "utf8").trim().split("\n").slice(1).filter((_, i) => i % 2 === 0);
+  const unit = new Unit();
+  const feed = (rows) => tab.value(`window.feed(${JSON.stringify(rows)})`);
   await tab.click("#go-live");
   await tab.until("document.getElementById('live-motion').onclick !== null");
   await tab.click("#live-motion");
-  await tab.value(`window.rows = ${JSON.stringify(rows.map((row) => row.split(",").map(Number)))}; window.feed = (begin, end) => {
-    for (const [t, gx, gy, gz, ax, ay, az] of window.rows.slice(begin, end)) {
+  await tab.value(`window.feed = (rows) => {
+    for (const [t, gx, gy, gz, ...force] of rows) {
+      const [x, y, z] = force.map((a) => -a);
       const event = new Event("devicemotion");
-      const degrees = 180 / Math.PI;
       Object.defineProperty(event, "timeStamp", { value: 1000 * t });
-      event.rotationRate = { beta: gx * degrees, gamma: gy * degrees, alpha: gz * degrees };
-      event.accelerationIncludingGravity = { x: ax, y: ay, z: az };
+      Object.assign(event, { rotationRate: { beta: gx, gamma: gy, alpha: gz }, accelerationIncludingGravity: { x, y, z } });
       dispatchEvent(event);
     }
-  }; window.feed(0, 4000)`);
-  await tab.until("document.querySelector('#live-picture svg') !== null && document.getElementById('live-requirements').children.length > 0");
-  assert.match(await text("live-state"), /rests in \d+ s\. .*Resolution: gyros/s);
-  await tab.picture(path.join(pictures, "live-1280.png"), "#live");
-  await tab.value("window.feed(4000, window.rows.length)");
-  await tab.until("document.getElementById('live-stop').disabled", 300); // every requirement is met
-  assert.match(await text("live-state"), /^\d+ rests in \d+ s\. Done/);
+  }`);
+  await feed(unit.rest(6));
+  for (let rests = 1, done = false; !done; ++rests) {
+    await tab.until(`/^${rests} rests in .*(Next: turn|Done)/.test(document.getElementById("live-state").innerText)`, 120);
+    const said = await text("live-state");
+    done = said.includes("Done: every requirement is met. Resolution: gyros");
+    const [, degrees, axis] = /turn by (\d+) deg about (\S+)/.exec(said) ?? [];
+    if (rests === 6) await tab.picture(path.join(pictures, "live-1280.png"), "#live");
+    if (!done) await feed([...unit.turn(Number(degrees), axis), ...unit.rest(6)]);
+    figures["turns as live says"] = rests - 1;
+  }
+  await tab.until("document.getElementById('live-stop').disabled");
+  assert.match(await text("live-state"), /Signs of the accelerometers reversed/);
   await shown("work");
 }
 
 async function serial() {
+  native("simulate", "hand.toml", "-o", "other", "--seed", "2");
+  const rows = fs.readFileSync(file("other/recording.csv"), "utf8").trim().split("\n").slice(1).filter((_, i) => i % 2 === 0);
   await tab.value(`{
-    const rows = window.rows.map((row) => row.join(" ") + "\\r\\n").join("");
+    const rows = ${JSON.stringify(`${rows.join("\r\n")}\r\n`)}.replaceAll(",", " ");
     const readable = new ReadableStream({ start(c) {
       for (let at = 0; at < rows.length; at += 5001) c.enqueue(new TextEncoder().encode(rows.slice(at, at + 5001)));
       c.close();
     } });
     Object.defineProperty(navigator, "serial", { value: { requestPort: async () => ({ open: async () => {}, close: async () => {}, readable }) } });
   }`);
+  await tab.value("document.getElementById('live-state').textContent = ''");
   await tab.click("#live-serial");
   await tab.until("/Done/.test(document.getElementById('live-state').innerText)", 300);
 }
@@ -248,7 +303,9 @@ function expectOwnRequests() {
 }
 
 try {
-  for (const step of [firstVisit, calibrateAFile, exportAndCompensate, noiseOfTheExample, questions, grade, wrongFiles, withoutStorage, outOfMemory, cancel, speed, live, serial, offline]) {
+  const flows = [firstVisit, calibrateAFile, exportAndCompensate, noiseOfTheExample, questions, grade, keyboard];
+  const limits = [wrongFiles, withoutStorage, outOfMemory, large, cancel, speed];
+  for (const step of [...flows, records, ...limits, live, serial, offline]) {
     const begin = Date.now();
     await step();
     console.log(`page: ${step.name} ${((Date.now() - begin) / 1000).toFixed(1)} s`);
