@@ -2,6 +2,7 @@
 import { command, inspect } from "./module/imulab.js";
 import { turnPicture } from "./picture.js";
 import { questionField } from "./questions.js";
+import { saveButton } from "./save.js";
 
 /** @param {string} id @returns {any} */
 const at = (id) => document.getElementById(id);
@@ -24,7 +25,7 @@ class Stream {
 
 /** @type {Stream | null} */
 let stream = null;
-/** @type {(files: Record<string, string>) => void} */
+/** @type {(files: Record<string, string>, declared: Record<string, string>) => void} */
 let openLog = () => {};
 
 // A phone's sensors: W3C's accelerationIncludingGravity [m/s^2] and rotationRate [deg/s], whose alpha is about z, beta about x and gamma about y.
@@ -152,7 +153,7 @@ function begin(session) {
   stop();
   stream = Object.assign(new Stream(), { session });
   at("live-stop").disabled = false;
-  at("live-questions").replaceChildren();
+  for (const id of ["live-questions", "live-saves"]) at(id).replaceChildren();
   say("Waiting for rows.");
   return stream;
 }
@@ -184,10 +185,12 @@ function stop() {
   if (own.rows.length < 2) return;
   /** @type {Record<string, string>} */
   const files = { "live.csv": own.text() };
-  openLog(files);
+  const saved = { ...files, ...(own.session ? { "session.toml": own.session } : {}) };
+  at("live-saves").replaceChildren(...Object.entries(saved).map(([name, content]) => saveButton(name, content)));
+  openLog(files, { latitude_deg: at("live-latitude").value });
 }
 
-/** @param {(files: Record<string, string>) => void} open takes the recording at the end */
+/** @param {typeof openLog} open takes the recording at the end */
 export function startLive(open) {
   openLog = open;
   at("live-motion").onclick = () => startMotion().catch((error) => say(error.message));

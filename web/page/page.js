@@ -2,6 +2,7 @@
 import { calibrate, command, compensate, inspect, noise, prepare } from "./module/imulab.js";
 import { questionField } from "./questions.js";
 import { showReport } from "./report.js";
+import { saveButton } from "./save.js";
 
 /** @typedef {import("./module/imulab.js").Answer} Answer @typedef {import("./module/imulab.js").Content} Content */
 
@@ -31,7 +32,10 @@ async function runs(label, work) {
   at("cancel").disabled = false;
   const begin = performance.now();
   let line = label;
-  const show = () => (at("progress").textContent = `${line} (${Math.round((performance.now() - begin) / 1000)} s)`);
+  const show = () => {
+    if (at("progress").textContent !== line) at("progress").textContent = line;
+    at("clock").textContent = `${Math.round((performance.now() - begin) / 1000)} s`;
+  };
   at("progress").textContent = label;
   const clock = setInterval(show, 1000);
   try {
@@ -45,6 +49,7 @@ async function runs(label, work) {
       state.running = null;
       at("cancel").disabled = true;
       at("progress").textContent = running.signal.aborted ? "Cancelled." : "";
+      at("clock").textContent = "";
     }
   }
 }
@@ -159,8 +164,8 @@ async function compute() {
     const all = { ...options, set };
     if (state.inspected !== JSON.stringify(set)) takeInspection(await inspect(state.files, all), set);
     state.session = graded(state.inspection?.files["session.toml"], form.grade.value);
-    const bySession = state.session && (form.grade.value || Object.keys(state.files).length > 1); // files of one recording belong together there
-    const [files, more] = bySession ? [{ ...state.files, "session.toml": state.session }, options] : [state.files, all];
+    const session = form.grade.value || Object.keys(state.files).length > 1 ? state.session : null; // files of one recording belong together there
+    const [files, more] = session ? [{ ...state.files, "session.toml": session }, options] : [state.files, all];
     if (verb === "noise") return noise(files, more);
     if (verb === "compensate") return compensate(calibration, files, more);
     return calibrate(files, { ...more, method });
@@ -176,16 +181,6 @@ function graded(session, grade) {
 }
 
 // 4. The result
-
-/** @param {string} name @param {Content} content */
-function saveButton(name, content) {
-  const save = () => {
-    const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(new Blob([/** @type {BlobPart} */ (content)])), download: name });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-  };
-  return made("button", `Save ${name}`, { type: "button", onclick: save });
-}
 
 /** @param {Answer} answer */
 function showResult(answer) {

@@ -33,7 +33,7 @@ const saved = (name) =>
     const original = URL.createObjectURL;
     URL.createObjectURL = (blob) => (blob.text().then(done), (URL.createObjectURL = original), original(blob));
     HTMLAnchorElement.prototype.click = () => {};
-    [...document.querySelectorAll("#saves button")].find((b) => b.textContent === "Save ${name}").click();
+    [...document.querySelectorAll("button")].find((b) => b.textContent === "Save ${name}").click();
   })`);
 
 /** The same model within a millionth of its uncertainties' scale: rounding reaches 1e-12. */
@@ -264,7 +264,9 @@ async function live() {
   }
   await tab.until("document.getElementById('live-stop').disabled");
   assert.match(await text("live-state"), /Signs of the accelerometers reversed/);
+  assert.match(await saved("live.csv"), /^t,gx,gy,gz,ax,ay,az\n0\.000000,/);
   await shown("work");
+  assert.equal(await tab.value("document.querySelector('[name=latitude_deg]').value"), "45");
 }
 
 async function serial() {
