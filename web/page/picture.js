@@ -67,13 +67,13 @@ function box(up, axis, title, shift) {
     group.append(part("line", { x1: -x, y1: -y, x2: x, y2: y, stroke: "#d06000", "stroke-width": 0.05 }));
     group.append(part("circle", { cx: x, cy: y, r: 0.08, fill: "#d06000", stroke: "none" }));
   }
-  group.append(part("text", { x: 0, y: -1.5, "font-size": 0.24, fill: "currentColor", stroke: "none", "text-anchor": "middle" }, title));
+  group.append(part("text", { x: 0, y: -1.78, "font-size": 0.24, fill: "currentColor", stroke: "none", "text-anchor": "middle" }, title));
   return group;
 }
 
 /** @param {string} up the side that points up now @param {string} next "turn by 90 deg about -y until +x points up" */
 export function turnPicture(up, next) {
-  const picture = part("svg", { viewBox: "0 0 320 200", role: "img", "aria-label": next || up });
+  const picture = part("svg", { viewBox: "0 -14 320 214", role: "img", "aria-label": next || up });
   const now = directionOf(up);
   const [, axis, then] = /about (\S+) until (.*) points up/.exec(next) ?? [];
   if (now) picture.append(box(now, axis ? directionOf(axis) : null, "now", 80));
