@@ -138,7 +138,8 @@ async function advise(own) {
 /** @param {any} view @param {Stream} own */
 function show(view, own) {
   const time = `${view.rests} rests in ${view.time_s.toFixed(0)} s`;
-  const parts = [time, view.done && "Done: every requirement is met", view.problem, view.next && `Next: ${view.next}`];
+  const next = view.next ? `Next: ${view.next}` : !view.done && !view.problem && "No turn is missing, but the data contradict: stop, and compute";
+  const parts = [time, view.done && "Done: every requirement is met", view.problem, next];
   say(`${parts.filter(Boolean).join(". ")}. ${own.note}`);
   at("live-picture").replaceChildren(turnPicture(view.up ?? "", view.next ?? ""));
   at("live-requirements").replaceChildren(
