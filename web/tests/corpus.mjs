@@ -15,6 +15,7 @@ const uses = [
   ["import", "input", "-o", "imported.json"],
   ["budget", "input", "--runs", "2"],
 ];
+process.setMaxListeners(0); // each instance has its own
 let runs = 0;
 for (const folder of folders)
   for (const name of fs.readdirSync(folder, { recursive: true })) {
