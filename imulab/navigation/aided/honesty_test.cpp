@@ -95,7 +95,7 @@ TEST(AidedHonesty, AHeadingThatContradictsIsNamed) {
     heading.record.time.push_back(std::llround(1e9 * d.motion.time[i]));
     heading.record.value.push_back(-euler_angles(d.motion.states[i].q_nb.toRotationMatrix()).heading);  // counted the other way
   }
-  EXPECT_THAT(doubts_of(d), testing::Contains(testing::HasSubstr("heading: its")));
+  EXPECT_THAT(doubts_of(d), testing::Contains(testing::HasSubstr("heading: its error comes out")));
 }
 
 TEST(AidedHonesty, ValuesThatContradictInARowAreNamed) {

@@ -136,7 +136,7 @@ bool same_positions(const AidRecord& a, const AidRecord& b) {
   return common >= fewest && 2 * same > common;
 }
 
-/// How many times its usual size the noise of an aid is, the largest of its sources.
+/// How many times its usual size the noise of an aid is, or its slow error, the largest of its sources.
 double times_usual(const Problem& p, const Channel& c) {
   const AidRecord& r = c.aid.record;
   const AidLaw& law = aid_law(c.aid.kind);
@@ -145,7 +145,13 @@ double times_usual(const Problem& p, const Channel& c) {
     for (std::size_t i = 0; i < values.size(); ++i) all.push_back(sigma(c.aid, i));
     return all.empty() ? 0 : median(std::move(all)) * std::sqrt(p.sources[source].factor) / usual;
   };
-  return std::max({times(r.position, law.position_sigma, c.first_noise, [](const Aid& aid, std::size_t i) { return position_sigma(aid, i).mean(); }),
+  double slow = 0;
+  if (c.slow >= 0) {
+    const StateBlock& b = *std::ranges::find(p.blocks, c.slow, &StateBlock::first);
+    slow = b.sigma * std::sqrt(p.sources[*b.noise].factor) / std::max({b.sigma, law.position_sigma, law.value_sigma});
+  }
+  return std::max({slow,
+                   times(r.position, law.position_sigma, c.first_noise, [](const Aid& aid, std::size_t i) { return position_sigma(aid, i).mean(); }),
                    times(r.velocity, law.velocity_sigma, c.second_noise, [](const Aid& aid, std::size_t i) { return velocity_sigma(aid, i).mean(); }),
                    times(r.value, law.value_sigma, c.first_noise, value_sigma)});
 }
@@ -165,7 +171,7 @@ std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedN
         doubts.push_back(
             fmt::format("{}: has the positions of {}: one receiver, whose errors count once; leave one out", place_of(c), place_of(before)));
     if (const double times = times_usual(p, c); times > wrong)
-      doubts.push_back(fmt::format("{}: its noise comes out {:.3g} times what a {} usually has: another unit, sign or frame", place_of(c), times,
+      doubts.push_back(fmt::format("{}: its error comes out {:.3g} times what a {} usually has: another unit, sign or frame", place_of(c), times,
                                    aid_law(c.aid.kind).name));
     for (const StateBlock& b : p.blocks) {
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
