@@ -2,6 +2,7 @@
 #include "imulab/model/sensor_noise.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/filter_flicker.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -75,6 +76,18 @@ TEST(SensorNoise, AllanDeviationOfBiasInstability) {
   // 10^4 samples (its spectrum, integrated numerically).
   expect_variance(
       {.B = 2}, [](double) { return 4 * 2 * std::numbers::ln2 / std::numbers::pi; }, 0.5, 0.01);
+}
+
+// Of a first-order process: IEEE Std 952, C.1.5.
+TEST(FilterFlicker, HasTheAllanDeviationOfBiasInstability) {
+  constexpr double T = FilterFlicker::time, within = 0.11;
+  const FilterFlicker f(1);
+  for (double tau = 10; tau <= 1000; tau *= 1.5) {
+    const double x = tau / T;
+    const double process = 2 * f.sigma * f.sigma / x * (1 - (3 - 4 * std::exp(-x) + std::exp(-2 * x)) / (2 * x));
+    const double variance = f.white * f.white / tau + process + f.walk * f.walk * tau / 3;
+    EXPECT_NEAR(std::sqrt(variance / (2 * std::numbers::ln2 / std::numbers::pi)), 1, within) << tau;
+  }
 }
 
 TEST(SensorNoise, AllanDeviationOfARampIsExact) {

@@ -2,6 +2,7 @@
 
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
+#include "imulab/model/filter_flicker.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -54,19 +55,21 @@ std::vector<SensorState> sensor_states(const Problem& p) {
   return out;
 }
 
+std::string name_of_part(const std::string& block) { return in_words(block.starts_with("accel.") ? "accelerometer" + block.substr(5) : block); }
+
 void add_noise_parts(Parts& parts, const Problem& p, const ErrorSources& sources) {
   for (std::size_t k = 0; k < p.sources.size(); ++k) {
     const std::string& name = p.sources[k].name;
-    if (k == p.gyro_source || k == p.accel_source) {
-      parts.named(k == p.gyro_source ? "gyro white noise" : "accelerometer white noise").noises.emplace_back(k, 1);
-    } else if (name == "gyro.drift" || name == "accel.drift") {
-      const bool gyro = name == "gyro.drift";
+    const bool gyro = name.starts_with("gyro"), white = k == p.gyro_source || k == p.accel_source;
+    if (gyro || name.starts_with("accel")) {
       const NoiseModel& n = gyro ? sources.gyro_noise : sources.accel_noise;
-      const double all = std::pow(offset_walk(n), 2);
-      if (!(all > 0)) continue;
+      const FilterFlicker f(n.B);
       const std::string triad = gyro ? "gyro " : "accelerometer ";
-      parts.named(triad + "flicker").noises.emplace_back(k, 1 - n.K * n.K / all);
-      parts.named(triad + "random walk").noises.emplace_back(k, n.K * n.K / all);
+      const double other = white ? n.N : name.ends_with("drift") ? n.K : 0, slow = white ? f.white : name.ends_with("drift") ? f.walk : f.sigma;
+      const double all = other * other + slow * slow;
+      if (!(all > 0)) continue;
+      parts.named(triad + "flicker").noises.emplace_back(k, slow * slow / all);
+      parts.named(triad + (white ? "white noise" : "random walk")).noises.emplace_back(k, other * other / all);
     } else {
       const bool slow = std::ranges::find(p.blocks, name, &StateBlock::name) != p.blocks.end();
       parts.named(in_words(name) + (slow ? "" : " noise")).noises.emplace_back(k, 1);
@@ -81,16 +84,20 @@ std::vector<CovariancePart> parts_of(const Problem& p, const FilterStart& start,
   };
   for (const SensorState& s : sensor_states(p)) {
     const Coefficient& c = coefficient(s.coefficient);
-    const double turn_on = c.term != Term::offset ? 0 : c.triad == Triad::gyro ? sources.gyro_noise.turn_on.value : sources.accel_noise.turn_on.value;
-    add(budget::group_of(c), s.state, std::sqrt(std::max(0., std::pow(start.sigma[s.state], 2) - turn_on * turn_on)));
-    add(c.triad == Triad::gyro ? "gyro turn-on" : "accelerometer turn-on", s.state, std::abs(turn_on));
+    const NoiseModel noise = c.term != Term::offset ? NoiseModel{} : c.triad == Triad::gyro ? sources.gyro_noise : sources.accel_noise;
+    const double turn_on = noise.turn_on.value, flicker = FilterFlicker(noise.B).start;
+    const std::string triad = c.triad == Triad::gyro ? "gyro " : "accelerometer ";
+    add(budget::group_of(c), s.state, std::sqrt(std::max(0., std::pow(start.sigma[s.state], 2) - turn_on * turn_on - flicker * flicker)));
+    add(triad + "turn-on", s.state, std::abs(turn_on));
+    add(triad + "flicker", s.state, flicker);
   }
   const Eigen::VectorXd variance = start_variance(p, start);
   for (Index k = 0; k < 3; ++k) add(k < 2 ? "start attitude: level" : "start attitude: heading", At::attitude + k, start.sigma[k]);
   for (Index k = 0; k < 3; ++k) add("start velocity", At::velocity + k, start.sigma[At::velocity + k]);
   for (Index k = 0; k < 3; ++k) add("start position", At::position + k, start.sigma[At::position + k]);
   for (const StateBlock& b : p.blocks)
-    for (Index k = 0; k < b.size && b.first >= p.sensors_end; ++k) add(in_words(b.name), b.first + k, std::sqrt(variance[b.first + k]));
+    for (Index k = 0; k < b.size && (b.first >= p.sensors_end || b.stationary()); ++k)
+      add(name_of_part(b.name), b.first + k, std::sqrt(variance[b.first + k]));
   add_noise_parts(parts, p, sources);
   return parts.all;
 }
@@ -108,8 +115,7 @@ SensorPriors priors_of(const ErrorSources& s) {
     out.gyro_offset[k] = std::hypot(out.gyro_offset[k], s.gyro_noise.turn_on.value);
     out.accel_offset[k] = std::hypot(out.accel_offset[k], s.accel_noise.turn_on.value);
   }
-  out.gyro_walk.setConstant(offset_walk(s.gyro_noise)), out.accel_walk.setConstant(offset_walk(s.accel_noise));
-  out.gyro_noise.setConstant(s.gyro_noise.N), out.accel_noise.setConstant(s.accel_noise.N);
+  take_noise(s.gyro_noise, s.accel_noise, out);
   return out;
 }
 

@@ -192,7 +192,7 @@ TEST(Aided, DerivativesAreThoseOfTheRows) {
         (at.time + (c.delay >= 0 ? state.x[c.delay] - state.x[c.delay + 1] * p.delay_time() : 0)) / (1 - (c.delay >= 0 ? state.x[c.delay + 1] : 0));
     const ObservedRows rows = observe(p, o, at);
     for (Eigen::Index k = 0; k < p.size; ++k) {
-      const bool of_sensors = k >= p.accel_offset && k < p.sensors_end;
+      const bool of_sensors = k >= p.accel_offset && k < p.sensors_end && (k < p.gyro_flicker || k >= p.accel_flicker);
       if (of_sensors && c.aid.kind != AidKind::zero_velocity) continue;  // the others read them by the motion
       constexpr double h = 1e-5;
       Eigen::VectorXd step = Eigen::VectorXd::Zero(p.size);
@@ -315,8 +315,8 @@ TEST(Aided, TheBudgetForeseesItsSigma) {
   ErrorSources sources = error_sources(of_grade);
   for (auto* noise : {&sources.gyro_noise, &sources.accel_noise}) {
     const std::string triad = noise == &sources.gyro_noise ? "gyro" : "accel";
-    noise->N *= times(triad), noise->B *= times(triad + ".drift"), noise->K *= times(triad + ".drift"), noise->turn_on = {}, noise->R = {},
-                                                                                                        noise->Q = 0;
+    noise->N *= times(triad), noise->K = aided::offset_walk(*noise) * times(triad + ".drift");
+    noise->B = 0, noise->turn_on = {}, noise->R = {}, noise->Q = 0;
   }
   sources.start.attitude = {Spread{5 * unit::deg}, Spread{5 * unit::deg}, Spread{30 * unit::deg}};
   sources.start.velocity = {Spread{2}, Spread{2}, Spread{2}}, sources.start.position = {Spread{30}, Spread{30}, Spread{30}};

@@ -31,15 +31,15 @@ Recording ideal_readings(const motion::NominalMotion& motion) {
 namespace {
 
 /// With white noise of the sensors, whose size the passes are to find as that of the aids.
-Recording with_noise(Recording r, const SensorPriors& priors) {
+Recording with_noise(Recording r, const Problem& p) {
   constexpr std::uint64_t seed = 1;
   const RandomStream draws(seed, "foreseen sensors");
   std::uint64_t drawn = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     const double root = std::sqrt(r.interval(i, false));
     for (std::size_t k = 0; k < 3; ++k) {
-      r.gyro[k][i] += priors.gyro_noise[static_cast<Index>(k)] / root * draws.normal(drawn++);
-      r.accel[k][i] += priors.accel_noise[static_cast<Index>(k)] / root * draws.normal(drawn++);
+      r.gyro[k][i] += p.gyro_white[static_cast<Index>(k)] / root * draws.normal(drawn++);
+      r.accel[k][i] += p.accel_white[static_cast<Index>(k)] / root * draws.normal(drawn++);
     }
   }
   return r;
@@ -52,7 +52,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
   const Recording recording = ideal_readings(motion);
   Problem p = make_problem(recording, priors, aids, session);
   add_first_rest(p, recording, session);
-  const Recording noisy = with_noise(recording, priors);
+  const Recording noisy = with_noise(recording, p);
   p.samples = IncrementView(noisy);
   set_first_factors(p);
   const FilterStart start = start_near(p, motion.states.front());

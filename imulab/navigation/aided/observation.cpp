@@ -51,6 +51,12 @@ ObservedRows joined_rows(ObservedRows a, const ObservedRows& b) {
   return out;
 }
 
+/// Three rows from `row` on, by the offsets of the gyros.
+void set_by_rate(const Problem& p, Eigen::Index row, const Matrix3d& derivative, MatrixXd& out) {
+  for (const Eigen::Index first : {p.gyro_offset, p.gyro_flicker})
+    if (first >= 0) out.block<3, 3>(row, first) = derivative;
+}
+
 ObservedRows observe_position(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& place) {
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const Vector3d lever = lever_of(c, at), moved = C * lever, velocity = at.state.motion.velocity + C * at.rate_eb.cross(lever);
@@ -80,7 +86,7 @@ ObservedRows observe_velocity(const Problem& p, const Channel& c, const Observat
   out.residual = measured - at.state.motion.velocity - swung - offset_in_time(p, c, o, at) * acceleration;
   out.derivative.middleCols<3>(At::attitude) = -skew<double>(swung);
   out.derivative.middleCols<3>(At::velocity).setIdentity();
-  out.derivative.middleCols<3>(p.gyro_offset) = -C * skew<double>(lever);
+  set_by_rate(p, 0, -C * skew<double>(lever), out.derivative);
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C * skew<double>(at.rate_eb);
   set_delay(p, c, o, acceleration, out.derivative);
   out.variance = velocity_sigma(c.aid, o.row).cwiseAbs2();
@@ -107,7 +113,7 @@ VehicleVelocity vehicle_velocity(const Problem& p, const Channel& c, const Insta
   VehicleVelocity out{R * body, MatrixXd::Zero(3, p.size)};
   out.derivative.middleCols<3>(At::attitude) = R * C_bn * skew<double>(at.state.motion.velocity);
   out.derivative.middleCols<3>(At::velocity) = R * C_bn;
-  out.derivative.middleCols<3>(p.gyro_offset) = -R * skew<double>(lever);
+  set_by_rate(p, 0, -R * skew<double>(lever), out.derivative);
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = R * skew<double>(at.rate_eb);
   if (c.mount >= 0) {
     const double yaw = at.state.x[c.mount + 1];
@@ -186,7 +192,7 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
   out.residual << -at.state.motion.velocity, C_bn * earth - at.rate_ib;
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
   out.derivative.block<3, 3>(3, At::attitude) = -C_bn * skew<double>(earth);
-  out.derivative.block<3, 3>(3, p.gyro_offset).setIdentity();
+  set_by_rate(p, 3, Matrix3d::Identity(), out.derivative);
   for (Eigen::Index j = 0; j < 3; ++j) {
     if (p.gyro_matrix >= 0) out.derivative.block<3, 3>(3, p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
     if (p.g_sensitivity >= 0) out.derivative.block<3, 3>(3, p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();

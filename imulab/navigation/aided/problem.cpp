@@ -47,6 +47,8 @@ Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationSta
 Increment corrected(const Problem& p, const TimedIncrement& sample, const Eigen::VectorXd& x) {
   const Vector3d &angle = sample.increment.angle, &velocity = sample.increment.velocity;
   Increment out{angle + sample.interval * x.segment<3>(p.gyro_offset), velocity + sample.interval * x.segment<3>(p.accel_offset)};
+  if (p.gyro_flicker >= 0) out.angle += sample.interval * x.segment<3>(p.gyro_flicker);
+  if (p.accel_flicker >= 0) out.velocity += sample.interval * x.segment<3>(p.accel_flicker);
   const auto matrix = [&](Eigen::Index first) { return Eigen::Map<const Matrix3d>(x.data() + first); };  // column by column
   if (p.gyro_matrix >= 0) out.angle += matrix(p.gyro_matrix) * angle;
   if (p.g_sensitivity >= 0) out.angle += matrix(p.g_sensitivity) * velocity;

@@ -75,11 +75,13 @@ struct Problem {
   double interval = 0;               // nominal [s]
   std::optional<double> gravity;     // m/s^2
   Vector3d gyro_noise, accel_noise;  // densities of each axis, SI
+  Vector3d gyro_white, accel_white;  // and with what is fast of their flicker
   std::size_t gyro_source = 0, accel_source = 0;
   std::vector<NoiseSource> sources;
   std::vector<StateBlock> blocks;  // all but the first nine states
   Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
-  const OutputTerms* terms = nullptr;  // with states from terms_first on
+  Eigen::Index gyro_flicker = -1, accel_flicker = -1;  // beside the offsets
+  const OutputTerms* terms = nullptr;                  // with states from terms_first on
   Eigen::Index terms_first = -1;
   Eigen::Index sensors_end = 15;  // of the states that the sensors' output depends on
   Eigen::Index size = 15;

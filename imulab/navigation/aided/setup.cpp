@@ -3,6 +3,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/model/filter_flicker.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/recording/aid_clock.hpp"
 #include "imulab/units.hpp"
@@ -43,19 +44,32 @@ StateBlock constants(std::string name, const VectorXd& prior) {
   return {.name = std::move(name), .size = prior.size(), .prior = prior, .walk = {}, .noise = {}};
 }
 
+Index add_markov(Problem& p, const std::string& name, Index size, double sigma, double time) {
+  return add_block(
+      p,
+      {.name = name, .size = size, .prior = VectorXd::Constant(size, sigma), .time = time, .sigma = sigma, .walk = {}, .noise = add_source(p, name)});
+}
+
 /// Column by column.
 VectorXd flat(const Matrix3d& m) { return Eigen::Map<const VectorXd>(m.data(), 9); }
 
 void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.size = At::sensors;
   p.gyro_source = add_source(p, "gyro"), p.accel_source = add_source(p, "accel");
-  const auto offset = [&](const std::string& name, const Vector3d& prior, const Vector3d& walk) {
+  const FilterFlicker gyro(priors.gyro_flicker), accel(priors.accel_flicker);
+  const auto offset = [&](const std::string& name, const Vector3d& prior, double K, const FilterFlicker& flicker) {
     StateBlock block = constants(name + ".offset", prior);
-    block.walk = walk, block.noise = add_source(p, name + ".drift");
+    block.walk = Vector3d::Constant(std::hypot(K, flicker.walk)), block.noise = add_source(p, name + ".drift");
     return add_block(p, std::move(block));
   };
-  p.gyro_offset = offset("gyro", priors.gyro_offset, priors.gyro_walk);
-  p.accel_offset = offset("accel", priors.accel_offset, priors.accel_walk);
+  const auto process = [&](const std::string& name, const FilterFlicker& flicker) -> Index {
+    return flicker.sigma > 0 ? add_markov(p, name + ".flicker", 3, flicker.sigma, FilterFlicker::time) : -1;
+  };
+  p.gyro_offset = offset("gyro", priors.gyro_offset, priors.gyro_walk, gyro);
+  p.accel_offset = offset("accel", priors.accel_offset, priors.accel_walk, accel);
+  p.gyro_flicker = process("gyro", gyro), p.accel_flicker = process("accel", accel);
+  p.gyro_white = priors.gyro_noise.unaryExpr([&](double N) { return std::hypot(N, gyro.white); });
+  p.accel_white = priors.accel_noise.unaryExpr([&](double N) { return std::hypot(N, accel.white); });
   if (matrices) {
     p.gyro_matrix = add_block(p, constants("gyro.matrix", flat(priors.gyro_matrix)));
     p.accel_matrix = add_block(p, constants("accel.matrix", flat(priors.accel_matrix)));
@@ -93,13 +107,7 @@ double take_level(Aid& aid) {
 }
 
 Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::Index size, double sigma, double time) {
-  return add_block(p, {.name = name,
-                       .size = size,
-                       .prior = VectorXd::Constant(size, sigma),
-                       .time = c.aid.correlation.value_or(time),
-                       .sigma = sigma,
-                       .walk = {},
-                       .noise = add_source(p, name)});
+  return add_markov(p, name, size, sigma, c.aid.correlation.value_or(time));
 }
 
 void add_channel(Problem& p, const Aid& aid, const std::string& name) {
@@ -246,6 +254,15 @@ void take_coefficients(const SensorModel& model, const std::vector<CoefficientIn
   out.g_sensitivity = Eigen::Map<const Matrix3d>(sigma.data() + g_sensitivity_at);
 }
 
+void take_noise(const NoiseModel& gyro, const NoiseModel& accel, SensorPriors& out) {
+  const auto with = [](const NoiseModel& n, Vector3d& offset, Vector3d& white, double& walk, double& flicker) {
+    for (double& sigma : offset) sigma = std::hypot(sigma, FilterFlicker(n.B).start);
+    white.setConstant(n.N), walk = n.K, flicker = n.B;
+  };
+  with(gyro, out.gyro_offset, out.gyro_noise, out.gyro_walk, out.gyro_flicker);
+  with(accel, out.accel_offset, out.accel_noise, out.accel_walk, out.accel_flicker);
+}
+
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu) {
   const Grade& g = grade(imu.grade.value_or("mems"));
   const bool known = !calibration.estimated.empty();
@@ -268,15 +285,17 @@ SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration&
     if (!estimated(Triad::accel, Term::offset, i, i)) out.accel_offset[i] = g.accel_bias;
     if (known) out.gyro_offset[i] = std::hypot(out.gyro_offset[i], gyro.turn_on.value);
     if (known) out.accel_offset[i] = std::hypot(out.accel_offset[i], accel.turn_on.value);
-    out.gyro_walk[i] = offset_walk(gyro), out.accel_walk[i] = offset_walk(accel);
-    out.gyro_noise[i] = density(imu.gyro_noise_density, rest ? &rest->gyro : nullptr, i, gyro.N);
-    out.accel_noise[i] = density(imu.accel_noise_density, rest ? &rest->accel : nullptr, i, accel.N);
     for (int j = 0; j < 3; ++j) {
       const bool scale = i == j;
       if (!matrix_known(Triad::gyro, i, j)) out.gyro_matrix(i, j) = scale ? g.gyro_scale : g.gyro_misalignment;
       if (!matrix_known(Triad::accel, i, j)) out.accel_matrix(i, j) = scale ? g.accel_scale : g.accel_misalignment;
       if (!estimated(Triad::gyro, Term::g_sensitivity, i, j)) out.g_sensitivity(i, j) = g.g_sensitivity;
     }
+  }
+  out.gyro_walk = offset_walk(gyro), out.accel_walk = offset_walk(accel);
+  for (int i = 0; i < 3; ++i) {
+    out.gyro_noise[i] = density(imu.gyro_noise_density, rest ? &rest->gyro : nullptr, i, gyro.N);
+    out.accel_noise[i] = density(imu.accel_noise_density, rest ? &rest->accel : nullptr, i, accel.N);
   }
   return out;
 }

@@ -18,19 +18,22 @@ namespace imulab::aided {
 
 /// Standard deviations of the sensors' errors after calibration, before any aid.
 struct SensorPriors {
-  Vector3d gyro_offset, accel_offset;  // rad/s, m/s^2
-  Matrix3d gyro_matrix, accel_matrix;  // (row, column): of the calibrated output
-  Matrix3d g_sensitivity;              // (rad/s)/(m/s^2)
-  Vector3d gyro_walk, accel_walk;      // of the offsets [unit/sqrt(s)]
-  Vector3d gyro_noise, accel_noise;    // densities
-  Eigen::MatrixXd covariance = {};     // of offsets, matrices and g-sensitivity as a calibration has it, in the order of the states; empty: none
+  Vector3d gyro_offset, accel_offset;          // rad/s, m/s^2
+  Matrix3d gyro_matrix, accel_matrix;          // (row, column): of the calibrated output
+  Matrix3d g_sensitivity;                      // (rad/s)/(m/s^2)
+  double gyro_walk = 0, accel_walk = 0;        // of the offsets [unit/sqrt(s)]
+  double gyro_flicker = 0, accel_flicker = 0;  // bias instability B, where it has its own law
+  Vector3d gyro_noise, accel_noise;            // densities
+  Eigen::MatrixXd covariance = {};  // of offsets, matrices and g-sensitivity as a calibration has it, in the order of the states; empty: none
 };
 /// The sensors' constants: what the coefficients' covariance [SI, of the model's raw readings] makes of the calibrated output. Zero for what is not
 /// among the coefficients; noise and walks stay.
 void take_coefficients(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients, const Eigen::MatrixXd& covariance,
                        SensorPriors& priors);
-/// The random walk of an offset that stands for a sensor's slow noise [unit/sqrt(s)].
+/// The random walk of an offset that stands for a sensor's slow noise [unit/sqrt(s)], where its size is found from the data.
 double offset_walk(const NoiseModel& noise);
+/// Takes white noise, walk and flicker, and what is slow of it into the offsets.
+void take_noise(const NoiseModel& gyro, const NoiseModel& accel, SensorPriors& priors);
 /// From the calibration's uncertainties, where it has some of a triad's matrix, and the grade's turn-on; else from the grade, mems where none is
 /// declared. The noise is declared, or that of the rests, or the grade's.
 SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration& imu);

@@ -98,6 +98,7 @@ class ErrorGrowth {
       const double dt = s->time;
       const NineByThree by_v = v + dt / 2 * r, by_tilt = crossed(by_v, s->pushed), by_turn = phi - by_tilt / 2;
       add(p_.gyro_offset, by_turn, s->C), add(p_.accel_offset, by_v, s->C);
+      add(p_.gyro_flicker, by_turn, s->C), add(p_.accel_flicker, by_v, s->C);
       for (Eigen::Index j = 0; j < 3 && p_.gyro_matrix >= 0; ++j) {
         const auto at = static_cast<std::size_t>(j);
         add(p_.gyro_matrix + 3 * j, by_turn, s->C_angle[at]), add(p_.g_sensitivity + 3 * j, by_turn, s->C_velocity[at]);
@@ -118,8 +119,8 @@ class ErrorGrowth {
     for (const Step& s : steps_) t.interval += s.time, pushed += s.pushed, C += s.C;
     C /= t.interval;
     const Matrix3d F = skew<double>(pushed);
-    const Matrix3d gyro = C * p_.gyro_noise.cwiseAbs2().asDiagonal() * C.transpose(),
-                   accel = C * p_.accel_noise.cwiseAbs2().asDiagonal() * C.transpose();
+    const Matrix3d gyro = C * p_.gyro_white.cwiseAbs2().asDiagonal() * C.transpose(),
+                   accel = C * p_.accel_white.cwiseAbs2().asDiagonal() * C.transpose();
     const double T = t.interval;
     const auto block = [](Matrix9& Q, Eigen::Index i, Eigen::Index j, const Matrix3d& value) {
       Q.block<3, 3>(i, j) = value;
