@@ -73,11 +73,11 @@ function box(up, axis, title, shift) {
 
 /** @param {string} up the side that points up now @param {string} next "turn by 90 deg about -y until +x points up" */
 export function turnPicture(up, next) {
-  const picture = part("svg", { viewBox: "0 -14 320 214", role: "img", "aria-label": next || up });
+  const picture = part("svg", { viewBox: "-20 -14 390 214", role: "img", "aria-label": next || up });
   const now = directionOf(up);
   const [, axis, then] = /about (\S+) until (.*) points up/.exec(next) ?? [];
   if (now) picture.append(box(now, axis ? directionOf(axis) : null, "now", 80));
   const target = then ? directionOf(then) : null;
-  if (target) picture.append(box(target, null, "next", 240));
+  if (target) picture.append(box(target, null, "next", 270));
   return picture;
 }
