@@ -187,6 +187,12 @@ std::string far_from_declared(const AidRecord& r, const Session& session) {
 }  // namespace
 
 void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recording& recording, AidedNavigation& out) {
+  constexpr double few = 1e-3;  // of the samples, as of a bump
+  const auto size = static_cast<double>(recording.size()), clipped = static_cast<double>(recording.saturated.size());
+  if (clipped > few * size) {
+    out.doubts.push_back(fmt::format("{:.2g} % of the samples are at a limit: what moved in them is not known", 100 * clipped / size));
+    out.warnings.push_back(recording.name + ": " + out.doubts.back());
+  }
   for (std::size_t k = 0; k < aids.size(); ++k) {
     AidRecord& r = aids[k].record;
     if (aids[k].kind != AidKind::gnss || r.position.empty()) continue;

@@ -76,6 +76,16 @@ TEST(AidedUnmeasured, TheStartFollowsTheMostFixes) {
   EXPECT_THAT(checked(slow).taken(), ElementsAre(0)) << "from there any motion leads to fixes of minutes later";
 }
 
+TEST(AidedUnmeasured, ReadingsAtALimitAreDoubtful) {
+  const std::vector<double> zero(2);
+  Recording recording = make_recording({0.1, 0.2}, {zero, zero, zero}, {zero, zero, zero});
+  recording.saturated = {1};
+  std::vector<Aid> none;
+  AidedNavigation out;
+  take_unmeasured(none, {}, recording, out);
+  EXPECT_THAT(out.doubts, ElementsAre(HasSubstr("50 % of the samples are at a limit")));
+}
+
 TEST(AidedUnmeasured, ZerosAreNoFixes) {
   Aid aid = northward(12);
   for (std::size_t i = 0; i < 3; ++i) aid.record.position[i].setZero(), aid.record.velocity[i].setZero();
