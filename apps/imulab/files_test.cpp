@@ -125,7 +125,7 @@ TEST_F(Files, AnOutputWithoutItsFolderEndsItAtOnce) {
         row.option == "--report" && row.command.find(" -o") == std::string::npos && row.verb != "report" && row.verb != "compare";
     const CommandResult result = run(row, with_output ? "none/x -o first.csv" : "none/x");
     EXPECT_EQ(result.exit_code, 2) << row.command;
-    EXPECT_THAT(result.errors, HasSubstr("imulab: none/x: cannot be written: No such file")) << row.command;
+    EXPECT_THAT(result.errors, HasSubstr("imulab: none/x: cannot be written: none is no folder")) << row.command;
     EXPECT_FALSE(fs::exists(folder / "first.csv")) << row.command;
   }
   EXPECT_EQ(run_imulab(folder, "simulate p.toml -o made/S").exit_code, 0);  // a verb that makes a folder makes those above

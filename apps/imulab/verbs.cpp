@@ -52,8 +52,6 @@ void by_part(const SharingOptions& shared, const ShowOptions& o, const Work& wor
     if (file.empty() || file == "-") throw OptionError("part", shared.part + "; expected -o with the file of the part");
     if (o.json || !o.report.empty()) throw OptionError("part", shared.part + "; --json and --report are of imulab join, which has the whole");
     if (automatic) std::filesystem::create_directories(file);
-    const std::filesystem::path folder = automatic ? file : file.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder)) throw Error(fmt::format("-o {}: {} is no folder", o.output, folder.string()));
   }
   try {
     work();

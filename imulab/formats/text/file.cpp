@@ -38,8 +38,12 @@ fs::path behind_links(fs::path path) {
 }
 
 void expect_place_for(const fs::path& path) {
+  if (is_stream(path)) return;
+  const fs::path folder = behind_links(path).parent_path();
   errno = 0;
-  if (!is_stream(path) && ::access((behind_links(path).parent_path() / ".").c_str(), W_OK | X_OK) != 0) fail(path, "cannot be written");
+  if (::access((folder / ".").c_str(), W_OK | X_OK) == 0) return;
+  if (errno == ENOENT || errno == ENOTDIR) throw Error(path.string() + ": cannot be written: " + folder.string() + " is no folder");
+  fail(path, "cannot be written");
 }
 
 namespace {
