@@ -47,6 +47,11 @@ TEST(NavigateAidedCommand, SmoothsComparesAndWrites) {
     EXPECT_THAT(page, HasSubstr(part));
     EXPECT_THAT(again, HasSubstr(part));
   }
+  Json lasting = json;
+  lasting["noise"]["gnss.velocity"]["lasting"] = 7.5;
+  folder.write("lasting.json", lasting.dump());
+  EXPECT_EQ(run_imulab(folder, "report lasting.json -o lasting.html").exit_code, 0);
+  EXPECT_THAT(read_text(folder / "lasting.html"), HasSubstr("7.5"));
 }
 
 TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {

@@ -6,9 +6,8 @@
 
 namespace imulab {
 
-/// One first-order process with a noise of its own, of a series whose times are in a ratio and whose sum has the
-/// power of flicker. Those that are faster count as white, those that are slower as a walk that has begun long ago. Its Allan deviation is 0.664 B
-/// within 11 % from 10 to 1000 s.
+/// One first-order process with a noise of its own, of a series whose times are in a ratio and whose sum has the power of flicker. Those that are
+/// faster count as white, those that are slower as a walk that has begun long ago. Its Allan deviation is 0.664 B within 11 % from 10 to 1000 s.
 struct FilterFlicker {
   static constexpr double time = 60, ratio = 32;  // s; a coast of ten seconds to ten minutes has its sigma within 4 %
   static constexpr double slower = 3;             // processes: up to three weeks

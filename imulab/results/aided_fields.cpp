@@ -27,8 +27,7 @@ void describe(Fields& f, AidedConstant& c) {
 
 template <class Fields>
 void describe(Fields& f, AidedFactor& a) {
-  f("variance_factor", a.factor), f("resolved", a.resolved);
-  if (a.lasting > 1) f("lasting", a.lasting);
+  f("variance_factor", a.factor), f("resolved", a.resolved), f("lasting", a.lasting, fields::optional);
 }
 
 template <class Fields>
