@@ -1,13 +1,15 @@
 // Every command in the documentation works: the ```console blocks of a page of README.md and docs/**/*.md run in order in one new folder.
 //
-// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it). "# exit code N" after it is the expected exit code (0
-// if absent). Output is illustrative, but a line that begins with "imulab: " must appear on standard error. A picture that a page shows is one that
-// commands made, by its file's name.
+// console_page.hpp says what a block is. A picture that a page shows is one that commands made, by its file's name.
+//
+// With IMULAB_WRITE_DOCS in the environment (./dev docs --write), outputs and pictures are written into the pages instead of compared.
 #include <gmock/gmock.h>
 
+#include "tests/console_page.hpp"
 #include "tests/run_command.hpp"
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <regex>
 #include <set>
 #include <vector>
@@ -17,75 +19,57 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct DocumentedCommand {
-  std::string where, text;
-  int exit_code = 0;
-  std::vector<std::string> errors;
-};
-
-std::vector<DocumentedCommand> commands_of(const std::string& page, const std::string& name) {
-  std::vector<DocumentedCommand> commands;
-  std::istringstream lines(page);
-  bool inside = false;
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    if (line.starts_with("```")) {
-      inside = line == "```console";
-    } else if (inside && line.starts_with("$ ")) {
-      commands.push_back({name + ":" + std::to_string(number), line.substr(2), 0, {}});
-    } else if (inside && !commands.empty() && line.starts_with(">")) {
-      commands.back().text.append("\n").append(line, std::min<std::size_t>(2, line.size()));
-    } else if (inside && !commands.empty() && line.starts_with("# exit code ")) {
-      commands.back().exit_code = std::stoi(line.substr(12));
-    } else if (inside && !commands.empty() && line.starts_with("imulab: ")) {
-      commands.back().errors.push_back(line);
-    }
-  }
-  return commands;
-}
-
 struct PageRun {
-  std::vector<std::string> wrong;  ///< what differs from the page, one text per command
-  std::set<std::string> files;     ///< names of those that the commands made
+  std::vector<std::string> wrong{};  ///< what differs from the page, one text per command
+  std::set<std::string> files{};     ///< names of those that the commands made
+  std::string anew{};                ///< the page with what the commands print now
 };
 
-/// Names of the files in a folder and below it, but not behind links.
-std::set<std::string> files_below(const fs::path& folder) {
-  std::set<std::string> names;
+/// Files in a folder and below it, but not behind links.
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && entry.file_size() > 0) names.insert(entry.path().filename().string());
-  return names;
+    if (entry.is_regular_file() && entry.file_size() > 0) files.push_back(entry.path());
+  return files;
 }
 
-PageRun run_page(const std::string& page, const std::string& name) {
+/// `use` gets each file that the commands made.
+PageRun run_page(const std::string& page, const std::string& name, const std::function<void(const fs::path&)>& use = {}) {
   const TemporaryFolder folder;
   for (const char* part : {"docs", "tests", "examples"})
     fs::create_directory_symlink(fs::path(IMULAB_SOURCE) / part, folder / part);  // as in the repository
   const std::string path = "export PATH=\"" + fs::path(command_path()).parent_path().string() + ":$PATH\"; ";
   PageRun run;
-  std::vector<std::string>& wrong = run.wrong;
-  for (const DocumentedCommand& command : commands_of(page, name)) {
+  const std::vector<DocumentedCommand> commands = commands_of(page);
+  std::vector<ShownOutput> outputs(commands.size());
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    const DocumentedCommand& command = commands[k];
     if (command.text.starts_with("./dev")) continue;  // builds the project
     const CommandResult result = run_shell(folder, path + command.text);
-    const std::string what = command.where + ": " + command.text + "\n";
-    if (result.exit_code != command.exit_code) wrong.push_back(what + "exit code " + std::to_string(result.exit_code) + "\n" + result.errors);
+    std::string wrong;
+    if (result.exit_code != command.exit_code) wrong += "\nexit code " + std::to_string(result.exit_code) + "\n" + result.errors;
     for (const std::string& line : command.errors)
-      if (result.errors.find(line + "\n") == std::string::npos) wrong.push_back(what + "did not say: " + line + "\nbut: " + result.errors);
+      if (result.errors.find(line + "\n") == std::string::npos) wrong += "\ndid not say: " + line + "\nbut: " + result.errors;
+    outputs[k] = compared(command, result.output);
+    for (const std::string& difference : outputs[k].differences) wrong += "\n" + difference;
+    if (!wrong.empty()) run.wrong.push_back(name + ":" + std::to_string(command.line + 1) + ": " + command.text + wrong);
   }
-  run.files = files_below(folder.path());
+  run.anew = written_anew(page, commands, outputs);
+  for (const fs::path& file : files_below(folder.path())) {
+    run.files.insert(file.filename().string());
+    if (use) use(file);
+  }
   return run;
 }
 
 std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) { return run_page(page, name).wrong; }
 
-/// File names of the pictures that a page shows.
-std::vector<std::string> pictures_of(const std::string& page) {
-  std::vector<std::string> names;
+/// Pictures that a page shows, relative to its folder.
+std::vector<fs::path> pictures_of(const std::string& page) {
+  std::vector<fs::path> files;
   static const std::regex picture(R"(!\[[^\]]*\]\(([^)\s]+)\))");
-  for (std::sregex_iterator at(page.begin(), page.end(), picture), end; at != end; ++at)
-    names.push_back(fs::path((*at)[1].str()).filename().string());
-  return names;
+  for (std::sregex_iterator at(page.begin(), page.end(), picture), end; at != end; ++at) files.emplace_back((*at)[1].str());
+  return files;
 }
 
 std::vector<fs::path> all_pages() {
@@ -128,19 +112,26 @@ std::vector<std::string> broken_links(const std::string& page, const fs::path& f
 }
 
 TEST(Documentation, EveryCommandRuns) {
+  const bool writes = std::getenv("IMULAB_WRITE_DOCS") != nullptr;
   std::size_t commands = 0;
   std::set<std::string> made;
   for (const fs::path& page : all_pages()) {
     const std::string text = read_text(page);
-    commands += commands_of(text, "").size();
-    const PageRun run = run_page(text, page.filename().string());
-    EXPECT_THAT(run.wrong, testing::IsEmpty());
+    commands += commands_of(text).size();
+    const PageRun run = run_page(text, page.filename().string(), [&](const fs::path& file) {
+      for (const fs::path& picture : pictures_of(text))
+        if (writes && picture.filename() == file.filename()) fs::copy_file(file, page.parent_path() / picture, fs::copy_options::overwrite_existing);
+    });
+    if (writes && run.anew != text) std::ofstream(page, std::ios::binary) << run.anew;
+    if (!writes) EXPECT_THAT(run.wrong, testing::IsEmpty());
     made.insert(run.files.begin(), run.files.end());
     if (page.filename() == "README.md") continue;  // shows others' pictures, too
-    for (const std::string& picture : pictures_of(text)) EXPECT_TRUE(run.files.contains(picture)) << page << " does not make " << picture;
+    for (const fs::path& picture : pictures_of(text))
+      EXPECT_TRUE(run.files.contains(picture.filename().string())) << page << " does not make " << picture;
   }
   EXPECT_GE(commands, 5u);  // the tutorial by hand alone has more
-  for (const std::string& picture : pictures_of(read_text(fs::path(IMULAB_SOURCE) / "README.md"))) EXPECT_TRUE(made.contains(picture)) << picture;
+  for (const fs::path& picture : pictures_of(read_text(fs::path(IMULAB_SOURCE) / "README.md")))
+    EXPECT_TRUE(made.contains(picture.filename().string())) << picture;
 }
 
 TEST(Documentation, EveryLinkExists) {
@@ -166,6 +157,22 @@ TEST(Documentation, AWrongCommandIsFound) {
   EXPECT_THAT(wrong_commands(page("$ imulab --version\nimulab: warning: old\n"), "p"), testing::SizeIs(1));
   EXPECT_THAT(wrong_commands(page("$ cat > f <<END\n> a\n> END\n$ grep -q a f\n$ grep -q b f\n"), "p"), testing::SizeIs(1));
   EXPECT_THAT(wrong_commands("```\n$ imulab calibarte\n```\n", "p"), testing::IsEmpty());  // not marked console
+}
+
+TEST(Documentation, AWrongOutputIsFoundAndWrittenAnew) {
+  const std::string command = "$ printf 'chi2 %s (x1 of 42)\\nkept\\n  2.00  m\\nend\\n' 22.5\n";
+  const auto run = [&](const std::string& output) { return run_page("text\n```console\n" + command + output + "```\nmore\n", "p"); };
+  for (const char* good : {"", "...\n", "chi2 22.5 (x1 of 42)\nkept\n2 m\nend\n", "chi2  22.4 (x1 of 42)\n...\n  2.00 m\nend\n",
+                           "chi2 22.5 ...\n...\nend\n", "# tolerance 20 %\nchi2 19 (x1 of 42)\n...\n", "...\nkept\n  ...\n"})
+    EXPECT_THAT(run(good).wrong, testing::IsEmpty()) << good;
+  for (const char* bad : {"chi2 22.5 (x1 of 42)\n", "chi2 22.2 (x1 of 42)\n...\n", "chi2 -22.5 (x1 of 42)\n...\n", "chi2 22.5 (x2 of 42)\n...\n",
+                          "chi3 22.5 ...\n...\n", "...\nkept\nend\n", "...\nend\n...\nkept\n", "# tolerance 20 %\nchi2 17 (x1 of 42)\n...\n",
+                          "kept\n...\n", "...\nend\nlost\n", "...\nelse\n...\n"})
+    EXPECT_THAT(run(bad).wrong, testing::SizeIs(1)) << bad;
+  EXPECT_EQ(run("chi2 19 ...\n# tolerance 2 %\nkept all\n...\nlost\n").anew,
+            "text\n```console\n" + command + "chi2 22.5 ...\n# tolerance 2 %\nkept\n...\n```\nmore\n");
+  EXPECT_EQ(run("kept\n  4 m\n").anew, "text\n```console\n" + command + "chi2 22.5 (x1 of 42)\nkept\n  2.00  m\nend\n```\nmore\n");
+  EXPECT_EQ(run("").anew, "text\n```console\n" + command + "```\nmore\n");
 }
 
 }  // namespace
