@@ -220,5 +220,17 @@ TEST(Validity, SimulationsOfAnImpossibleTruthAreRefused) {
   EXPECT_THAT(error_of([] { dai_unit_procedure({.latitude = 45}); }), HasSubstr("site.latitude_deg"));
 }
 
+/// What was moved from, or is in memory without a name, is called what it is.
+TEST(Validity, MessagesNameWhatHasNoName) {
+  Recording moved;
+  moved.name.clear();
+  EXPECT_THAT(error_of([&] { validate(moved); }), StartsWith("recording: no samples"));
+  Unit unit = unit_by_hand();
+  unit.session.file.clear();
+  unit.session.rigs.clear();
+  EXPECT_THAT(error_of([&] { calibrate("turntable", {unit.session, unit.recordings}); }), StartsWith("session: no rig"));
+  EXPECT_THAT(error_of([&] { predict("turntable", unit.session); }), StartsWith("procedure: no rig"));
+}
+
 }  // namespace
 }  // namespace imulab

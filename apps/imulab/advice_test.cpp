@@ -95,6 +95,12 @@ TEST(Advice, OfTheNearestNameWorks) {
               {"noise log.csv --set gyro.units=rad/s", "did you mean gyro.unit?"},
               {"noise log.csv --set gyro.columns=gx,gy,gzz", "did you mean gz?"},
               {"calibrate log.csv --method sttic", "did you mean static?"},
+              {"calibrate log.csv --method hand", "--method: hand is not allowed; did you mean handheld?"},
+              {"calibrate log.csv --method static --out c.json", "--out is not an option of imulab calibrate; did you mean --output?"},
+              {"noise log.csv --set latitude=45", "--set: latitude is not a key; did you mean latitude_deg?"},
+              {"procedure zhang", "zhang is not a procedure; did you mean zhang-24?"},
+              {"calibrate --method static", "session is required; usage: imulab calibrate session"},
+              {"fleet", "usage: imulab fleet COMMAND"},
               {"export c.json --to kalbr", "did you mean kalibr?"}};
   for (const auto& row : rows) {
     const CommandResult result = run_imulab(folder, row.typed);

@@ -85,7 +85,7 @@ TEST(BadInput, UnitsThatTheRestsContradict) {
 TEST(BadInput, ASessionNamesLineAndKey) {
   const std::string file = "session/session.toml";
   expect_each_refused({
-      {[](SessionText& s) { s.declare("height_m", "hight_m"); }, file + ":9: site.hight_m: is not a known key; expected height_m"},
+      {[](SessionText& s) { s.declare("height_m", "hight_m"); }, file + ":9: site.hight_m: is not a known key; did you mean height_m?"},
       {[](SessionText& s) { s.declare("rad/s", "rpm"); },
        file + ":18: recording.gyro.unit: \"rpm\" is not allowed; expected one of count, rad/s, deg/s, mdeg/s, deg/min, deg/h"},
       {[](SessionText& s) { s.declare("session/1", "session/7"); }, file + ":1: format: \"imulab.session/7\" is a format this version does not know"},
@@ -95,16 +95,26 @@ TEST(BadInput, ASessionNamesLineAndKey) {
   });
 }
 
+TEST(BadInput, AFolderThatWasDeleted) {
+  const TemporaryFolder folder;
+  for (const char* arguments : {"demo", "procedure handheld -o hand.toml"}) {
+    const CommandResult result = run_shell(folder, "mkdir gone && cd gone && rmdir ../gone && '" + command_path() + "' " + arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, testing::StartsWith("imulab: the current folder is not there any more; expected one that is")) << arguments;
+  }
+}
+
 TEST(BadInput, ACommandThatIsWrong) {
   const TemporaryFolder folder;
   hand_held_session().write(folder);
   folder.write("file", "");
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
-           {"calibarte session", "calibarte is not a command, expected one of demo, help, inspect, calibrate, "},
-           {"calibrate", "session is required"},
+           {"calibarte session", "calibarte is not a command; did you mean calibrate?"},
+           {"calibrate", "session is required; usage: imulab calibrate session"},
            {"calibrate session", "--method is required"},
-           {"calibrate session --method magic", "--method: magic not in {drive,handheld,hybrid,static,turntable,whole-unit}"},
-           {"calibrate session --method static --frobnicate", "The following argument was not expected: --frobnicate"},
+           {"calibrate session --method magic",
+            "--method: magic is not allowed; expected one of drive, handheld, hybrid, static, turntable, whole-unit"},
+           {"calibrate session --method static --frobnicate", "--frobnicate is not an option of imulab calibrate (--help"},
            {"calibrate session --method static --terms gyro.ofset", "--terms: unknown coefficient \"gyro.ofset\""},
            {"calibrate session --method static --terms ''", "--terms: unknown coefficient \"\""},
            {"calibrate session --method handheld --terms accel.lever_arm",
@@ -120,7 +130,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"procedure handheld --poses 1000000000", "handheld: 1000000000 poses; expected at most 100000"},
            {"procedure zhang-24 --rest inf", "--rest"},
            {"procedure six-feet",
-            "six-feet is not a procedure, expected one of six-position, two-axis, zhang-24, cheng-path, ferraris, handheld, dai-unit"},
+            "six-feet is not a procedure; expected one of six-position, two-axis, zhang-24, cheng-path, ferraris, handheld, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
            {"compensate file session -o out.csv", "file: is empty; expected a calibration"},

@@ -121,9 +121,9 @@ ParsedOption parsed(CLI::App& app, VerbOption& row) {
   if (row.is_repeated) option->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   if (row.at_least) option->expected(*row.at_least, -1);
   if (!row.choices.empty())
-    option->check([member = CLI::IsMember(row.choices), &row](const std::string& text) {
-      std::string problem = member(text);
-      return problem.empty() ? problem : problem + did_you_mean(text, row.choices);
+    option->check([&row](const std::string& text) {
+      const bool known = std::find(row.choices.begin(), row.choices.end(), text) != row.choices.end();
+      return known ? "" : excerpt(text) + " is not allowed" + expected_name(text, row.choices);
     });
   if (row.range) option->check(range_check((*row.range)[0], (*row.range)[1], row.is_whole));
   if (row.problem_of) option->check(row.problem_of);
@@ -193,8 +193,7 @@ const Verb& verb_at(const Verb& command, const std::vector<std::string>& words) 
     if (found == at->verbs.end()) {
       std::vector<std::string> names;
       for (const Verb& own : at->verbs) names.push_back(own.own_name());
-      throw Error(fmt::format("{} is not a {}, expected one of {}{}", word, at == &command ? "command" : at->own_name(), fmt::join(names, ", "),
-                              did_you_mean(word, names)));
+      throw Error(fmt::format("{} is not a {}{}", excerpt(word), at == &command ? "command" : at->own_name(), expected_name(word, names)));
     }
     at = &*found;
   }
@@ -319,7 +318,10 @@ int parse_and_do(std::vector<std::string> arguments, const std::vector<std::stri
   try {
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) throw Error(fmt::format("{}{} (--help explains the command)", e.what(), meant_option(verb, given)));
+    if (e.get_exit_code() != 0) {
+      const std::string otherwise = fmt::format("{}; usage: {}", e.what(), usage(verb));
+      throw Error(unknown_option(verb, given).value_or(otherwise) + " (--help explains the command)");
+    }
     app.exit(e);  // help and version
   }
   expect_output_written();
@@ -366,6 +368,12 @@ int run(std::vector<std::string> arguments) {
     return 2;
   } catch (const std::bad_alloc&) {
     complain("out of memory; expected less data, or a machine with more memory");
+    return 2;
+  } catch (const std::filesystem::filesystem_error& e) {
+    std::error_code gone;
+    std::filesystem::current_path(gone);
+    complain(gone ? "the current folder is not there any more; expected one that is: cd to it"
+                  : fmt::format("{}: {}", e.path1().string(), e.code().message()));
     return 2;
   } catch (const std::exception& e) {  // Error, and what the system refuses
     complain(e.what());

@@ -248,7 +248,7 @@ TEST_F(FleetCommand, IsThePriorOfACalibration) {
 }
 
 TEST_F(FleetCommand, BadInput) {
-  EXPECT_THAT(run("fleet list", 2).errors, HasSubstr("fleet.db: unable to open database file; expected a fleet store"));
+  EXPECT_THAT(run("fleet list", 2).errors, HasSubstr("fleet.db: SQLite: unable to open database file; expected a fleet store that is there"));
   EXPECT_THAT(run("fleet calibrate nowhere --method static", 2).errors, HasSubstr("nowhere: no session"));
   folder.write("c.json", calibration_text(drawn_calibration(1, 1)));
   Calibration other = drawn_calibration(1, 2);
@@ -284,6 +284,10 @@ TEST_F(FleetCommand, ReadsAStoreInAFolderThatCannotBeWritten) {
   const CommandResult read = run_shell(folder, reader + "fleet list --store whole/fleet.db");
   EXPECT_EQ(read.exit_code, 0) << read.errors;
   EXPECT_THAT(read.output, HasSubstr("2 units"));
+  fs::permissions(folder / "whole/fleet.db", fs::perms::owner_read);
+  EXPECT_THAT(run_shell(folder, reader + "fleet remove 1001 --store whole/fleet.db").errors,
+              HasSubstr("whole/fleet.db: SQLite: attempt to write a readonly database; expected a store that can be written"));
+  EXPECT_THAT(run_shell(folder, reader + "fleet remove 1001 --store whole/new.db").errors, HasSubstr("in a folder that can be written"));
   const FleetStore open(folder / "fleet.db", fleet::Access::write);  // while it is open its changes are in the log
   run("fleet remove 1001");
   shut("behind", true);

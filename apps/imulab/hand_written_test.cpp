@@ -82,8 +82,7 @@ TEST_F(HandWritten, IsExported) {
     EXPECT_THAT(result.output, AllOf(HasSubstr("# Calibration of an unnamed IMU, for "), Not(HasSubstr("\"\"")))) << target;
   }
   EXPECT_EQ(run("export h.json --to json-matrix").exit_code, 0);
-  expect_refused("export h.json --to kalibr", 2,
-                 "needs the noise of the IMU, and this calibration has none of its rests; expected --noise noise.json");
+  expect_refused("export h.json --to kalibr", 2, "needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json");
 }
 
 TEST_F(HandWritten, NavigatesWithoutBands) {
@@ -134,7 +133,7 @@ TEST_F(HandWritten, AllItsProblemsAreSaidAtOnce) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.errors,
             "imulab: wrong.json: model.accel.matrix: expected 3 rows of 3 numbers\n  wrong.json: model.gyro.matrix: is missing\n"
-            "  wrong.json: model.gyro.ofset: is unknown; expected offset\n");
+            "  wrong.json: model.gyro.ofset: is unknown; did you mean offset?\n");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -35,15 +36,6 @@ std::string entry(const std::string& name, const std::string& meaning) {
   const std::string first = "  " + name;
   if (first.size() + 2 > column) return first + "\n" + wrapped(std::string(column, ' '), meaning);
   return wrapped(fmt::format("{:<{}}", first, column), meaning);
-}
-
-std::string usage(const Verb& verb) {
-  std::string text;
-  for (const VerbOption& o : verb.options)
-    if (o.is_positional()) text += o.is_required ? " " + head(o) : fmt::format(" [{}]", head(o));
-  for (const VerbOption& o : verb.options)
-    if (!o.is_positional() && o.is_required) text += fmt::format(" {} {}", o.flags.back(), o.value_name);
-  return verb.name + text + (verb.verbs.empty() ? " [options]" : verb.does ? " [COMMAND]" : " COMMAND");
 }
 
 std::string list(const std::list<Verb>& verbs) {
@@ -174,6 +166,15 @@ std::string fish(const Verb& command) {
 
 }  // namespace
 
+std::string usage(const Verb& verb) {
+  std::string text;
+  for (const VerbOption& o : verb.options)
+    if (o.is_positional()) text += o.is_required ? " " + head(o) : fmt::format(" [{}]", head(o));
+  for (const VerbOption& o : verb.options)
+    if (!o.is_positional() && o.is_required) text += fmt::format(" {} {}", o.flags.back(), o.value_name);
+  return verb.name + text + (verb.verbs.empty() ? " [options]" : verb.does ? " [COMMAND]" : " COMMAND");
+}
+
 std::string help_text(const Verb& verb) {
   std::string text = wrapped("", verb.summary) + "\n" + wrapped("usage: ", usage(verb)) + list(verb.verbs);
   std::string values, options;
@@ -207,14 +208,15 @@ std::string completion(const Verb& command, const std::string& shell) {
   return shell == "zsh" ? zsh(command) : bash(command);
 }
 
-std::string meant_option(const Verb& verb, const std::vector<std::string>& words) {
+std::optional<std::string> unknown_option(const Verb& verb, const std::vector<std::string>& words) {
   std::vector<std::string> flags;
   for (const VerbOption& row : verb.options) flags.insert(flags.end(), row.flags.begin(), row.flags.end());
   for (const std::string& word : words) {
     const std::string name = word.substr(0, word.find('='));
-    if (word.starts_with("--") && std::find(flags.begin(), flags.end(), name) == flags.end()) return did_you_mean(name, flags);
+    if (name.size() > 2 && name.starts_with("--") && std::find(flags.begin(), flags.end(), name) == flags.end())
+      return fmt::format("{} is not an option of {}{}", excerpt(name), verb.name, did_you_mean(name, flags));
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace imulab::command

@@ -3,6 +3,7 @@
 
 #include "imulab/tasks/verb.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,10 @@ std::string manual_page(const Verb& verb, const std::string& version);
 std::string completion(const Verb& command, const std::string& shell);
 inline const std::vector<std::string> completion_shells{"bash", "zsh", "fish"};
 
-/// What was meant by the first word that looks like an option and is none: "; did you mean --report?", or nothing.
-std::string meant_option(const Verb& verb, const std::vector<std::string>& words);
+/// "imulab report CALIBRATION [options]".
+std::string usage(const Verb& verb);
+
+/// Says what was meant by the first word that looks like an option and is none: "--reprot is not an option; did you mean --report?".
+std::optional<std::string> unknown_option(const Verb& verb, const std::vector<std::string>& words);
 
 }  // namespace imulab::command

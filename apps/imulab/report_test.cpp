@@ -236,7 +236,7 @@ TEST_F(Report, ACertificateHasTheLaboratorysStatements) {
   folder_->write("typo.toml", "format = \"imulab.laboratory/1\"\nadress = \"x\"\n");
   const CommandResult typo = run("report hand.json --certificate --laboratory typo.toml -o typo.html");
   EXPECT_EQ(typo.exit_code, 2);
-  EXPECT_THAT(typo.errors, HasSubstr("typo.toml:2: adress: is not a known key; expected address"));
+  EXPECT_THAT(typo.errors, HasSubstr("typo.toml:2: adress: is not a known key; did you mean address?"));
   EXPECT_EQ(run("report hand.json --number 7 -o x.html").exit_code, 2);
   EXPECT_EQ(run("report hand/truth.json --certificate -o x.html").exit_code, 1);
 }

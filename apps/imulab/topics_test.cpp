@@ -43,7 +43,8 @@ TEST_F(RecordingTopics, ASplitBagIsOneRecordingOfEveryVerb) {
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_THAT(read_text(folder / "c.json"), HasSubstr("\"topic\": \"/imu/data\""));
   }
-  EXPECT_THAT(run_imulab(folder, "export c.json --to openvins").errors, HasSubstr("no --noise: the white noise is that of the calibration's rests"));
+  EXPECT_THAT(run_imulab(folder, "export c.json --to openvins").errors,
+              HasSubstr("no noise.json was given: the white noise is that of the calibration's rests"));
   EXPECT_THAT(run_imulab(folder, "verify c.json").output, HasSubstr("run_0.mcap+run_1.mcap: unchanged"));
   EXPECT_THAT(on_one_line(run_imulab(folder, "compensate c.json run -o out.csv").output), HasSubstr("out.csv: 14400 samples"));
   EXPECT_THAT(on_one_line(run_imulab(folder, "compensate c.json run -o out.mcap").errors), HasSubstr("run is a bag of several files"));

@@ -210,7 +210,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
   for (const MissionCase& c : std::vector<MissionCase>{
            {mission(segment("kind = \"loop\"\nduration_s = 5")), "m.toml:7: segment.kind: \"loop\" is not allowed; expected one of rest, straight"},
            {mission(segment("kind = \"rest\"")), "m.toml:6: segment.duration_s: is missing"},
-           {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key; expected duration_s"},
+           {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key; did you mean duration_s?"},
            {mission(segment("duration_s = 5")), "m.toml:6: segment.kind: is missing"},
            {mission(segment("kind = \"rest\"\nduration_s = -5")), "m.toml:8: segment.duration_s: -5 is out of range; expected more than 0"},
            {mission(segment("kind = \"rest\"\nduration_s = 1e-20")), "m.toml:7: segment.kind: lasts 1e-20 s, expected a microsecond at least"},
@@ -296,7 +296,7 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
            {format + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: start: is missing"},
            {start + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: format: is missing"},
            {"fromat = \"imulab.mission/1\"\n" + start + rest + "[gyro_temperature]\nunit = \"degC\"\n",
-            "m.toml:1: fromat: is not a known key; expected format"},
+            "m.toml:1: fromat: is not a known key; did you mean format?"},
            {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 1\n[[temperature]]\ntime_s = 5\ndegC = 2\n"),
             "m.toml:13: temperature.time_s: is not after the previous point"},
            {mission(rest + "[[temperature]]\ntime_s = 5\n"), "m.toml:9: temperature.degC: is missing"},

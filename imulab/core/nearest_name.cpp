@@ -1,5 +1,7 @@
 #include "imulab/core/nearest_name.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
@@ -30,6 +32,10 @@ std::string_view nearest_name(std::string_view word, const std::vector<std::stri
   constexpr std::size_t longest = 100;  // the search takes the product of both lengths
   if (word.size() > longest) return {};
   std::string_view best;
+  if (const auto letter = word.find_first_not_of('-'); letter != std::string_view::npos && word.size() - letter >= 3)
+    for (const std::string_view name : names)
+      if (name.starts_with(word) && (best.empty() || name.size() < best.size())) best = name;
+  if (!best.empty()) return best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string_view name : names)
     if (name.size() <= longest)
@@ -44,6 +50,15 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string_vi
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names) {
   return did_you_mean(word, std::vector<std::string_view>(names.begin(), names.end()));
+}
+
+std::string expected_name(std::string_view word, const std::vector<std::string_view>& names) {
+  const std::string meant = did_you_mean(word, names);
+  return !meant.empty() ? meant : names.empty() ? "" : fmt::format("; expected one of {}", fmt::join(names, ", "));
+}
+
+std::string expected_name(std::string_view word, const std::vector<std::string>& names) {
+  return expected_name(word, std::vector<std::string_view>(names.begin(), names.end()));
 }
 
 }  // namespace imulab

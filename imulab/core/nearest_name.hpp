@@ -7,11 +7,16 @@
 
 namespace imulab {
 
-/// The name with the fewest edits (insert, delete or replace a letter) from `word`, if they are few enough for a typing error; else empty.
+/// The shortest name that begins with `word`, where that has three letters; else the name with the fewest edits (insert, delete or replace a letter)
+/// from it, if they are few enough for a typing error; else empty.
 std::string_view nearest_name(std::string_view word, const std::vector<std::string_view>& names);
 
 /// The end of a message about such a word: "; did you mean handheld?", or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& names);
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& names);
+
+/// The same, and without such a name "; expected one of handheld, static".
+std::string expected_name(std::string_view word, const std::vector<std::string_view>& names);
+std::string expected_name(std::string_view word, const std::vector<std::string>& names);
 
 }  // namespace imulab

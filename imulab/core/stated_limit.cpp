@@ -86,12 +86,9 @@ FoundFigure find_figure(const StatedLimit& limit, const std::vector<StatedFigure
       add_once(units, unit.name);
     }
   }
-  if (units.empty())
-    throw Error(
-        fmt::format("{}: no figure of this result{}; expected one of {}", limit.name, did_you_mean(limit.name, names), fmt::join(names, ", ")));
+  if (units.empty()) throw Error(fmt::format("{}: no figure of this result{}", limit.name, expected_name(limit.name, names)));
   if (limit.unit.empty()) throw Error(fmt::format("{}: no unit after the number; expected one of {}", to_string(limit), fmt::join(units, ", ")));
-  throw Error(fmt::format("{}: \"{}\" is no unit of {}{}; expected one of {}", to_string(limit), limit.unit, limit.name,
-                          did_you_mean(limit.unit, units), fmt::join(units, ", ")));
+  throw Error(fmt::format("{}: \"{}\" is no unit of {}{}", to_string(limit), limit.unit, limit.name, expected_name(limit.unit, units)));
 }
 
 }  // namespace imulab

@@ -90,6 +90,7 @@ CalibrationInput checked_input(const Method& method, const CalibrationInput& inp
   if (!input.recordings.empty()) collect_problem(problems, [&] { out.session = declared_session(input.session, input.recordings); });
   check_rests(input, problems);
   throw_problems("", problems);
+  if (out.session.file.empty()) out.session.file = "session";  // as messages name one in memory
   return out;
 }
 

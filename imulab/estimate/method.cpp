@@ -238,7 +238,7 @@ const Method& method(std::string_view name, std::span<const Method> table) {
   if (const Method* found = find_method(name, table)) return *found;
   std::vector<std::string_view> names;
   for (const Method& m : table) names.push_back(m.name);
-  throw Error(fmt::format("no method {}; expected one of {}{}", name, fmt::join(names, ", "), did_you_mean(name, names)));
+  throw Error(fmt::format("no method {}{}", name, expected_name(name, names)));
 }
 
 std::vector<Method> methods_by_equipment() {
@@ -294,6 +294,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
       quality.warnings.push_back(fmt::format("{}: {} of {} samples have a reading at a limit: rests and turns with {} are not used", recording.name,
                                              n, recording.size(), n == 1 ? "it" : "them"));
   add_declared_origin(result.calibration, input.session, input.recordings);
+  result.calibration.session_file = declared.session.file;
   if (options.progress) options.progress(1);
   return result;
 }
@@ -302,8 +303,10 @@ CalibrationResult calibrate(std::string_view name, const CalibrationInput& input
   return calibrate(method(name), input, options);
 }
 
-Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options) {
-  expect_valid(procedure, options);
+Prediction predict(const Method& method, const Session& declared, const PredictionOptions& options) {
+  expect_valid(declared, options);
+  Session procedure = declared;
+  if (procedure.file.empty()) procedure.file = "procedure";  // as messages name one in memory
   errors_at(procedure.file, [&] { procedure.site.gravity(); });
   if (!method.predict) throw Error(fmt::format("the method {} has no prediction", method.name));
   const WorkScope scope(options.stop);

@@ -121,7 +121,7 @@ std::string json_matrix_text(const ExportInput& input) {
 Sentences left_out_of_matrices(const ExportInput& input) {
   Sentences out;
   if (input.calibration.estimated.size() > 1) out.emplace_back("the correlations of the coefficients' uncertainties");
-  if (input.noise == nullptr) out.emplace_back("noise: not known; give --noise noise.json");
+  if (input.noise == nullptr) out.emplace_back("noise: not known, since no noise.json was given");
   return out;
 }
 

@@ -71,7 +71,7 @@ const char* choice_fact(AxisChoice choice) {
 
 double stream_rate(const ExportInput& input, double interval_s) {
   const double rate_hz = input.options.rate_hz ? *input.options.rate_hz : interval_s > 0 ? 1 / interval_s : 0;
-  if (!(std::isfinite(rate_hz) && rate_hz > 0)) throw Error("noise: has no sample interval; expected --rate HZ");
+  if (!(std::isfinite(rate_hz) && rate_hz > 0)) throw Error("noise: has no sample interval; expected a rate (rate_hz)");
   return input.options.rate_hz ? rate_hz : std::round(rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
 }
 
@@ -109,7 +109,8 @@ NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
 /// The consequences of noise that is that of the calibration's rests. Empty where a log is given.
 Sentences assumed_noise(const ExportInput& input, bool holds_random_walk) {
   if (input.noise != nullptr || !input.calibration.rest_noise) return {};
-  const std::string white = "no --noise: the white noise is that of the calibration's rests, with the vibration of the place, if there was any; ";
+  const std::string white =
+      "no noise.json was given: the white noise is that of the calibration's rests, with the vibration of the place, if there was any; ";
   if (!holds_random_walk) return {white + "bias instability is not measured, and not in the file. `imulab noise` measures both from an hour at rest"};
   return {white +
           fmt::format("the random walk is not measured: {:g} /s times the white noise stands for it, so that a filter trusts a bias for {:.0f} s, "
@@ -155,7 +156,7 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
   if (input.noise == nullptr)
     throw Error(program +
-                " needs the noise of the IMU, and this calibration has none of its rests; expected --noise noise.json, from `imulab noise "
+                " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
                 "-o noise.json`");
   const ImuNoise& n = *input.noise;
   if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");

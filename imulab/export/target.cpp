@@ -45,7 +45,7 @@ const ExportTarget& export_target(std::string_view name, const std::vector<Expor
     if (target.name == name) return target;
     names.push_back(target.name);
   }
-  throw Error(fmt::format("{} is not an export target; expected one of {}{}", name, text::listed(names), did_you_mean(name, names)));
+  throw Error(fmt::format("{} is not an export target{}", name, expected_name(name, names)));
 }
 
 }  // namespace imulab

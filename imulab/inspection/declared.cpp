@@ -126,8 +126,7 @@ std::string column_name(const SignalTable& table, std::size_t i) {
 void check_declarations(const Declarations& declared) {
   const std::vector<std::string> keys = declaration_keys();
   for (const auto& [key, value] : declared)
-    if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      throw Error(fmt::format("{} is not a key; expected one of {}{}", key, fmt::join(keys, ", "), did_you_mean(key, keys)));
+    if (std::find(keys.begin(), keys.end(), key) == keys.end()) throw Error(fmt::format("{} is not a key{}", key, expected_name(key, keys)));
 }
 
 DeclaredColumns declared_columns(const SignalTable& table, const Declarations& declared) {

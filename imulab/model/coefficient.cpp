@@ -102,10 +102,11 @@ auto& element(Model& model, const Coefficient& c) {
     names.push_back(full);
     if (std::find(names.begin(), names.end(), term) == names.end()) names.push_back(term);
   }
-  throw Error(
-      "unknown coefficient \"" + std::string(name) +
-      "\": expected triad.term.element such as gyro.matrix.xy, a term such as accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal" +
-      did_you_mean(name, names));
+  const std::string meant = did_you_mean(name, names);
+  throw Error("unknown coefficient \"" + std::string(name) + "\"" +
+              (meant.empty() ? "; expected triad.term.element such as gyro.matrix.xy, a term such as accel.offset, or gyro.matrix.diagonal, "
+                               "gyro.matrix.off_diagonal"
+                             : meant));
 }
 
 }  // namespace

@@ -149,14 +149,12 @@ constexpr std::array<AirlinerSystem, 3> systems{{
 
 template <class Entry>
 const Entry& named(std::span<const Entry> entries, std::string_view what, std::string_view name) {
-  std::string known;
   std::vector<std::string_view> names;
   for (const Entry& e : entries) {
     if (e.name == name) return e;
     names.emplace_back(e.name);
-    known += (known.empty() ? "" : ", ") + std::string(e.name);
   }
-  throw Error(std::string(what) + " = \"" + std::string(name) + "\": unknown; expected one of " + known + did_you_mean(name, names));
+  throw Error(std::string(what) + " = \"" + std::string(name) + "\": unknown" + expected_name(name, names));
 }
 
 }  // namespace

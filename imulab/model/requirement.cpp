@@ -28,8 +28,7 @@ UserUnit required_unit(const Requirement& requirement, const std::string& stated
     names.emplace_back(u.name);
   }
   if (name.empty()) throw Error(fmt::format("{}: no unit after the number; expected one of {}", stated, fmt::join(names, ", ")));
-  throw Error(fmt::format("{}: \"{}\" is no unit of {}{}; expected one of {}", stated, name, requirement.selector, did_you_mean(name, names),
-                          fmt::join(names, ", ")));
+  throw Error(fmt::format("{}: \"{}\" is no unit of {}{}", stated, name, requirement.selector, expected_name(name, names)));
 }
 
 constexpr const char* cannot_be_required = "cannot be required; expected coefficients of offset, matrix or g_sensitivity";

@@ -58,7 +58,7 @@ NavigationState position_of(const Session& session, std::vector<std::string>& wa
   }
   const Site& site = session.site;
   if (!site.latitude)
-    throw Error(session.file +
+    throw Error((session.file.empty() ? "session" : session.file) +
                 ": the position is not known; expected an initial state, or the latitude of the site: alignment finds an attitude alone");
   if (!site.longitude) warnings.push_back("the site has no longitude; longitudes are counted from the start");
   if (!site.height) warnings.push_back("the site has no height; heights are counted from the ellipsoid, and gravity is that of height 0");

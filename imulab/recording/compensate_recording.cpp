@@ -38,7 +38,8 @@ std::vector<std::size_t> replace_outliers(Recording& r) {
 /// A calibration made from counts is meaningless for physical readings, and the reverse.
 void check_unit(const Recording& recording, const char* triad, const std::string& unit, const TriadModel& model) {
   if (!model.raw_unit.empty() && model.raw_unit != unit)
-    throw Error(recording.name + ": " + triad + " is in " + unit + ", expected " + model.raw_unit + ", which the calibration was made from");
+    throw Error((recording.name.empty() ? "recording" : recording.name) + ": " + triad + " is in " + (unit.empty() ? "no unit" : unit) +
+                ", expected " + model.raw_unit + ", which the calibration was made from");
 }
 
 /// Readings beyond what a double holds after the third power are no sensor's.

@@ -87,6 +87,8 @@ TEST(CompensateRecording, RefusesReadingsInAnotherUnit) {
   } catch (const Error& e) {
     EXPECT_STREQ(e.what(), "r.csv: accel is in m/s^2, expected count, which the calibration was made from");
   }
+  recording.name = recording.accel_unit = "";  // as one that was moved from has them
+  EXPECT_THAT([&] { compensate(from_counts, recording); }, testing::ThrowsMessage<Error>(testing::StartsWith("recording: accel is in no unit, exp")));
 }
 
 }  // namespace

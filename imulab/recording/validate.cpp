@@ -19,10 +19,14 @@ namespace imulab {
 
 namespace {
 
+/// As messages name it; without a name it is in memory, or was moved from.
+std::string name_of(const Recording& r) { return r.name.empty() ? "recording" : r.name; }
+
 void check_length(const Recording& r, std::string_view name, const Columns3& columns) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (columns[axis].size() != r.size())
-      throw Error(fmt::format("{}: {} {}: {} samples; expected {}, one for each stamp", r.name, name, "xyz"[axis], columns[axis].size(), r.size()));
+      throw Error(
+          fmt::format("{}: {} {}: {} samples; expected {}, one for each stamp", name_of(r), name, "xyz"[axis], columns[axis].size(), r.size()));
 }
 
 /// A recording may lack one of its triads.
@@ -37,29 +41,29 @@ void check_readings(const Recording& r, std::string_view name, const Columns3& c
     if (std::count_if(columns[axis].begin(), columns[axis].end(), wrong) == 0) continue;  // without a branch a sample
     const auto bad = std::find_if(columns[axis].begin(), columns[axis].end(), wrong);
     const auto i = static_cast<std::size_t>(bad - columns[axis].begin());
-    throw Error(fmt::format("{}: {} {}: sample {} at {} s is {}; expected a {}", r.name, name, "xyz"[axis], i, stamp_text(r.time_ns[i]), *bad,
+    throw Error(fmt::format("{}: {} {}: sample {} at {} s is {}; expected a {}", name_of(r), name, "xyz"[axis], i, stamp_text(r.time_ns[i]), *bad,
                             std::isfinite(*bad) ? "reading that a sensor can give" : "finite number"));
   }
 }
 
 void check_unit(const Recording& r, std::string_view name, std::string_view unit, std::string_view expected) {
   if (unit != "count" && unit != expected)
-    throw Error(fmt::format("{}: {}: the unit is \"{}\"; expected \"count\" or \"{}\"", r.name, name, unit, expected));
+    throw Error(fmt::format("{}: {}: the unit is \"{}\"; expected \"count\" or \"{}\"", name_of(r), name, unit, expected));
 }
 
 void check_indices(const Recording& r, std::string_view name, const std::vector<std::size_t>& indices, std::size_t least) {
   for (std::size_t k = 0; k < indices.size(); ++k)
     if (indices[k] < (k == 0 ? least : indices[k - 1] + 1) || indices[k] >= r.size())
-      throw Error(
-          fmt::format("{}: {}: entry {} is sample {}; expected ascending samples from {} to {}", r.name, name, k, indices[k], least, r.size() - 1));
+      throw Error(fmt::format("{}: {}: entry {} is sample {}; expected ascending samples from {} to {}", name_of(r), name, k, indices[k], least,
+                              r.size() - 1));
 }
 
 void check_interval(const Recording& r) {
   if (mostly_spaced(r.time_ns, r.interval_s)) return;  // cheaper than the median, and the usual case
   const StampIntervals stamps = stamp_intervals(r.time_ns, r.gaps);
   if (stamps.median > 0 && !stamps.allow(r.interval_s))
-    throw Error(fmt::format("{}: the interval is {:.6g} s, but the stamps' differences are {:.6g} s (median); expected agreement within 2 %", r.name,
-                            r.interval_s, stamps.median));
+    throw Error(fmt::format("{}: the interval is {:.6g} s, but the stamps' differences are {:.6g} s (median); expected agreement within 2 %",
+                            name_of(r), r.interval_s, stamps.median));
 }
 
 }  // namespace
@@ -67,13 +71,13 @@ void check_interval(const Recording& r) {
 double largest_reading(std::string_view unit) { return unit == "m/s^2" ? 1e5 : unit == "rad/s" ? 1e4 : 3e14; }
 
 void validate(const Recording& r) {
-  if (r.size() == 0) throw Error(fmt::format("{}: no samples; expected at least one", r.name));
-  if (!has_triad(r.gyro) && !has_triad(r.accel)) throw Error(fmt::format("{}: neither gyros nor accelerometers; expected one of them", r.name));
+  if (r.size() == 0) throw Error(fmt::format("{}: no samples; expected at least one", name_of(r)));
+  if (!has_triad(r.gyro) && !has_triad(r.accel)) throw Error(fmt::format("{}: neither gyros nor accelerometers; expected one of them", name_of(r)));
   if (has_triad(r.gyro)) check_length(r, "gyro", r.gyro);
   if (has_triad(r.accel)) check_length(r, "accel", r.accel);
-  expect_increasing(r.name, r.time_ns);
+  expect_increasing(name_of(r), r.time_ns);
   if (!(r.interval_s > 0 && std::isfinite(r.interval_s)))
-    throw Error(fmt::format("{}: the interval is {} s; expected a positive number", r.name, r.interval_s));
+    throw Error(fmt::format("{}: the interval is {} s; expected a positive number", name_of(r), r.interval_s));
   check_readings(r, "gyro", r.gyro, largest_reading(r.gyro_unit));
   check_readings(r, "accel", r.accel, largest_reading(r.accel_unit));
   for (const auto& [name, columns] : {std::pair{"gyro temperature", &r.gyro_temperature}, std::pair{"accel temperature", &r.accel_temperature}}) {
@@ -105,7 +109,7 @@ void expect_both_triads(const Recording& r) {
   if (r.size() > 0)
     for (const auto& [name, columns] : {std::pair{"gyros", &r.gyro}, std::pair{"accelerometers", &r.accel}})
       if (!has_triad(*columns))
-        throw Error(fmt::format("{}: has no {}; both triads are compensated together: expected a recording of both", r.name, name));
+        throw Error(fmt::format("{}: has no {}; both triads are compensated together: expected a recording of both", name_of(r), name));
   check_length(r, "gyro", r.gyro);
   check_length(r, "accel", r.accel);
   if (has_triad(r.gyro_temperature)) check_length(r, "gyro temperature", r.gyro_temperature);
@@ -130,7 +134,7 @@ void check_declared(const Recording& recording, const RecordingSource& source, s
   for (const auto& [triad, columns, unit, declared] : {std::tuple{"gyro", &recording.gyro, &recording.gyro_unit, &source.gyro.unit},
                                                        std::tuple{"accel", &recording.accel, &recording.accel_unit, &source.accel.unit}}) {
     if ((recording.size() == 0 || has_triad(*columns)) && (*declared == "count") != (*unit == "count"))
-      problems.push_back(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, *unit, *declared));
+      problems.push_back(fmt::format("{}: {} is in {}; the session declares {}", name_of(recording), triad, *unit, *declared));
   }
 }
 

@@ -71,7 +71,8 @@ TEST(BudgetRequirement, RefusesWhatThereIsNot) {
   const auto refused = [](const char* limits) { return refusal_of([&] { assess(budget_that_grows(), std::nullopt, limits); }); };
   EXPECT_THAT(refused("CEP <= 1 nmi/h at 600 s"), HasSubstr("a rate is of the whole motion"));
   EXPECT_THAT(refused("CEP <= 1 m at 2000 s"), HasSubstr("there are errors until 1000 s"));
-  EXPECT_THAT(refused("CPE <= 1 m"), HasSubstr("did you mean CEP?; expected one of CEP, RMS, 95 %, vertical, velocity, heading"));
+  EXPECT_THAT(refused("CPE <= 1 m"), HasSubstr("no figure of this result; did you mean CEP?"));
+  EXPECT_THAT(refused("wind <= 1 m"), HasSubstr("no figure of this result; expected one of CEP, RMS, 95 %, vertical, velocity, heading"));
 }
 
 TEST(NavigationRequirement, EachSessionOrAllTogether) {

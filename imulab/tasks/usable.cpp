@@ -70,8 +70,8 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
     files.push_back(source.file);
   }
   if (files.empty()) throw Error(session.file + ": has no recordings; expected at least one [[recording]]");
-  throw Error(fmt::format("{}: {}; expected one of {}{}", session.file, name.empty() ? "has several recordings" : "has no recording " + name,
-                          text::listed(files), did_you_mean(name, files)));
+  throw Error(
+      fmt::format("{}: {}{}", session.file, name.empty() ? "has several recordings" : "has no recording " + name, expected_name(name, files)));
 }
 
 void check_thermal_units(const Calibration& calibration, const RecordingSource& source) {

@@ -140,6 +140,7 @@ def test_export(calibration, environment, tmp_path):
             warnings.simplefilter("always")
             assert calibration.to(target) == done.stdout.decode()
         assert bool(warned) == bool(done.stderr)
+        assert not any("--" in str(w.message) for w in warned)  # an option is the command's
 
 
 def test_json_is_the_text(calibration):

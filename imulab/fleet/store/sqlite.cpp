@@ -172,7 +172,7 @@ Sqlite::Sqlite(const std::filesystem::path& path, Access access) : file_(path.st
       uri_ += "?immutable=1";
       opened = open_uri(uri_, SQLITE_OPEN_READONLY, &handle_);
     }
-    if (opened != SQLITE_OK) throw DatabaseError(fmt::format("{}: {}; expected a fleet store", file_, sqlite3_errmsg(handle_)));
+    if (opened != SQLITE_OK) fail();
   } catch (...) {
     sqlite3_close(handle_);
     throw;
@@ -189,10 +189,12 @@ Sqlite::Sqlite(const std::filesystem::path& path, Access access) : file_(path.st
 
 void Sqlite::fail() const {
   const int code = sqlite3_errcode(handle_) & 255;
-  const char* const expected = code == SQLITE_FULL || code == SQLITE_IOERR ? "expected room to write; the store is as it was before"
-                               : code == SQLITE_BUSY                       ? "expected it within a minute from the other program that writes"
-                               : code == SQLITE_READONLY                   ? "expected a store that can be written"
-                                                                           : "expected a whole fleet store";
+  const char* const expected = code == SQLITE_NOTADB                         ? "expected a fleet store"
+                               : code == SQLITE_CANTOPEN                     ? "expected a fleet store that is there, in a folder that can be written"
+                               : code == SQLITE_FULL || code == SQLITE_IOERR ? "expected room to write; the store is as it was before"
+                               : code == SQLITE_BUSY                         ? "expected it within a minute from the other program that writes"
+                               : code == SQLITE_READONLY                     ? "expected a store that can be written"
+                                                                             : "expected a whole fleet store";
   throw DatabaseError(fmt::format("{}: SQLite: {}; {}", file_, sqlite3_errmsg(handle_), expected));
 }
 

@@ -275,12 +275,12 @@ TEST(CalibrationFile, AMistypedKeyIsNotZero) {
                        R"("matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}}})");
   };
   EXPECT_EQ(with("", "", ""), "");
-  EXPECT_EQ(with("", "", R"("ofset": [1, 2, 3], )"), "c.json: model.accel.ofset: is unknown; expected offset");
+  EXPECT_EQ(with("", "", R"("ofset": [1, 2, 3], )"), "c.json: model.accel.ofset: is unknown; did you mean offset?");
   EXPECT_EQ(with("", "", R"("g_sensitivity": [[0, 0, 0], [0, 0, 0], [0, 0, 0]], )"),
             "c.json: model.accel.g_sensitivity: is unknown; expected one of offset, matrix, quadratic, cubic, thermal, lever_arm, raw, temperature");
   EXPECT_EQ(with("", R"("rate": {}, )", ""), "c.json: model.rate: is unknown; expected one of accel, gyro");
-  EXPECT_EQ(with(R"("Frame": "accelerometers", )", "", ""), "c.json: Frame: is unknown; expected frame");
-  EXPECT_EQ(with(R"("covarience": {}, )", "", ""), "c.json: covarience: is unknown; expected covariance");
+  EXPECT_EQ(with(R"("Frame": "accelerometers", )", "", ""), "c.json: Frame: is unknown; did you mean frame?");
+  EXPECT_EQ(with(R"("covarience": {}, )", "", ""), "c.json: covarience: is unknown; did you mean covariance?");
   EXPECT_EQ(with(R"("comment": "by hand", "name": "an IMU", "rig": {}, "": 0, )", "", ""), "");
 }
 

@@ -69,17 +69,16 @@ void check_triad(const Source& s, const TriadModel& m, const char* name) {
 /// Where the file does not tell: a mean scale between half and two is one of SI units, else counts.
 void set_raw_unit(const Source& s, Imported& out, TriadModel& m, const char* name, const char* si, const std::string& asked, bool known) {
   if (known && !asked.empty() && (asked == "count") != (m.raw_unit == "count"))
-    fail_at(
-        s, 0,
-        fmt::format("--raw {}: the {}' readings are in {} in this format; expected no --raw", asked, name, m.raw_unit == "count" ? "counts" : si));
+    fail_at(s, 0,
+            fmt::format("raw {}: the {}' readings are in {} in this format; expected no raw", asked, name, m.raw_unit == "count" ? "counts" : si));
   if (!asked.empty()) {
     m.raw_unit = asked == "count" ? "count" : si;
   } else if (!known) {
     const double scale = std::cbrt(std::abs(m.matrix.determinant()));
     m.raw_unit = scale >= 0.5 && scale <= 2 ? si : "count";
-    out.warnings.push_back(
-        fmt::format("the file does not tell the unit of the {}' readings: taken as {}, because their scale is {:.3g}; --raw says otherwise", name,
-                    m.raw_unit == "count" ? "counts" : si, scale));
+    out.warnings.push_back(fmt::format(
+        "the file does not tell the unit of the {}' readings: taken as {}, because their scale is {:.3g}; raw (si or count) says otherwise", name,
+        m.raw_unit == "count" ? "counts" : si, scale));
   }
 }
 
@@ -94,11 +93,11 @@ ImportedModel read_model(const Source& source, const ImportOptions& options, con
   check_triad(source, model.model.accel, "accelerometers");
   if (!model.one_triad) {
     check_triad(source, model.model.gyro, "gyros");
-    if (options.gyro_file) fail_at(source, 0, "has both triads; expected no --gyro");
+    if (options.gyro_file) fail_at(source, 0, "has both triads; expected no second file, of gyros");
     return model;
   }
   if (!options.gyro_file) {
-    model.warnings.push_back("the file has one triad, taken as the accelerometers': the gyros stay as they are; --gyro names their file");
+    model.warnings.push_back("the file has one triad, taken as the accelerometers': the gyros stay as they are; a second file (gyro) may have them");
     return model;
   }
   const MappedFile file(*options.gyro_file, Content::settings);

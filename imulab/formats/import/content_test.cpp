@@ -61,12 +61,12 @@ TEST(Import, RawIsRefusedWhereTheFileTellsTheUnit) {
     EXPECT_NO_THROW(import(exported(target, {si}), as_si)) << target;
     EXPECT_THAT(
         [&] { import(exported(target, {si}), as_counts); },
-        testing::ThrowsMessage<Error>(HasSubstr("file: --raw count: the accelerometers' readings are in m/s^2 in this format; expected no --raw")))
+        testing::ThrowsMessage<Error>(HasSubstr("file: raw count: the accelerometers' readings are in m/s^2 in this format; expected no raw")))
         << target;
   }
   for (const char* target : {"csv", "json-matrix"}) {
     EXPECT_EQ(import(exported(target, {counts}), as_counts).calibration.model.gyro.raw_unit, "count") << target;
-    EXPECT_THAT([&] { import(exported(target, {counts}), as_si); }, testing::ThrowsMessage<Error>(HasSubstr("--raw si"))) << target;
+    EXPECT_THAT([&] { import(exported(target, {counts}), as_si); }, testing::ThrowsMessage<Error>(HasSubstr("raw si"))) << target;
   }
 }
 

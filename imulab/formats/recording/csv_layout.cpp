@@ -1,6 +1,5 @@
 #include "imulab/formats/recording/csv_layout.hpp"
 
-#include "imulab/core/nearest_name.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/encoding.hpp"
@@ -65,9 +64,7 @@ std::size_t TableLayout::find(const Column& column) const {
   }
   const std::string& name = std::get<std::string>(column);
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
-    throw Error(fmt::format("{}: column {} is not there; expected one of {}{}", file, excerpt(name), text::listed_excerpts(names),
-                            did_you_mean(excerpt(name), names)));
+  if (found == names.end()) throw Error(fmt::format("{}: column {} is not there{}", file, excerpt(name), text::expected_excerpt(name, names)));
   if (std::find(found + 1, names.end(), name) != names.end())
     throw Error(fmt::format("{}: column {} is there more than once; expected one of that name, or columns by number", file, excerpt(name)));
   return static_cast<std::size_t>(found - names.begin());

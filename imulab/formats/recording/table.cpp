@@ -1,6 +1,5 @@
 #include "imulab/formats/recording/table.hpp"
 
-#include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/printable.hpp"
 
@@ -63,8 +62,7 @@ std::size_t find_column(const TableDescription& table, const Column& column, con
   if (found != table.columns.end()) return static_cast<std::size_t>(found - table.columns.begin());
   std::vector<std::string> names;
   for (const ColumnDescription& c : table.columns) names.push_back(c.name);
-  throw Error(fmt::format("{}: column {} is not there; expected one of {}{}", where, excerpt(name), text::listed_excerpts(names),
-                          did_you_mean(excerpt(name), names)));
+  throw Error(fmt::format("{}: column {} is not there{}", where, excerpt(name), text::expected_excerpt(name, names)));
 }
 
 }  // namespace imulab::recording_io

@@ -272,7 +272,10 @@ void Problems::expect_known_keys(const Field& field, const std::vector<std::stri
     const std::string_view meant = nearest_name(key, missing);
     const auto small = [](std::string_view name) { return std::tolower(static_cast<unsigned char>(name[0])); };
     if (others_allowed && (meant.empty() || small(meant) != small(key))) continue;
-    none_in([&] { field[key].fail(fmt::format("is unknown; expected {}", meant.empty() ? "one of " + text::listed(known) : std::string(meant))); });
+    none_in([&] {
+      field[key].fail(
+          fmt::format("is unknown; {}", meant.empty() ? "expected one of " + text::listed(known) : fmt::format("did you mean {}?", meant)));
+    });
   }
 }
 

@@ -1,5 +1,7 @@
 #include "imulab/formats/text/printable.hpp"
 
+#include "imulab/core/nearest_name.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -90,6 +92,11 @@ std::string listed_excerpts(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
   return names.size() > most ? text + ", ..." : text;
+}
+
+std::string expected_excerpt(std::string_view name, const std::vector<std::string>& names) {
+  const std::string meant = did_you_mean(excerpt(name), names);
+  return meant.empty() ? "; expected one of " + listed_excerpts(names) : meant;
 }
 
 }  // namespace imulab::text

@@ -39,7 +39,7 @@ struct TomlFields::Node {
   [[noreturn]] void fail_missing() const {
     for (const auto& [key, value] : *table)
       if (std::find(asked.begin(), asked.end(), key.str()) == asked.end() && !nearest_name(key.str(), {missing}).empty())
-        throw Error(fmt::format("{}:{}: {}: is not a known key; expected {}", file, key.source().begin.line, name(key.str()), missing));
+        throw Error(fmt::format("{}:{}: {}: is not a known key; did you mean {}?", file, key.source().begin.line, name(key.str()), missing));
     throw Error(fmt::format("{}:{}: {}: is missing", file, std::max(table->source().begin.line, 1U), name(missing)));
   }
   double number(const toml::node& node, std::string_view key, const Number& kind) const {
@@ -111,6 +111,8 @@ TomlFields::TomlFields(const std::string& file, std::string_view text) : node_(s
   node_->file = file;
   node_->text = text;
   expect_shallow_keys(file, text);
+  const auto nul = std::find(text.begin(), text.end(), '\0');
+  if (nul != text.end()) throw Error(fmt::format("{}:{}: a byte is 0 (NUL); expected text (TOML)", file, 1 + std::count(text.begin(), nul, '\n')));
   try {
     node_->root = toml::parse(text, file);
   } catch (const toml::parse_error& e) {
@@ -329,9 +331,8 @@ void TomlFields::check(bool good, std::string_view key, const std::string& messa
 void TomlFields::done() const {
   for (const auto& [key, value] : *node_->table) {
     if (std::find(node_->asked.begin(), node_->asked.end(), key.str()) != node_->asked.end()) continue;
-    const std::string_view nearest = nearest_name(key.str(), node_->asked);
-    const std::string hint = nearest.empty() ? "one of " + listed(node_->asked) : std::string(nearest);
-    throw Error(fmt::format("{}:{}: {}: is not a known key; expected {}", node_->file, key.source().begin.line, node_->name(key.str()), hint));
+    throw Error(fmt::format("{}:{}: {}: is not a known key{}", node_->file, key.source().begin.line, node_->name(key.str()),
+                            expected_name(key.str(), node_->asked)));
   }
   if (!node_->missing.empty()) node_->fail_missing();
 }
