@@ -144,7 +144,9 @@ Preamble find_preamble(const std::vector<Line>& lines, TableLayout layout, char 
 
 /// The unit in a field under a name: "m/s^2", "[rad/s]"; as it is written where it is none of those known.
 std::string unit_in_field(std::string_view field) {
-  std::string_view inside = trimmed(field, " \t\r\"[]()");
+  std::string_view inside = trimmed(field, " \t\r\"");
+  const bool in_brackets = inside.size() > 2 && ((inside.front() == '[' && inside.back() == ']') || (inside.front() == '(' && inside.back() == ')'));
+  if (in_brackets) inside = trimmed(inside.substr(1, inside.size() - 2));
   const std::string name = utf8_name(inside == "-" ? std::string_view{} : inside);
   const std::string known = inspection::unit_of(name);
   return known.empty() ? name : known;
