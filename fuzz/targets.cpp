@@ -24,6 +24,7 @@ const std::vector<Target>& targets() {
       {"aids", aids, ".ulg ardupilot.bin none.mcap", "text"},
       {"stream", stream, "", "text"},
       {"inspection", inspection, ".npy .npz .ulg ardupilot.bin zstd.mcap lz4.bag .db3", "text"},
+      {"search", search, "", "text", true},
       {"rewritten_bag", rewritten_bag, ".bag .mcap .db3"},
       {"session", session, "", "toml"},
       {"mission", mission, "", "toml"},

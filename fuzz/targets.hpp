@@ -40,6 +40,8 @@ void aids(std::string_view bytes);
 void stream(std::string_view bytes);
 void inspection(std::string_view bytes);
 void rewritten_bag(std::string_view bytes);
+// search.cpp
+void search(std::string_view bytes);
 // settings.cpp: files of settings and results.
 void session(std::string_view bytes);
 void mission(std::string_view bytes);

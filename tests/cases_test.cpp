@@ -7,11 +7,13 @@
 #include "tests/run_command.hpp"
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace imulab {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 const std::filesystem::path cases = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "cases";
 
@@ -57,6 +59,47 @@ TEST_F(Cases, AreUnderstoodOrAskOneQuestion) {
     EXPECT_THAT(run(std::string("inspect cases/") + gyro_unit).output, HasSubstr("open: 1 question that the data do not answer; declare with --set "
                                                                                  "KEY=VALUE\n  ? gyro.unit"))
         << gyro_unit;
+}
+
+TEST_F(Cases, AreReadByNameOrAskOneQuestion) {
+  const auto asked = [&](const std::string& arguments, const std::string& question) {
+    EXPECT_THAT(run("inspect cases/" + arguments).output,
+                HasSubstr("open: 1 question that the data do not answer; declare with --set KEY=VALUE\n  ? " + question))
+        << arguments;
+  };
+  asked("triad_across_two_sensors/two_gyros.csv", "gyro.columns: 2 pairs");
+  asked("triad_across_two_sensors/ronin.hdf5", "gyro.columns: 2 pairs");
+  asked("gravity_taken_as_accelerometer/devicemotion.csv", "accel.columns: gravity.x, gravity.y, gravity.z have the");
+  asked("slow_accelerometer_still/acc63_gyr200.csv", "gyro.unit");
+  asked("rate_against_the_stamps/pairs.csv", "gyro.unit");
+  asked("numbers_as_header/pandas.csv", "accel.columns, gyro.columns");
+  EXPECT_THAT(run("inspect cases/rate_against_the_stamps/pairs.csv --rate 200").errors,
+              HasSubstr("rate_hz = 200: the stamps of timestamp give 100 Hz"));
+  EXPECT_NEAR(noise_of("cases/rate_against_the_stamps/pairs.csv --set gyro.unit=rad/s"), 0.299, 0.04 * 0.299);
+  EXPECT_THAT(run("noise cases/slow_accelerometer_still/acc63_gyr200.csv --set gyro.unit=rad/s").errors, Not(HasSubstr("repeat")));
+}
+
+TEST_F(Cases, AreTheSameMotion) {
+  struct Log {
+    std::string files, declared;
+  };
+  for (const Log& log :
+       std::vector<Log>{{"base/base.csv", ""},
+                        {"axis_in_parentheses/accl.csv cases/axis_in_parentheses/gyro.csv", ""},
+                        {"gravity_taken_as_accelerometer/androsensor.csv", ""},
+                        {"triad_across_two_sensors/two_gyros.csv", "--set gyro.columns=gyro_uncalib.x,gyro_uncalib.y,gyro_uncalib.z"},
+                        {"lost_samples/lost.csv", ""},
+                        {"receipt_stamp_before_header_stamp/imu.csv", ""},
+                        {"unit_in_parentheses/shimmer.csv", ""}}) {
+    ASSERT_EQ(run("inspect cases/" + log.files + " " + log.declared + " --set latitude_deg=45 -o moved.toml --force").exit_code, 0) << log.files;
+    ASSERT_EQ(run("calibrate moved.toml --method handheld --effects none -o moved.json --force").exit_code, 0) << log.files;
+    const auto offset = nlohmann::json::parse(read_text(folder_ / "moved.json")).at("model").at("accel").at("offset");
+    constexpr double mg = 1e-3 * unit::g, usual = 0.5, right[] = {34.26, 30.34, 11.41};  // as the plain log has them, at any latitude
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(offset.at(axis).get<double>() / mg, right[axis], usual) << log.files << axis;
+  }
+  EXPECT_EQ(run("inspect cases/zero_of_half_a_g/counts.csv -o counts.toml").exit_code, 0);
+  EXPECT_EQ(run("inspect cases/no_stamps/accel-0.csv cases/no_stamps/gyro-0.csv --rate 100 -o rows.toml").exit_code, 0);
+  EXPECT_EQ(run("calibrate rows.toml --method static -o rows.json").exit_code, 0);
 }
 
 TEST_F(Cases, CalibrationsHaveTheirOffsets) {

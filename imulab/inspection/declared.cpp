@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 namespace imulab {
 
@@ -138,6 +139,27 @@ DeclaredColumns declared_columns(const SignalTable& table, const Declarations& d
   return result;
 }
 
+namespace {
+
+/// Rows at equal spacing, at the mean rate of their stamps, which single stamps do not have.
+double take_rows_evenly(const SignalTable& table, TimeGuess& guess) {
+  const std::vector<std::int64_t> stamps = stamps_of(table, guess);
+  if (stamps.size() < 2 || stamps.back() <= stamps.front()) return *guess.rate_hz;
+  const std::size_t half = stamps.size() / 2;
+  double apart_s = 0;  // of the halves' means: single stamps do not matter
+  for (std::size_t i = 0; i < half; ++i) apart_s += 1e-9 * static_cast<double>(stamps[i + half] - stamps[i]) / static_cast<double>(half);
+  const double rate_hz = static_cast<double>(half) / apart_s;
+  guess.replaced = std::exchange(guess.column, std::nullopt);
+  guess.source = {};
+  guess.source.column.reset();
+  guess.source.unit = "sample";
+  guess.rate_hz = rate_hz;
+  guess.evidence += fmt::format("; its single steps vary, their sums do not: the rows are taken at equal spacing, {:.5g} Hz", rate_hz);
+  return rate_hz;
+}
+
+}  // namespace
+
 TimeGuess declared_time(const SignalTable& table, const Declarations& declared, TimeGuess guess) {
   if (const std::string* column = find(declared, "time.column"); column != nullptr && *column == "none") {
     guess = {};
@@ -177,12 +199,19 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     guess.source.wrap_bits = static_cast<int>(value);
   }
   if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = "time.ticks_per_s: how many ticks are a second";
+  std::optional<double> average_hz;
+  if (guess.even_on_average && guess.column && guess.open.empty()) average_hz = take_rows_evenly(table, guess);
   if (const std::string* rate = find(declared, "rate_hz")) {
     const double declared_hz = positive_number(*rate, "rate_hz");
     if (declared_hz < 1e-3 || declared_hz > 1e6) throw Error(fmt::format("rate_hz = {}: is out of range; expected 0.001 to 1000000", *rate));
     if (guess.column && guess.source.unit != "sample")
       throw Error(
           fmt::format("rate_hz = {}: the rows have stamps; expected no rate, or rows at equal spacing: --time none (time.column = none)", *rate));
+    constexpr double oscillators = 0.02;  // those of a cheap logger agree to less
+    if (average_hz && std::abs(declared_hz / *average_hz - 1) > oscillators)
+      throw Error(
+          fmt::format("rate_hz = {}: the stamps of {} give {:.5g} Hz on average; expected that rate, or time.column = none where they are wrong",
+                      *rate, column_name(table, *guess.replaced), *average_hz));
     guess.rate_hz = declared_hz;
     guess.open.clear();
     guess.evidence += fmt::format("; {} Hz, as declared", *rate);

@@ -6,7 +6,7 @@
 #include "imulab/recording/coverage.hpp"
 #include "imulab/units.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,6 +30,23 @@ class TriadSearch {
   }
   std::size_t explained() const {
     return static_cast<std::size_t>(std::count_if(found_.begin(), found_.end(), [](const TriadEvidence& e) { return e.explained(); }));
+  }
+
+  /// Triads that would explain the turns, but for the accelerometers, which are a filter's.
+  const TriadEvidence* filtered() const {
+    const auto found = std::find_if(found_.begin(), found_.end(), [](const TriadEvidence& e) { return e.filtered && e.gyros_fit(); });
+    return found == found_.end() ? nullptr : &*found;
+  }
+  /// "a.x, a.y, a.z or b.x, b.y, b.z": what explains the turns, of one sensor.
+  std::string alternatives(SignalTriad TriadEvidence::*which) const {
+    std::vector<std::string> names;
+    for (const TriadEvidence& e : found_) {
+      if (!e.explained()) continue;
+      const SignalTriad& t = e.*which;
+      std::string name = fmt::format("{}, {}, {}", column_name(table_, t[0]), column_name(table_, t[1]), column_name(table_, t[2]));
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+    }
+    return names.size() < 2 ? "" : fmt::format("{}", fmt::join(names, " or "));
   }
 
   /// The best of those considered that explains the turns: least unexplained, with the least spread of the norm. Of two for one triad of gyros, that
@@ -140,6 +157,11 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   for (const auto& triad : {declared.gyro, declared.accel})
     if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
   std::vector<SignalTriad> gyros = named_triads(table, triads, Role::gyro), accels = named_triads(table, triads, Role::accel);
+  const auto by_a_filter = [&](const SignalTriad& triad) {  // apps of phones give them beside the sensor's readings
+    const std::string sensor = hint_in(table, triad[0]).sensor;
+    return sensor.find("gravity") != std::string::npos || sensor.find("linear") != std::string::npos || sensor.find("user") != std::string::npos;
+  };
+  if (!std::all_of(accels.begin(), accels.end(), by_a_filter)) std::erase_if(accels, by_a_filter);
   if (declared.gyro) gyros = {*declared.gyro};
   if (declared.accel) accels = {*declared.accel};
   const std::size_t all = time_ns.size();
@@ -147,9 +169,21 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   TriadSearch named(table, time_ns, scales);
   for (const SignalTriad& g : gyros)
     for (const SignalTriad& a : accels) named.consider(g, a);
-  if (named.explained() > 1)
-    result.ambiguous.push_back(
-        fmt::format("gyro.columns, accel.columns: {} pairs of triads fit each other; name the columns to use", named.explained()));
+  if (named.explained() > 1) {
+    const std::string of_gyro = named.alternatives(&TriadEvidence::gyro), of_accel = named.alternatives(&TriadEvidence::accel);
+    result.ambiguous.push_back(fmt::format("{}{}{}: {} pairs of triads fit each other: {}{}{}; name the columns to use",
+                                           of_gyro.empty() ? "" : "gyro.columns", of_gyro.empty() || of_accel.empty() ? "" : ", ",
+                                           of_accel.empty() ? "" : "accel.columns", named.explained(), of_gyro,
+                                           of_gyro.empty() || of_accel.empty() ? "" : "; ", of_accel));
+  }
+  const auto ask_for_sum = [&](const TriadEvidence& filtered) {
+    const SignalTriad& t = filtered.accel;
+    result.ambiguous.push_back(fmt::format(
+        "accel.columns: {}, {}, {} have the same norm, {:.6g}, at rest and in motion: a filter's estimate of gravity, which has no error to "
+        "calibrate; name the columns of the accelerometers (their readings are the sum of it and of the acceleration beside it)",
+        column_name(table, t[0]), column_name(table, t[1]), column_name(table, t[2]), filtered.norm));
+    return std::nullopt;
+  };
   if (const auto best = named.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   if (!(declared.gyro && declared.accel)) {
     TriadSearch search(table, time_ns, scales);
@@ -157,7 +191,9 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
       for (const SignalTriad& a : triads)
         if ((!declared.gyro || g == *declared.gyro) && (!declared.accel || a == *declared.accel)) search.consider(g, a);
     if (const auto best = search.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
+    if (const TriadEvidence* filtered = search.filtered()) return ask_for_sum(*filtered);
   }
+  if (const TriadEvidence* filtered = named.filtered()) return ask_for_sum(*filtered);
   if (declared.gyro && accels.empty()) return gyro_alone(*declared.gyro);
   if (declared.accel && gyros.empty()) return accel_alone(table, time_ns, *declared.accel);
   if (gyros.empty() || accels.empty()) return std::nullopt;

@@ -4,6 +4,7 @@
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/even_rows.hpp"
 #include "imulab/inspection/evidence.hpp"
+#include "imulab/inspection/holes.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/model/frame_axes.hpp"
@@ -86,8 +87,8 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ColumnFinding& column = result.columns[triad[axis]];
     column.role = role + "." + "xyz"[axis];
-    column.unit = guess.unit;
-    column.evidence = guess.evidence;
+    column.unit = guess.open.empty() || guess.unit != "count" ? guess.unit : "unknown";
+    column.evidence = guess.evidence.empty() ? guess.open : guess.evidence;
     source.columns.push_back(table.signals[triad[axis]].column);
   }
   source.unit = guess.unit;
@@ -108,10 +109,11 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
 UnitGuess accel_guess(const SignalTable& table, const TriadEvidence& triads, double interval_s) {
   const std::string stated = stated_unit(table, triads.accel);
   UnitGuess guess;
-  if (triads.offset_taken_out) {
+  const bool whole = whole_numbers(table, triads.accel);
+  if (triads.offset_taken_out && whole && stated.empty()) {
     guess.evidence = fmt::format("readings at rest lie on a sphere of radius {:.5g} about a point far from zero: counts", triads.norm);
   } else if (!triads.rests.empty()) {
-    return accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated, whole_numbers(table, triads.accel));
+    return accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated, whole);
   } else if (stated.empty()) {
     guess.open = "accel.unit: no rest was found, which would show gravity";
   } else {
@@ -156,8 +158,9 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
   }
   if (triads.has_accel) settle_triad(table, triads.accel, accel, "accel", result.source.accel, result);
   if (triads.has_gyro) settle_triad(table, triads.gyro, gyro, "gyro", result.source.gyro, result);
-  if (!accel.evidence.empty()) result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
-  if (!gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
+  if (triads.has_accel && !accel.evidence.empty())
+    result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
+  if (triads.has_gyro && !gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
   if (triads.explained())
     result.evidence.push_back(
         fmt::format("gyros explain {} turns of {:.3g} deg RMS to {:.2g} deg", triads.turns, triads.turned / unit::deg, triads.error / unit::deg));
@@ -200,7 +203,7 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
 
 TimeGuess settle_time(const SignalTable& table, const Declarations& declared, Inspection& result) {
   TimeGuess time = declared_time(table, declared, recognize_time(table));
-  for (const auto& [index, role] : {std::pair{time.column, "time"}, {time.fraction, "time"}})
+  for (const auto& [index, role] : {std::pair{time.column, "time"}, {time.fraction, "time"}, {time.replaced, "time"}})
     if (index) result.columns[*index] = {column_name(table, *index), role, time.source.unit, time.evidence};
   if (time.fraction) result.columns[*time.fraction].unit = time.source.fraction_unit;
   result.source.time = time.source;
@@ -210,21 +213,6 @@ TimeGuess settle_time(const SignalTable& table, const Declarations& declared, In
   if (!time.others.empty()) result.evidence.back() += fmt::format(" (could be time as well: {})", fmt::join(time.others, ", "));
   if (!time.open.empty()) result.ambiguous.push_back(time.open);
   return time;
-}
-
-/// Columns of numbers that some rows have none in: none of them is a reading.
-std::string columns_with_holes(const SignalTable& table) {
-  constexpr double most = 0.5;  // of the rows: else it is no column of numbers
-  std::string text;
-  for (std::size_t i = 0; i < table.signals.size(); ++i) {
-    const std::vector<double>& values = table.signals[i].values;
-    const auto is_hole = [](double v) { return !std::isfinite(v); };
-    const auto holes = std::count_if(values.begin(), values.end(), is_hole);
-    if (holes == 0 || static_cast<double>(holes) > most * static_cast<double>(values.size())) continue;
-    const auto first = std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1;
-    text += fmt::format("; {} has no finite number in {} {}, first in row {}", column_name(table, i), holes, holes == 1 ? "row" : "rows", first);
-  }
-  return text;
 }
 
 /// The table, or `right` with its readings as the integers that they are, where the file prints them with the wrong sign.
@@ -287,17 +275,18 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
   const ClockQuality clock = clock_quality(time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
+  const std::size_t questions = result.ambiguous.size();
   if (clock.backward == 0 && !time_ns.empty()) result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
     result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock; {}", clock.backward,
                                           clock.first_backward + 1, even_rows_advice()));
-  } else if (!result.triads) {
+  } else if (!result.triads && result.ambiguous.size() == questions) {
     result.ambiguous.push_back(
         "accel.columns, gyro.columns: no pair of triads behaves like accelerometers and gyros, and the names do not identify both; name the columns "
         "of both, or of one that is alone" +
         std::string(declared.contains("gyro.unit") ? "" : ", and gyro.unit if the log has no three turns, which would show it") +
-        columns_with_holes(table));
-  } else {
+        words_about_holes(table));
+  } else if (result.triads) {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
     settle_units(table, *result.triads, time, declared, result);
     if (!columns.gyro && !columns.accel) ask_about_names(table, *result.triads, result);

@@ -39,6 +39,10 @@ std::pair<std::size_t, std::size_t> covered(const std::vector<std::int64_t>& at,
   return {static_cast<std::size_t>(begin - at.begin()), static_cast<std::size_t>(end - at.begin())};
 }
 
+bool has_column(const SignalTable& table, const std::string& name) {
+  return std::any_of(table.signals.begin(), table.signals.end(), [&](const Signal& signal) { return signal.name == name; });
+}
+
 }  // namespace
 
 SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared) {
@@ -49,13 +53,27 @@ SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared
     if (const auto found = declared.find(key); found != declared.end()) of_all.insert(*found);
   const TimeGuess reference = declared_time(result, declared, recognize_time(result));
   const std::vector<std::int64_t> time_ns = stamps_of(result, reference);
-  if (!reference.column || time_ns.empty()) throw Error(result.file + ": has no stamps; expected them, since several tables are joined by time");
+  const bool by_row = !reference.column && !reference.replaced && declared.contains("rate_hz");
+  const auto expect_stamps = [&](const SignalTable& table, const TimeGuess& time) {
+    if (!time.column)
+      throw Error(table.file +
+                  ": has no stamps; expected them, since several tables are joined by time; tables of as many rows are joined row by row where their "
+                  "rate is declared: --rate HZ");
+  };
+  if (!by_row) expect_stamps(result, reference);
+  if (time_ns.empty()) throw Error(result.file + ": has no stamp in some row; expected one in each, since several tables are joined by time");
   std::size_t begin = 0, end = time_ns.size();
   for (std::size_t t = 1; t < tables.size(); ++t) {
     SignalTable& table = tables[t];
-    const TimeGuess time = declared_time(table, of_all, recognize_time(table));
-    if (!time.column) throw Error(table.file + ": has no stamps; expected them, since several tables are joined by time");
-    const std::vector<std::int64_t> own = stamps_of(table, time);
+    Declarations of_table = of_all;
+    if (const auto column = declared.find("time.column"); column != declared.end() && (by_row || has_column(table, column->second)))
+      of_table.insert(*column);
+    const TimeGuess time = by_row ? reference : declared_time(table, of_table, recognize_time(table));
+    if (by_row && table.rows() != time_ns.size())
+      throw Error(fmt::format("{}: has {} rows, {} has {}; expected as many, since they are joined row by row, or stamps", table.file, table.rows(),
+                              result.file, time_ns.size()));
+    if (!by_row) expect_stamps(table, time);
+    const std::vector<std::int64_t> own = by_row ? time_ns : stamps_of(table, time);
     if (own.empty() || own.back() < time_ns.front() || own.front() > time_ns.back())
       throw Error(fmt::format("{}: has no time in common with {}; expected recordings by one clock", table.file, result.file));
     const auto [from, to] = covered(time_ns, own);
@@ -63,7 +81,7 @@ SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared
     result.parts.push_back(
         {table.file == result.file ? "" : std::filesystem::path(table.file).filename().string(), table.topic, time.source, time.open});
     for (std::size_t i = 0; i < table.signals.size(); ++i) {
-      if (i == *time.column || (time.fraction && i == *time.fraction)) continue;
+      if ((time.column && i == *time.column) || (time.fraction && i == *time.fraction)) continue;
       Signal signal = std::move(table.signals[i]);
       signal.values = values_at(time_ns, own, signal.values);
       signal.table = t;

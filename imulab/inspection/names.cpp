@@ -2,14 +2,10 @@
 
 #include "imulab/core/text.hpp"
 #include "imulab/recording/unit_names.hpp"
-#include "imulab/units.hpp"
-
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -40,9 +36,8 @@ bool is_among(const std::string& word, const std::array<std::string_view, N>& li
   return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-constexpr std::array<std::string_view, 9> accel_words{"a", "acc", "accel", "acceleration", "accelerometer", "accelerations", "accels", "f", "force"};
-constexpr std::array<std::string_view, 13> gyro_words{"g",       "gyr",    "gyro", "gyros", "gyroscope", "w",      "omega",
-                                                      "angular", "angvel", "rate", "rates", "rot",       "angrate"};
+constexpr std::array<std::string_view, 5> accel_words{"a", "acc", "accl", "f", "force"};
+constexpr std::array<std::string_view, 9> gyro_words{"g", "w", "omega", "angular", "angvel", "rate", "rates", "rot", "angrate"};
 constexpr std::array<std::string_view, 22> other_words{
     "m",   "mag",     "magnetometer", "magnetic", "compass", "q",        "quat",     "quaternion", "orientation", "roll",  "pitch",
     "yaw", "heading", "gps",          "lat",      "lon",     "altitude", "pressure", "baro",       "covariance",  "euler", "velocity"};
@@ -59,53 +54,60 @@ constexpr std::array<std::string_view, 4> second_words{"s", "sec", "secs", "seco
 constexpr std::array<std::string_view, 3> nanosecond_words{"nsec", "nsecs", "nanosec"};
 constexpr std::array<std::string_view, 10> number_words{"n", "i", "idx", "index", "sample", "samples", "seq", "counter", "count", "packet"};
 
-/// The text in brackets.
-std::string_view in_brackets(std::string_view name) {
-  for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
-    const std::size_t begin = name.find(open), end = name.find(close, begin == std::string_view::npos ? 0 : begin);
-    if (begin != std::string_view::npos && end != std::string_view::npos) return name.substr(begin + 1, end - begin - 1);
-  }
-  return {};
+bool names_accel(const std::string& word) { return word.starts_with("acce") || is_among(word, accel_words); }
+bool names_gyro(const std::string& word) { return word.starts_with("gyr") || is_among(word, gyro_words); }
+
+/// The word before the axis in "gx", "accx"; the word itself where it is none of a sensor with an axis.
+std::string without_axis(const std::string& word) {
+  if (word.size() < 2 || word.back() < 'x' || word.back() > 'z') return word;
+  const std::string stem = word.substr(0, word.size() - 1);
+  return names_accel(stem) || names_gyro(stem) || is_among(stem, other_words) ? stem : word;
 }
 
-/// The index of "gyro_rad[2]", from 0.
-std::optional<int> index_in_brackets(std::string_view name) {
-  const std::string_view inside = in_brackets(name);
-  if (inside.size() != 1 || !std::isdigit(static_cast<unsigned char>(inside.front()))) return std::nullopt;
-  return inside.front() - '0';
+int axis_of(const std::string& word) {
+  const bool axis = word == "x" || word == "y" || word == "z" || without_axis(word) != word;
+  return axis ? word.back() - 'x' : -1;
 }
 
-/// The unit in brackets, or behind the last blank or underline: "acc_x [m/s^2]", "time_us".
-std::string unit_in(std::string_view name) {
-  if (index_in_brackets(name)) return unit_in(name.substr(0, name.find_first_of("[(")));
-  if (const std::string_view inside = in_brackets(name); !inside.empty()) return unit_of(inside);
-  for (std::size_t cut = name.find_first_of(" _"); cut != std::string_view::npos; cut = name.find_first_of(" _", cut + 1))  // "rate_x_deg_per_s"
-    if (std::string unit = unit_of(name.substr(cut + 1));
-        !unit.empty() && unit != "m/s" && unit != "rad" && unit != "deg" && !name.ends_with("_g") && !name.ends_with(" g"))
-      return unit;  // ..._g may be a gyro's, gyro_rad is in rad/s
-  if (const std::string whole = unit_of(name); whole == "ms" || whole == "us" || whole == "ns") return name.size() > 2 ? whole : "";  // "micros"
-  if (name.ends_with("US") && name.size() > 2) return "us";                                                                           // TimeUS
-  return {};
+/// A name is NAME [GROUP]... with groups in either kind of brackets, inside one another, too, and several parts of a group between commas. A bracket
+/// inside a unit, as in "m/(s^2)", is none.
+struct NameParts {
+  std::string stem;
+  std::vector<std::string> groups;
+};
+
+void add_part(std::string& part, std::vector<std::string>& parts) {
+  if (const std::string_view text = trimmed(part); !text.empty()) parts.emplace_back(text);
+  part.clear();
 }
 
-int axis_of(const std::vector<std::string>& words) {
-  for (auto word = words.rbegin(); word != words.rend(); ++word) {
-    if (*word == "x" || *word == "y" || *word == "z") return (*word)[0] - 'x';
-    const bool letter = word->size() > 1 && (word->back() == 'x' || word->back() == 'y' || word->back() == 'z');
-    if (letter) {
-      const std::string stem = word->substr(0, word->size() - 1);
-      if (is_among(stem, accel_words) || is_among(stem, gyro_words) || is_among(stem, other_words)) return word->back() - 'x';
+NameParts parts_of_name(std::string_view name) {
+  NameParts parts;
+  std::string group;
+  std::vector<bool> open;  // of each bracket: whether it begins a group
+  std::size_t depth = 0;
+  char before = ' ';
+  for (const char c : name) {
+    const bool opens = c == '[' || c == '(', closes = (c == ']' || c == ')') && !open.empty();
+    const bool of_group = opens ? before != '/' && before != '*' && before != '^' : closes && open.back();
+    if (opens) open.push_back(of_group);
+    if (closes) open.pop_back();
+    if (of_group || (depth > 0 && (c == ',' || c == ';'))) {
+      add_part(group, parts.groups);
+      if (of_group && depth == 0) parts.stem += ' ';
+      if (of_group && opens) ++depth;
+      if (of_group && closes) --depth;
+    } else {
+      (depth > 0 ? group : parts.stem) += c;
     }
+    if (c != ' ') before = c;
   }
-  return -1;
+  add_part(group, parts.groups);
+  return parts;
 }
 
 Role role_of(std::vector<std::string> words) {
-  for (std::string& word : words)  // "gx" is g and x, "accx" acc and x
-    if (word.size() > 1 && (word.back() == 'x' || word.back() == 'y' || word.back() == 'z')) {
-      const std::string stem = word.substr(0, word.size() - 1);
-      if (is_among(stem, accel_words) || is_among(stem, gyro_words) || is_among(stem, other_words)) word = stem;
-    }
+  for (std::string& word : words) word = without_axis(word);  // "gx" is g and x, "accx" acc and x
   const auto any = [&](const auto& list) { return std::any_of(words.begin(), words.end(), [&](const std::string& w) { return is_among(w, list); }); };
   const bool angular = std::find(words.begin(), words.end(), "angular") != words.end();
   if (any(tick_words)) return Role::time;
@@ -113,14 +115,27 @@ Role role_of(std::vector<std::string> words) {
   if (any(nanosecond_words)) return Role::fraction;
   const bool timed = any(time_words) || (words.size() <= 2 && !words.empty() && is_among(words.front(), second_words));
   for (const auto& word : words)  // whole words of a sensor before single letters
-    if (word.size() > 1 && (is_among(word, accel_words) || is_among(word, gyro_words)))
-      return any(derived_words) ? Role::other : is_among(word, accel_words) ? Role::accel : Role::gyro;
+    if (word.size() > 1 && (names_accel(word) || names_gyro(word)))
+      return any(derived_words) ? Role::other : names_accel(word) ? Role::accel : Role::gyro;
   if (timed) return Role::time;
   if (any(other_words) && !angular) return Role::other;
   if (any(accel_words)) return Role::accel;
   if (any(gyro_words)) return Role::gyro;
   if (any(number_words)) return Role::sample_number;
   return Role::unknown;
+}
+
+/// The unit behind the last blank or underline, or that the whole name is: "time_us", "ax_g", "micros".
+std::string unit_behind(std::string_view name) {
+  name = trimmed(name);
+  for (std::size_t cut = name.find_first_of(" _"); cut != std::string_view::npos; cut = name.find_first_of(" _", cut + 1)) {  // "rate_x_deg_per_s"
+    const std::string unit = unit_of(name.substr(cut + 1));
+    const bool of_gyro = unit == "g" && role_of(words_of(name.substr(0, cut))) != Role::accel;      // the gyro's x in "x_g"
+    if (!unit.empty() && unit != "m/s" && unit != "rad" && unit != "deg" && !of_gyro) return unit;  // gyro_rad is in rad/s
+  }
+  if (const std::string whole = unit_of(name); whole == "ms" || whole == "us" || whole == "ns") return name.size() > 2 ? whole : "";  // "micros"
+  if (name.ends_with("US") && name.size() > 2) return "us";                                                                           // TimeUS
+  return {};
 }
 
 }  // namespace
@@ -155,7 +170,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 std::string unit_of(std::string_view text) {
   std::string key = lowered(text);
   if (key == "g*s") return key;
-  std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"' || c == '_'; });
+  std::erase_if(key, [](char c) { return std::string_view(" ^*.\"_()[]").find(c) != std::string_view::npos; });
   if (std::string unit = unit_of_symbol(key); !unit.empty()) return unit;
   constexpr std::array<std::pair<std::string_view, std::string_view>, 21> words{{
       {"milliseconds", "ms"}, {"millisecond", "ms"}, {"microseconds", "us"}, {"microsecond", "us"}, {"nanoseconds", "ns"}, {"nanosecond", "ns"},
@@ -170,24 +185,40 @@ std::string unit_of(std::string_view text) {
 
 NameHint hint_of(std::string_view name) {
   NameHint hint;
-  hint.unit = unit_in(name);
-  const std::string_view stem = name.substr(0, std::min(name.find('['), name.find('(')));
-  const std::vector<std::string> words = words_of(stem);
+  const NameParts parts = parts_of_name(name);
+  std::vector<std::string> words = words_of(parts.stem), apart;  // those of the name, and of groups that are neither axis nor unit
+  std::optional<int> index;
+  for (const std::string& group : parts.groups) {
+    const std::string unit = unit_of(group), only = lowered(group);
+    if (only.size() == 1 && (std::isdigit(static_cast<unsigned char>(only[0])) || axis_of(only) >= 0)) {
+      index = axis_of(only) >= 0 ? axis_of(only) : only[0] - '0';  // "Gyroscope (z)", "gyro_rad[2]"
+    } else if (!unit.empty()) {
+      if (hint.unit.empty()) hint.unit = unit;
+    } else {
+      if (hint.unknown.empty()) hint.unknown = group;
+      for (std::string& word : words_of(group))
+        if (word.size() > 1) apart.push_back(std::move(word));
+    }
+  }
+  if (hint.unit.empty() && hint.unknown.empty()) hint.unit = unit_behind(parts.stem);
+  if (!hint.unit.empty()) hint.unknown.clear();
   hint.role = role_of(words);
-  hint.axis = axis_of(words);
-  if (hint.axis < 0 && !words.empty() && words.back().size() == 1 && std::isdigit(static_cast<unsigned char>(words.back()[0])))
-    hint.axis = words.back()[0] - '1';  // gyro.1, gyro.2, gyro.3
-  const std::optional<int> index = index_in_brackets(name);
+  if (const Role apart_role = role_of(apart); hint.role == Role::unknown && (apart_role == Role::accel || apart_role == Role::gyro)) {
+    hint.role = apart_role;  // "x (gyroscope)"
+    hint.unknown.clear();
+  }
+  for (auto word = words.rbegin(); word != words.rend() && hint.axis < 0; ++word) hint.axis = axis_of(*word);
+  const bool numbered = hint.axis < 0 && !index && !words.empty() && words.back().size() == 1 && words.back()[0] >= '1' && words.back()[0] <= '3';
+  if (numbered) hint.axis = words.back()[0] - '1';  // gyro.1, gyro.2, gyro.3
   if (index) hint.axis = *index;
   if (hint.axis > 2) hint.axis = -1;
-  if (const std::string_view inside = in_brackets(name); hint.unit.empty() && !index) hint.unknown = std::string(inside);
   const bool of_time = hint.unit == "s" || hint.unit == "ms" || hint.unit == "us" || hint.unit == "ns";
   if (of_time && hint.role != Role::fraction) hint.role = Role::time;  // "Temps (s)" is no temperature
   hint.ticks = std::any_of(words.begin(), words.end(), [](const std::string& w) { return is_among(w, tick_words); });
-  for (const std::string& word : words) {
-    const bool is_axis = word == "x" || word == "y" || word == "z" || (&word == &words.back() && word.size() == 1);
-    if (!is_axis) hint.sensor += (hint.sensor.empty() ? "" : " ") + (hint.axis >= 0 && axis_of({word}) >= 0 ? word.substr(0, word.size() - 1) : word);
-  }
+  if (numbered) words.pop_back();
+  words.insert(words.end(), apart.begin(), apart.end());
+  for (const std::string& word : words)
+    if (word.size() > 1 || axis_of(word) < 0) hint.sensor += (hint.sensor.empty() ? "" : " ") + (hint.axis >= 0 ? without_axis(word) : word);
   if (hint.role == Role::fraction && hint.unit.empty()) hint.unit = "ns";
   return hint;
 }
@@ -219,105 +250,6 @@ NameHint hint_in(const SignalTable& table, std::size_t column) {
   if (hint.role == Role::unknown && hint.axis >= 0)
     hint.role = sensor_of(std::filesystem::path(part != nullptr && !part->file.empty() ? part->file : table.file).stem().string());
   return hint;
-}
-
-namespace {
-
-struct Possible {
-  std::string unit;
-  Output output;
-  double size;  ///< what one SI unit (of rate) reads: m/s^2 or rad/s
-};
-
-std::vector<Possible> possible_units(Quantity quantity, double interval_s) {
-  std::vector<Possible> all;
-  for (const Output output : {Output::rate, Output::increment})
-    for (const std::string_view unit : unit_names(quantity, output == Output::increment))
-      if (unit != "count") all.push_back({std::string(unit), output, (output == Output::increment ? interval_s : 1.0) / si_factor(unit)});
-  return all;
-}
-
-std::string with_output(const Possible& p) { return p.output == Output::rate ? p.unit : p.unit + " a sample"; }
-
-/// One of the units that fit: the named one, or the only one.
-UnitGuess choose(const std::vector<Possible>& fit, const std::vector<Possible>& all, const std::string& named, const std::string& what,
-                 const std::string& key, bool whole) {
-  UnitGuess guess;
-  guess.evidence = what;
-  const auto is_named = [&](const Possible& p) { return p.unit == named; };
-  const auto take = [&](const Possible& p) {
-    guess.unit = p.unit;
-    guess.output = p.output;
-    guess.evidence = what + ": " + with_output(p);
-  };
-  if (const auto found = std::find_if(fit.begin(), fit.end(), is_named); !named.empty() && found != fit.end()) {
-    take(*found);
-    return guess;
-  }
-  if (!named.empty() && std::any_of(all.begin(), all.end(), is_named)) {
-    std::string instead;
-    for (const Possible& p : fit) instead += (instead.empty() ? "" : " or ") + with_output(p);
-    guess.unit = named;
-    guess.open = fmt::format("{}.unit: the file says {}, but {}", key, named, what + (instead.empty() ? "" : ", as in " + instead));
-    return guess;
-  }
-  if (!named.empty() && named != "count") {
-    guess.open = fmt::format("{}.unit: the file says {}, which is no unit known here; {}", key, named, what);
-    return guess;
-  }
-  if (named == "count") {
-    guess.evidence = what + ": counts, as the file says";
-    return guess;
-  }
-  if (fit.size() == 1) {
-    take(fit.front());
-    return guess;
-  }
-  if (fit.empty() && whole) {
-    guess.evidence = what + ", whole numbers: counts";
-    return guess;
-  }
-  std::string list;
-  for (const Possible& p : fit) list += (list.empty() ? "" : " or ") + with_output(p);
-  guess.open = fmt::format("{}.unit: {}, {}", key, what, fit.empty() ? "which is no unit known here" : "which could be " + list);
-  return guess;
-}
-
-}  // namespace
-
-UnitGuess accel_unit(double norm, double least, double most, double interval_s, const std::string& named, bool whole) {
-  const std::vector<Possible> all = possible_units(Quantity::accel, interval_s);
-  std::vector<Possible> fit;
-  constexpr double tolerance = 0.1;  // offsets and scales of a sensor before its calibration
-  for (const Possible& p : all)
-    if (std::abs(norm / (unit::g * p.size) - 1) < tolerance) fit.push_back(p);
-  // Whole numbers near a thousand, or a million, to g are a unit; near a power of two they may be counts.
-  const double octave = std::exp2(std::round(std::log2(norm)));
-  std::string what = least < most ? fmt::format("|a| at rest {:.5g} to {:.5g}", least, most) : fmt::format("|a| at rest {:.5g}", norm);
-  if (whole && !fit.empty() && named.empty() && std::abs(norm / octave - 1) < 0.05) {
-    fit.push_back({"count", Output::rate, octave / unit::g});
-  } else if (whole && fit.empty()) {
-    what += fmt::format(" ({:.5g} to g)", norm);
-  }
-  return choose(fit, all, named, what, "accel", whole);
-}
-
-UnitGuess gyro_unit(double scale, double interval_s, const std::string& named, bool whole) {
-  const std::vector<Possible> all = possible_units(Quantity::gyro, interval_s);
-  std::vector<Possible> fit;
-  constexpr double tolerance = 0.15;  // of a coarse solution, on an uncalibrated sensor
-  for (const Possible& p : all)
-    if (std::abs(scale * p.size - 1) < tolerance) fit.push_back(p);
-  const double per_degree = unit::deg / scale;
-  const std::string what = fmt::format("1 deg/s reads {:.4g}, by the turns between rests", per_degree);
-  if (whole && fit.size() == 1 && named.empty() && fit.front().unit != "mdeg/s") fit.push_back({"count", Output::rate, 1 / scale});
-  return choose(fit, all, named, what, "gyro", whole);
-}
-
-std::vector<double> gyro_scales(double interval_s) {
-  std::vector<double> scales;
-  for (const Possible& p : possible_units(Quantity::gyro, interval_s)) scales.push_back(1 / p.size);
-  return scales;
 }
 
 }  // namespace imulab::inspection

@@ -4,6 +4,7 @@
 #include "imulab/session.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct SignalTable {
   std::string format;  ///< in words: "CSV, delimiter \",\", a header in line 1"
   std::vector<Signal> signals;
   std::vector<SignalPart> parts;   ///< of the tables after the first
+  std::optional<double> rate_hz;   ///< that the file states beside its columns
+  std::string rate_name;           ///< under this name
   std::vector<std::string> notes;  ///< what reading met, with its consequence
 
   std::size_t rows() const { return signals.empty() ? 0 : signals.front().values.size(); }

@@ -29,11 +29,27 @@ struct Steps {
   double typical = 0;        ///< median of those above 0
   double even = 0;           ///< part of the steps that are within half of it
   bool whole = false;        ///< all numbers are whole
+  double scatter = 0;        ///< median distance of a step from a multiple of the typical one, part of it
+  bool on_average = false;   ///< the steps are not even, but sums of sixteen are
   bool ones = false;         ///< nearly every step is exactly 1
   std::optional<int> bits;   ///< the numbers begin again after 2^bits
   std::size_t backward = 0;  ///< steps back that are no such beginning
   double first = 0;
 };
+
+constexpr double even_enough = 0.6;  // part of the steps
+
+/// Takes the mean step of sixteen as the typical one, where these hardly differ.
+void take_average(const std::vector<double>& values, Steps& s) {
+  constexpr std::size_t several = 16;
+  std::vector<double> sums;
+  for (std::size_t i = several; i < std::min(values.size(), looked_at); i += several) sums.push_back(values[i] - values[i - several]);
+  if (sums.size() < 4) return;
+  const double typical = median(sums);
+  const auto even = std::count_if(sums.begin(), sums.end(), [&](double sum) { return std::abs(sum - typical) < 0.1 * typical; });
+  s.on_average = typical > 0 && static_cast<double>(even) > 0.9 * static_cast<double>(sums.size());
+  if (s.on_average) s.typical = typical / several;
+}
 
 std::optional<Steps> steps_of(const std::vector<double>& values) {
   Steps s;
@@ -67,11 +83,15 @@ std::optional<Steps> steps_of(const std::vector<double>& values) {
     if (fits && !s.bits) s.bits = bits;
   }
   s.backward = s.bits ? 0 : backward.size();
+  std::vector<double> apart;
+  for (const double step : forward) apart.push_back(std::abs(step / s.typical - std::max(1.0, std::round(step / s.typical))));
+  s.scatter = median(apart);
+  if (s.even <= even_enough && backward.empty()) take_average(values, s);
   return s;
 }
 
 /// True if the numbers advance as a clock's do: in even steps, forward but for a few rows out of order.
-bool is_clock(const Steps& s, std::size_t rows) { return s.even > 0.6 && s.backward * 100 < rows; }
+bool is_clock(const Steps& s, std::size_t rows) { return (s.even > even_enough || s.on_average) && s.backward * 100 < rows; }
 
 double in_seconds(const char* unit) { return std::pow(10.0, time_exponent(unit) - 9); }
 
@@ -212,20 +232,32 @@ TimeGuess recognize_time(const SignalTable& table) {
     const Role role = hint_in(table, i).role;
     if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
     const bool time = role == Role::time || !table.signals[i].unit.empty();
-    candidates.push_back({i, *steps, (time ? 4 : 0) + (steps->ones ? 0 : 2)});
+    if (steps->on_average && !time) continue;
+    const bool ticks = hint_in(table, i).ticks || steps->on_average;
+    candidates.push_back({i, *steps, (time ? 4 : 0) + (steps->ones ? 0 : 2) - (ticks ? 1 : 0)});
+  }
+  if (candidates.empty() && table.rate_hz) {
+    guess.rate_hz = table.rate_hz;
+    guess.evidence = fmt::format("no column advances in even steps: the rows are at equal spacing, {:.6g} Hz, as {} of the file says", *table.rate_hz,
+                                 table.rate_name);
+    return guess;
   }
   if (candidates.empty()) {
     guess.evidence = "no column advances in even steps: the rows have no stamps";
     guess.open = "rate_hz: the rows have no stamps that advance in even steps; declare the rate of the rows";
     return guess;
   }
-  const auto best = std::max_element(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.merit < b.merit; });
+  const auto best = std::max_element(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    const bool evener = b.steps.scatter < a.steps.scatter / 3 && a.steps.scatter > 0.01;  // than stamps of receipt are those of a sensor
+    return a.merit < b.merit || (a.merit == b.merit && evener);
+  });
   for (const Candidate& c : candidates)
     if (&c != &*best && !table.signals[c.index].name.empty()) guess.others.push_back(table.signals[c.index].name);
   const Signal& signal = table.signals[best->index];
   guess.column = best->index;
   guess.source.column = signal.column;
   guess.source.wrap_bits = best->steps.bits;
+  guess.even_on_average = best->steps.on_average;
   choose_unit(guess, signal, best->steps);
   if (best->steps.bits) guess.evidence += fmt::format("; begins again after 2^{}", *best->steps.bits);
   return guess;

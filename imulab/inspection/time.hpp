@@ -16,6 +16,8 @@ namespace imulab::inspection {
 struct TimeGuess {
   TimeSource source;                            ///< without a column where the rows have no stamps
   std::optional<std::size_t> column, fraction;  ///< indices of the signals
+  bool even_on_average = false;                 ///< single steps of the column vary, sums of sixteen do not: late stamps, or two rows at once
+  std::optional<std::size_t> replaced;          ///< that column, once the rows are taken at equal spacing
   std::optional<double> rate_hz;                ///< of the samples; absent where it cannot be known
   std::string evidence;
   std::vector<std::string> others;  ///< columns that could be time as well

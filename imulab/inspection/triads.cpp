@@ -43,6 +43,17 @@ std::vector<double> in_steps(const std::vector<double>& values, std::size_t n, d
   return result;
 }
 
+/// The least difference between two readings in a row.
+double least_step(const SignalTable& table, const SignalTriad& triad) {
+  double least = HUGE_VAL;
+  for (const std::size_t i : triad) {
+    const std::vector<double>& values = table.signals[i].values;
+    for (std::size_t k = 1; k < std::min<std::size_t>(values.size(), 20'000); ++k)
+      if (values[k] != values[k - 1]) least = std::min(least, std::abs(values[k] - values[k - 1]));
+  }
+  return std::isfinite(least) ? least : 0;
+}
+
 /// One step for the three axes: scales between them stay.
 Columns3 columns_of(const SignalTable& table, const SignalTriad& triad, std::size_t n, double& step) {
   step = 0;
@@ -60,14 +71,14 @@ Columns3 columns_of(const SignalTable& table, const SignalTriad& triad, std::siz
   return columns;
 }
 
-/// A center far from zero that the rests' means lie about on a sphere: that of unsigned counts. Readings whose norm is constant while their direction
-/// changes lie about zero: rests that hardly differ in direction determine no other center.
+/// A center other than zero that the rests' means lie about on a sphere: that of unsigned counts, or of sensors with a large offset. Readings whose
+/// norm is constant while their direction changes lie about zero: rests that hardly differ in direction determine no other center.
 std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   Vector3d center = Vector3d::Zero();
   for (const RestMeans& rest : rests) center += rest.accel / static_cast<double>(rests.size());
   double reach = 0;
   for (const RestMeans& rest : rests) reach = std::max(reach, (rest.accel - center).norm());
-  if (rests.size() < 6 || center.norm() < 3 * reach || reach == 0) return std::nullopt;
+  if (rests.size() < 6 || reach == 0) return std::nullopt;
   const auto shorter = [](const RestMeans& a, const RestMeans& b) { return a.accel.norm() < b.accel.norm(); };
   const auto [least, most] = std::minmax_element(rests.begin(), rests.end(), shorter);
   constexpr double along_a_sphere = 0.3;  // of the reach: an uncalibrated sensor's norm changes by a tenth of it
@@ -77,7 +88,25 @@ std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   const auto coarse = coarse::coarse_accel(readings, 1);
   if (!coarse) return std::nullopt;
   const Vector3d bias = -coarse->matrix.inverse() * coarse->offset;
+  std::vector<double> norms;
+  for (const Vector3d& reading : readings) norms.push_back((reading - bias).norm());
+  const auto [nearest, farthest] = std::minmax_element(norms.begin(), norms.end());
+  constexpr double scales_differ = 0.3;  // of the axes of an uncalibrated sensor, with room; the readings of no accelerometer lie on no sphere
+  if (*farthest - *nearest > scales_differ * median(norms)) return std::nullopt;
   return Vector3d(center + reach * bias);
+}
+
+/// True if all readings, at rest and in motion, have one length, but for the rounding of their digits (`least` is a step), while their direction
+/// changes: an estimate of gravity by a filter, and no accelerometer, whose offsets and motion change it.
+bool has_one_length(const Recording& recording, const std::vector<RestMeans>& rests, double least) {
+  constexpr double apart = 0.17;  // rad: directions that offsets would show in
+  if (rests.size() < 3 || std::none_of(rests.begin(), rests.end(), [&](const RestMeans& rest) {
+        return (rest.accel.normalized() - rests.front().accel.normalized()).norm() > apart;
+      }))
+    return false;
+  std::vector<double> norms;
+  for (std::size_t i = 0; i < recording.size(); i += 7) norms.push_back(reading_at(recording.accel, i).norm());
+  return robust_sigma(norms) < std::max(0.5 * least, 1e-5 * median(norms));  // 1e-5: no sensor's noise is as small in a sample
 }
 
 /// True if the accelerometers read the same in both halves of a rest: a log that never rests has quiet parts, too.
@@ -122,6 +151,15 @@ std::optional<SignalTriad> by_axes(const SignalTable& table, const SignalTriad& 
   return SignalTriad{*places[0], *places[1], *places[2]};
 }
 
+/// False where the names of those with an axis are those of several sensors.
+bool of_one_sensor(const SignalTable& table, const SignalTriad& triad) {
+  std::optional<std::string> sensor;
+  for (const std::size_t i : triad)
+    if (const NameHint hint = hint_in(table, i); hint.axis >= 0 && std::exchange(sensor, hint.sensor).value_or(hint.sensor) != hint.sensor)
+      return false;
+  return true;
+}
+
 }  // namespace
 
 double TriadEvidence::gyro_scale() const { return gyro_matrix ? std::cbrt(std::abs(gyro_matrix->determinant())) : 0; }
@@ -137,7 +175,8 @@ std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::ve
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const NameHint hint = hint_in(table, i);
     const bool taken = std::find(without.begin(), without.end(), i) != without.end();
-    if (taken || hint.role == Role::other || hint.role == Role::temperature) continue;
+    const bool clock = hint.role == Role::time && hint.axis < 0;
+    if (taken || clock || hint.role == Role::other || hint.role == Role::temperature) continue;
     const Variation variation = variation_of(table.signals[i].values);
     if (variation == Variation::not_finite) continue;
     if (variation == Variation::varies) usable.push_back(i);  // a constant one is a sensor's only if its name says so: at rest, in coarse steps
@@ -152,7 +191,7 @@ std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::ve
     for (std::size_t k = 0; k + 2 * stride < usable.size(); ++k) {
       const SignalTriad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
       const bool even = triad[1] - triad[0] == triad[2] - triad[1];
-      const bool together = table.signals[triad[0]].table == table.signals[triad[2]].table;
+      const bool together = table.signals[triad[0]].table == table.signals[triad[2]].table && of_one_sensor(table, triad);
       if (together && (even || usable.size() == 6)) add(triad);
     }
   return triads;
@@ -196,6 +235,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   evidence.norm = median(norms);
   evidence.norm_least = *std::min_element(norms.begin(), norms.end());
   evidence.norm_most = *std::max_element(norms.begin(), norms.end());
+  evidence.filtered = !center && has_one_length(recording, rests, least_step(table, accel) / accel_step);
   evidence.norm_in_motion = norm_spread_in_motion(recording, steady, center.value_or(Vector3d::Zero()));
   if (rests.size() < 2 || !(evidence.norm > 0)) return evidence;
 
@@ -214,6 +254,9 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
       const double angle = std::atan2(gravity[i].force.cross(gravity[i + 1].force).norm(), gravity[i].force.dot(gravity[i + 1].force));
       if (angle < least_turn) continue;
       const auto found = left.find(gravity[i].end_s);  // a scale far too small sees no turn at all
+      if (const Range turn{gravity[i].range.end, gravity[i + 1].range.begin};
+          found == left.end() && (recording.gaps_in(turn) > 0 || recording.saturated_in(turn) > 0))
+        continue;  // nobody can judge it
       ++turns;
       turned += angle * angle;
       error += std::pow(found == left.end() ? angle : found->second, 2);

@@ -32,10 +32,12 @@ struct TriadEvidence {
   std::size_t turns = 0;                           ///< between rests, of more than five degrees
   double turned = 0, error = 0;                    ///< RMS of their angles, and of what the gyros leave unexplained [rad]
   std::optional<Matrix3d> gyro_matrix;             ///< readings -> rad/s in the accelerometers' axes, where the turns determine it
+  bool filtered = false;                           ///< the accelerometers' norm is alike in every reading: a filter's estimate of gravity
   std::size_t turning = 0;                         ///< quiet parts in which the unit turned steadily: no rests
 
   /// True if the gyros explain the turns: an error of a quarter is that of no triad, a true one leaves a few percent.
-  bool explained() const { return turns >= 3 && gyro_matrix && error < 0.25 * turned; }
+  bool explained() const { return !filtered && gyros_fit(); }
+  bool gyros_fit() const { return turns >= 3 && gyro_matrix && error < 0.25 * turned; }
   /// The gyros' scale [rad/s per reading].
   double gyro_scale() const;
 };

@@ -1,6 +1,5 @@
 #include "imulab/rests.hpp"
 
-#include "imulab/core/stamp_text.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
@@ -117,7 +116,8 @@ struct Quietness {
   std::vector<char> quiet;
 };
 
-Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
+/// The windows of `without`, by number, are not looked at for the thresholds.
+Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas, const std::vector<char>& without) {
   Quietness result;
   if (!triad.recording.has(triad.first_column)) {
     result.quiet.assign(triad.recording.size() / triad.stride + 1 - strides_per_window, 1);
@@ -125,7 +125,7 @@ Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
   }
   std::vector<std::array<double, 3>> apart;  // windows that do not overlap
   for_each_window(triad, [&](std::size_t k, const std::array<double, 3>& variances) {
-    if (k % strides_per_window == 0) apart.push_back(variances);
+    if (k % strides_per_window == 0 && (without.empty() || !without[k])) apart.push_back(variances);
   });
   std::vector<double> logs(apart.size());
   for (std::size_t j = 0; j < 3; ++j) {
@@ -241,23 +241,12 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-}  // namespace
-
-RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
-  validate(recording);
-  return detect_rests(RecordingView(recording), options);
-}
-
-RestDetection detect_rests(const RecordingView& recording, const RestOptions& options) {
-  for (const double option : {options.window_s, options.shortest_s, options.threshold_sigmas})
-    if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
+/// By the quietest windows that are not among `without`.
+RestDetection rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride, const std::vector<char>& without) {
   RestDetection found;
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   const std::size_t length = strides_per_window * stride;
-  if (recording.size() < 2 * length) return found;
-
-  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas);
-  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas);
+  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas, without);
+  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas, without);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
@@ -299,54 +288,55 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
   return found;
 }
 
-namespace {
-
-/// The holds of a rate table, centrifuge or chamber differ in their mounts, which methods that work on rests do not use.
-void expect_axis_angles(const RecordingView& recording, const Session& session, const RecordingSource& source) {
-  const std::string where = session.file + (recording.name.empty() ? "" : ": " + std::string(recording.name));
-  const RigDeclaration* const rig = session.rig_of(source);
-  if (rig != nullptr && rig->kind != RigKind::turntable && rig->kind != RigKind::none)
-    throw Error(fmt::format("{}: recorded on a rig of kind \"{}\"; expected \"turntable\" or \"none\" (a hand)", where, to_string(rig->kind)));
-  for (const Step& step : session.steps_of(source))
-    if (step.kind == StepKind::spin)
-      throw Error(fmt::format("{}: a step of kind \"spin\" at {} s; expected rests (hold) and turns (rotate)", where, stamp_text(step.start)));
+/// True if these stretches show gravity in several directions far from the first: a hand's pauses. A vehicle that runs smoothly stays level.
+bool are_pauses(const RecordingView& recording, const std::vector<Range>& rests) {
+  constexpr std::size_t several = 5;
+  constexpr double far_away = 0.5;  // of the length: half a radian
+  const auto force = [&](const Range& rest) {
+    return Vector3d(mean_of(recording, accel_columns, rest), mean_of(recording, accel_columns + 1, rest),
+                    mean_of(recording, accel_columns + 2, rest));
+  };
+  if (rests.empty()) return false;
+  const Vector3d first = force(rests.front());
+  const auto away = [&](const Range& rest) { return (force(rest) - first).norm() > far_away * first.norm(); };
+  return static_cast<std::size_t>(std::count_if(rests.begin(), rests.end(), away)) >= several;
 }
 
-/// Steps are declared to a tenth of a second, and a table comes to rest as much later: a sample of a turn at 10 deg/s is 6 deg/h in the mean of a
-/// minute at 100 Hz.
-constexpr double declared_to_s = 0.1;
-
-bool has_holds(const std::vector<Step>& steps) {
-  return std::any_of(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::hold; });
+/// The windows that overlap a rest.
+std::vector<char> windows_in(const std::vector<Range>& rests, std::size_t windows, std::size_t stride) {
+  std::vector<char> inside(windows, 0);
+  for (const Range& rest : rests)
+    for (std::size_t k = rest.begin / stride < strides_per_window ? 0 : rest.begin / stride - strides_per_window + 1;
+         k < windows && k * stride < rest.end; ++k)
+      inside[k] = 1;
+  return inside;
 }
 
 }  // namespace
 
-Rests rests_of(const Recording& recording, const Session& session) {
+RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   validate(recording);
-  validate(session);
-  return rests_of(RecordingView(recording), session);
+  return detect_rests(RecordingView(recording), options);
 }
 
-Rests rests_of(const RecordingView& recording, const Session& session) {
-  Rests rests;
-  const RecordingSource source = session.source_of(recording.name);
-  if (!session.steps.empty()) expect_axis_angles(recording, session, source);
-  const std::vector<Step> steps = session.steps_of(source);
-  if (!has_holds(steps)) {
-    RestDetection detection = detect_rests(recording);
-    for (const Step& step : steps)  // a hand that takes a new grip
-      std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });
-    return {std::move(detection.rests), std::move(detection.notes), std::move(detection.motion)};
-  }
-  for (const Step& step : steps) {
-    if (step.kind != StepKind::hold) continue;
-    const double margin = recording.interval_s < 0.5 * declared_to_s ? std::min(declared_to_s, 0.05 * (step.end - step.start)) : 0;
-    for (const Range& piece : without_interruptions(recording, recording.samples_in(step.start + margin, step.end - margin), still_s))
-      if (piece.size() >= 2) rests.ranges.push_back(piece);
-  }
-  rests.notes.push_back(fmt::format("{} rests taken from the session's hold steps", rests.ranges.size()));
-  return rests;
+RestDetection detect_rests(const RecordingView& recording, const RestOptions& options) {
+  for (const double option : {options.window_s, options.shortest_s, options.threshold_sigmas})
+    if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
+  if (recording.size() < 2 * strides_per_window * stride) return {};
+  RestDetection found = rests_by_windows(recording, options, stride, {});
+  // A rest on a desk is stiller than pauses in a hand: where it is nearly all that was found, thresholds come from the rest of the recording, too.
+  constexpr std::size_t few = 3, several = 20;
+  if (found.rests.empty() || found.rests.size() > few || !recording.has(accel_columns)) return found;
+  const std::vector<char> still = windows_in(found.rests, recording.size() / stride + 1 - strides_per_window, stride);
+  std::size_t left = 0;  // windows that do not overlap
+  for (std::size_t k = 0; k < still.size(); k += strides_per_window) left += !still[k];
+  if (left < several) return found;
+  RestDetection pauses = rests_by_windows(recording, options, stride, still);
+  if (!are_pauses(recording, pauses.rests)) return found;
+  pauses.notes.push_back(
+      fmt::format("{} of them are stiller than the others, whose noise is that of a hand: thresholds are those of its pauses", found.rests.size()));
+  return pauses;
 }
 
 }  // namespace imulab

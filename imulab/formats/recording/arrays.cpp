@@ -1,6 +1,10 @@
 #include "imulab/formats/recording/arrays.hpp"
 
+#include "imulab/core/text.hpp"
+
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace imulab::recording_io {
 
@@ -18,6 +22,20 @@ std::vector<ColumnDescription> column_names(const std::string& name, std::size_t
   for (std::size_t i = 1; i <= columns; ++i) names.push_back({before + std::to_string(i), unit});
   return names;
 }
+
+bool names_rate(const std::string& name) {
+  static constexpr std::array<std::string_view, 9> names{
+      "fs", "fshz", "samplerate", "sampleratehz", "samplingrate", "samplingratehz", "samplingfrequency", "samplefrequency", "ratehz"};
+  std::string key = lowered(name.substr(name.find_last_of("/.") + 1));  // npos + 1 is 0
+  std::erase_if(key, [](char c) { return c == '_' || c == ' '; });
+  return std::find(names.begin(), names.end(), key) != names.end();
+}
+
+namespace {
+
+bool is_rate(const NumberArray& array) { return array.rows == 1 && array.columns.size() == 1 && names_rate(array.name); }
+
+}  // namespace
 
 std::vector<ArrayTable> tables_of(const std::vector<NumberArray>& arrays) {
   const bool has_samples = std::any_of(arrays.begin(), arrays.end(), [](const NumberArray& a) { return a.rows > 1; });
@@ -38,6 +56,10 @@ std::vector<ArrayTable> tables_of(const std::vector<NumberArray>& arrays) {
     }
   }
   if (tables.size() == 1) tables.front().description.name.clear();
+  for (const NumberArray& array : arrays)
+    if (is_rate(array))
+      for (ArrayTable& table : tables)
+        if (table.description.rows > 1) table.description.other_names.push_back(array.name);
   return tables;
 }
 
@@ -49,6 +71,8 @@ std::vector<TableDescription> descriptions_of(const std::vector<NumberArray>& ar
 
 std::vector<ArrayColumn> find_array_columns(const std::vector<NumberArray>& arrays, const std::string& topic, const std::vector<Column>& columns,
                                             const std::string& file) {
+  for (std::size_t a = 0; a < arrays.size(); ++a)
+    if (is_rate(arrays[a]) && arrays[a].name == topic && columns.size() == 1) return {{a, 0}};
   const std::vector<ArrayTable> tables = tables_of(arrays);
   const std::vector<TableDescription> descriptions = descriptions_of(arrays);
   const ArrayTable& table = tables[static_cast<std::size_t>(&find_table(descriptions, topic, file) - descriptions.data())];

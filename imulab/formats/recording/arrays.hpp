@@ -39,9 +39,12 @@ struct ArrayTable {
 };
 
 /// The arrays of one length are one table, in the order in which the arrays come. Arrays of a single row are settings and left out, unless there are
-/// no others.
+/// no others; the name of a sampling rate is then another name of each table, by which its value is read.
 std::vector<ArrayTable> tables_of(const std::vector<NumberArray>& arrays);
 std::vector<TableDescription> descriptions_of(const std::vector<NumberArray>& arrays);
+
+/// True for the name of a setting that is the sampling rate: "fs", "imu/sampling_rate".
+bool names_rate(const std::string& name);
 
 /// The table that a session names, by any of its arrays, and the columns requested of it. Throws Error as find_table and find_column do.
 std::vector<ArrayColumn> find_array_columns(const std::vector<NumberArray>& arrays, const std::string& topic, const std::vector<Column>& columns,

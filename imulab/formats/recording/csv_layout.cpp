@@ -37,6 +37,21 @@ std::vector<std::string> names_of(std::string_view line, const TableLayout& layo
 
 }  // namespace
 
+std::vector<std::string> names_for_rows_of(std::string_view text, std::string_view sensor, char delimiter) {
+  constexpr std::size_t looked_at = std::size_t{1} << 16;  // bytes
+  TableLayout layout;
+  layout.delimiter = delimiter;
+  text = text.substr(0, looked_at);
+  while (!text.empty() && !sensor.empty() && !is_number(sensor)) {
+    const std::string_view line = trimmed(text.substr(0, text.find('\n')));
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+    if (!line.starts_with('#')) continue;
+    std::vector<std::string> names = names_of(line.substr(1), layout);
+    if (names.front() == sensor) return names;
+  }
+  return {};
+}
+
 std::vector<std::string_view> fields_of(std::string_view line, const TableLayout& layout) {
   std::vector<std::string_view> fields;
   line = layout.delimiter == '\t' ? trimmed(line, " \r") : trimmed(line);
@@ -104,6 +119,14 @@ bool is_row(const std::vector<std::string_view>& fields) {
   return numbers >= 1 && 2 * numbers >= filled;
 }
 
+/// "0,1,2,...", or from 1 on: numbers of the columns, as data frames without names are written.
+bool numbers_columns(const std::vector<std::string_view>& fields) {
+  if (fields.size() < 4 || (fields[0] != "0" && fields[0] != "1")) return false;
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    if (fields[i] != std::to_string(i + (fields[0] == "0" ? 0 : 1))) return false;
+  return true;
+}
+
 bool has_numbers(const std::vector<std::string_view>& fields) { return std::any_of(fields.begin(), fields.end(), is_number); }
 
 /// Text of another kind before a table (a device's name, settings).
@@ -141,7 +164,9 @@ Preamble find_preamble(const std::vector<Line>& lines, TableLayout layout, char 
 
 /// The unit in a field under a name: "m/s^2", "[rad/s]"; as it is written where it is none of those known.
 std::string unit_in_field(std::string_view field) {
-  std::string_view inside = trimmed(field, " \t\r\"[]()");
+  std::string_view inside = trimmed(field, " \t\r\"");
+  const bool in_brackets = inside.size() > 2 && ((inside.front() == '[' && inside.back() == ']') || (inside.front() == '(' && inside.back() == ')'));
+  if (in_brackets) inside = trimmed(inside.substr(1, inside.size() - 2));
   const std::string name = utf8_name(inside == "-" ? std::string_view{} : inside);
   const std::string known = inspection::unit_of(name);
   return known.empty() ? name : known;
@@ -187,6 +212,10 @@ void read_header(const std::vector<Line>& lines, std::size_t begin, std::size_t 
 
 /// The names in a comment directly before the rows, if there are as many.
 std::vector<std::string> commented_names(std::string_view text, std::size_t offset, const TableLayout& layout) {
+  const std::string_view row = text.substr(offset, std::min(text.find('\n', offset), text.size()) - offset);
+  if (auto names = names_for_rows_of(text.substr(0, offset), trimmed(fields_of(row, layout).front(), " \""), layout.delimiter);
+      names.size() == layout.columns)
+    return names;
   std::string_view before = text.substr(0, offset), comment;
   while (comment.empty() && !before.empty()) {
     before = before.substr(0, before.size() - 1);  // the line's end
@@ -271,6 +300,8 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
   };
   std::size_t row = first;
   if (is_header(lines[first])) ++row;
+  const bool numbered = row == first && lines.size() > first + 1 && numbers_columns(fields_of(lines[first].text, layout)) &&
+                        !numbers_columns(fields_of(lines[first + 1].text, layout));
   const auto follows_a_row = [&](std::size_t i) { return i < lines.size() && a_row(lines[i]); };
   for (std::size_t end = row + 1; row > first && end < first + longest_header + 1; ++end)  // further lines of it, where a row follows them
     if (end - 1 < lines.size() && is_header(lines[end - 1]) &&
@@ -278,11 +309,12 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
       row = end;
   if (row == lines.size()) return std::nullopt;
   read_header(lines, first, row, layout);
+  if (numbered) layout.header.emplace_back(trimmed(lines[row++].text));
   if (!complete && row > first && fields_of(lines[row].text, layout).size() != layout.columns)
     return std::nullopt;  // a preamble, as what follows may show
   layout.offset = lines[row].offset;
   layout.line = lines[row].number;
-  if (row == first) layout.names = commented_names(text, layout.offset, layout);
+  if (row == first + (numbered ? 1 : 0)) layout.names = commented_names(text, layout.offset, layout);
   take_hints(hints, layout);
   if (named && layout.names.empty() && !layout.settled) return std::nullopt;
   if (named && layout.names.empty())

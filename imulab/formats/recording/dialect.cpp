@@ -70,7 +70,7 @@ char delimiter_between(const std::vector<HeadLine>& lines) {
     char delimiter;
     bool all;  ///< every field has to be a value
   };
-  static constexpr std::array<Candidate, 4> candidates{{{';', false}, {'\t', false}, {' ', true}, {',', false}}};
+  static constexpr std::array<Candidate, 5> candidates{{{'|', false}, {';', false}, {'\t', false}, {' ', true}, {',', false}}};
   const auto with_comma = std::count_if(lines.begin(), lines.end(), [](const HeadLine& l) { return l.text.find(',') != std::string_view::npos; });
   char best = 0;
   std::size_t most = 0;
@@ -307,6 +307,8 @@ bool has_quotes(const Head& head, char delimiter) {
 }  // namespace
 
 std::optional<Dialect> recognize_dialect(const std::string& file, std::string_view text, bool complete, const DeclaredDialect& declared) {
+  if (text.starts_with("FMT, 128, 89, FMT,"))
+    throw Error(file + ": is ArduPilot's log written as text; expected the log itself (.bin), which has the same readings and is read");
   Dialect dialect;
   const Head head = head_of(file, text, complete, dialect);
   if (head.rows.empty()) return complete ? std::optional(dialect) : std::nullopt;

@@ -70,6 +70,25 @@ std::pair<std::string_view, std::string_view> unit_and_name(std::string_view tex
   return {words.substr(0, blank), inside(words.substr(blank))};
 }
 
+/// The place of the arrow behind a stamp, in front of the fields of a table.
+std::size_t find_arrow(std::string_view line) {
+  const std::size_t arrow = line.find("->");
+  if (arrow == std::string_view::npos) return arrow;
+  const std::string_view stamp = inside(line.substr(0, arrow));
+  return number_form(stamp).number || text::moment_of(stamp) ? arrow : std::string_view::npos;
+}
+
+/// A stamp is a field before the others; before a header, its name.
+void add_stamped(std::string_view line, char divider, std::string& out) {
+  const std::size_t arrow = find_arrow(line);
+  if (arrow == std::string_view::npos) return void(out.append(line));
+  const std::string_view fields = inside(line.substr(arrow + 2));
+  const bool numbers = !fields.empty() && number_form(inside(fields.substr(0, fields.find(divider)))).number;
+  out.append(numbers ? inside(line.substr(0, arrow)) : "time");
+  out.push_back(divider);
+  out.append(fields);
+}
+
 }  // namespace
 
 std::optional<LabeledLine> labeled_line(std::string_view text) {
@@ -106,13 +125,20 @@ std::optional<LabeledLine> labeled_line(std::string_view text) {
 
 Labels::Labels(std::string_view head) {
   constexpr std::size_t looked_at = 100, enough = 3;  // lines
-  if (head.substr(0, std::size_t{1} << 16).find_first_of("=:") == std::string_view::npos) return;
+  if (head.substr(0, std::size_t{1} << 16).find_first_of("=:>") == std::string_view::npos) return;
   std::map<std::vector<std::string>, std::pair<std::size_t, std::vector<std::string>>> counts;
-  std::size_t lines = 0;
+  std::size_t lines = 0, stamped = 0;
+  char divider = ' ';
   for (std::size_t begin = 0; begin < head.size() && lines < looked_at; ++lines) {
     const std::size_t end = std::min(head.find('\n', begin), head.size());
+    const std::string_view own = head.substr(begin, end - begin);
+    if (end - begin < 4096 && find_arrow(own) != std::string_view::npos) {
+      ++stamped;
+      for (const char c : {';', ',', '\t'})
+        if (divider == ' ' && own.find(c) != std::string_view::npos) divider = c;
+    }
     if (end - begin < 4096)
-      if (auto line = labeled_line(head.substr(begin, end - begin))) {
+      if (auto line = labeled_line(own)) {
         auto& [count, units] = counts[line->names];
         if (count++ == 0) units = std::move(line->units);
       }
@@ -120,13 +146,16 @@ Labels::Labels(std::string_view head) {
   }
   for (auto& [names, found] : counts)
     if (found.first >= enough && 2 * found.first > lines) names_ = names, units_ = std::move(found.second);
+  if (names_.empty() && stamped >= enough && 2 * stamped > lines) divider_ = divider;
 }
 
 void Labels::add(std::string_view lines, std::string& out) const {
   while (!lines.empty()) {
     const std::size_t end = std::min(lines.find('\n'), lines.size());
-    const auto line = labeled_line(lines.substr(0, end));
-    if (line && line->names == names_) {
+    const auto line = divider_ != 0 ? std::nullopt : labeled_line(lines.substr(0, end));
+    if (divider_ != 0) {
+      add_stamped(lines.substr(0, end), divider_, out);
+    } else if (line && line->names == names_) {
       for (std::size_t i = 0; i < line->values.size(); ++i) {
         if (i > 0) out.push_back(',');
         out.append(line->values[i]);

@@ -1,4 +1,5 @@
-// Lines in which every number has its name: "X = 1, Y = 2", "ax:0.1 ay:0.2", "19:34:18.499 -> acc: 0.1 0.2 9.8".
+// Lines in which every number has its name: "X = 1, Y = 2", "ax:0.1 ay:0.2", "19:34:18.499 -> acc: 0.1 0.2 9.8"; and those of a table behind the
+// stamps of a console: "19:34:18.499 -> 0.1,0.2,9.8".
 #pragma once
 
 #include <optional>
@@ -20,7 +21,9 @@ class Labels {
   /// Looks at the first lines: most of them have the same labels.
   explicit Labels(std::string_view head);
 
-  bool found() const { return !names_.empty(); }
+  bool found() const { return !names_.empty() || divider_ != 0; }
+  /// False of a table behind stamps.
+  bool names_all() const { return !names_.empty(); }
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::string>& units() const { return units_; }
   /// Appends whole lines: numbers between commas; a line with other labels as it is.
@@ -28,6 +31,7 @@ class Labels {
 
  private:
   std::vector<std::string> names_, units_;
+  char divider_ = 0;  ///< of the fields behind a stamp and an arrow; 0: there are none
 };
 
 }  // namespace imulab::recording_io

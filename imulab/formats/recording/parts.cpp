@@ -123,8 +123,9 @@ void bring_to(TableRows& table, const TableRows& reference, const std::vector<st
 
 }  // namespace
 
-void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings) {
+bool join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings) {
   const TableRows& reference = parts.tables[parts.gyro.table];
+  bool resampled = false;
   for (std::size_t t = 0; t < parts.tables.size(); ++t) {
     TableRows& table = parts.tables[t];
     if (t == parts.gyro.table || table.time_ns == reference.time_ns) continue;
@@ -136,12 +137,14 @@ void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment
                               reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
                               text::seconds_text(reference.time_ns.front()), text::seconds_text(reference.time_ns.back())));
     bring_to(table, reference, has_accel ? parts.accel.columns : std::vector<std::size_t>{}, accel_increment, own, interval_s);
+    resampled = resampled || has_accel;
     if (has_accel)
       warnings.push_back(
           fmt::format("{}: accelerometers every {:.6g} s, gyros every {:.6g} s, or at other instants: their readings are taken as means "
                       "over the gyros' intervals",
                       table.file, own, interval_s));
   }
+  return resampled;
 }
 
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings) {

@@ -36,8 +36,8 @@ struct RecordingParts {
 RecordingParts requested_parts(const RecordingSource& source);
 
 /// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a
-/// warning), temperatures on straight lines. Throws Error where a table has no time in common with the gyro's.
-void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings);
+/// warning; true where they are), temperatures on straight lines. Throws Error where a table has no time in common with the gyro's.
+bool join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings);
 
 /// Keeps the gyro's rows that have a partner in every other table: mutually nearest stamps at most half an interval apart. The others are
 /// dropped with a warning. Throws Error where nothing matches.

@@ -100,7 +100,9 @@ void TextRewriter::set_hints() {
   std::vector<std::string> words;
   if (bytes_.encoding != Encoding::utf8) words.emplace_back("UTF-16");
   if (json_) words.emplace_back("JSON"), hints_.names = json_->names(), hints_.counts_elements = json_->counts_elements();
-  if (labels_) words.emplace_back("labeled numbers"), hints_.names = labels_->names(), hints_.units = labels_->units();
+  if (labels_)
+    words.emplace_back(labels_->names_all() ? "labeled numbers" : "stamps of a console"), hints_.names = labels_->names(),
+                                                                                          hints_.units = labels_->units();
   if (std::string own = dialect_.words(); !own.empty()) words.push_back(std::move(own));
   for (const std::string& word : words) hints_.words += ", " + word;
   for (std::size_t i = 0; i < dialect_.uses.size(); ++i) {

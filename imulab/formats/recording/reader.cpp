@@ -128,8 +128,9 @@ void warn_of_repeated(const TableRows& table, std::vector<std::string>& warnings
 }
 
 /// Rows that repeat the readings before are reported; those of both triads are returned, to be left out. One triad alone may repeat where a slow one
-/// was logged with a fast one.
-std::optional<RepeatedRows> to_leave_out(const RecordingView& recording, const std::string& file, std::vector<std::string>& warnings) {
+/// was logged with a fast one. `resampled`: the accelerometers were brought to the gyros' stamps, where those of a slower sensor repeat.
+std::optional<RepeatedRows> to_leave_out(const RecordingView& recording, const std::string& file, bool resampled,
+                                         std::vector<std::string>& warnings) {
   const std::size_t first = recording.has(gyro_columns) ? gyro_columns : accel_columns;
   const std::size_t end = recording.has(accel_columns) ? gyro_temperature_columns : accel_columns;
   std::optional<RepeatedRows> found = repeated_rows(recording, first, end);
@@ -137,7 +138,7 @@ std::optional<RepeatedRows> to_leave_out(const RecordingView& recording, const s
     warnings.push_back(fmt::format("{}: {}", file, said_of(*found, "rows", true)));
   } else if (end - first == 6) {
     for (const auto& [column, name] : {std::pair{gyro_columns, "gyros' readings"}, {accel_columns, "accelerometers' readings"}})
-      if (const auto of_triad = repeated_rows(recording, column, column + 3))
+      if (const auto of_triad = resampled && column == accel_columns ? std::nullopt : repeated_rows(recording, column, column + 3))
         warnings.push_back(fmt::format("{}: {}", file, said_of(*of_triad, name, false)));
   }
   if (found && found->samples.empty()) found.reset();
@@ -202,13 +203,13 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
   for (const TableRows& table : parts.tables) reading.warnings.insert(reading.warnings.end(), table.warnings.begin(), table.warnings.end());
   for (const TableRows& table : parts.tables) warn_of_repeated(table, reading.warnings);
   const double interval_s = nominal_interval_s(parts.reference().time_ns, parts.reference().file, source, reading.warnings);
-  join_by_time(parts, interval_s, source.accel.output == Output::increment, reading.warnings);
+  const bool resampled = join_by_time(parts, interval_s, source.accel.output == Output::increment, reading.warnings);
   match_rows(parts, interval_s, reading.warnings);
   reading.recording = checked(parts, source, interval_s);
   validate(reading.recording);  // rows without a partner are gone
   RecordingOptions options = recording_options(source);
   options.interval_s = interval_s;
-  if (const auto repeated = to_leave_out(reading.recording, parts.reference().file, reading.warnings)) {
+  if (const auto repeated = to_leave_out(reading.recording, parts.reference().file, resampled, reading.warnings)) {
     leave_out_lines(parts.reference(), reading.recording.size(), repeated->samples);
     reading.recording = without_samples(std::move(reading.recording), *repeated);
     if (repeated->evenly) options.interval_s = stamp_intervals(reading.recording.time_ns).median;
@@ -248,7 +249,7 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   reading.warnings = all.warnings;
   warn_of_repeated(all, reading.warnings);
   double interval_s = nominal_interval_s(reading.recording.time_ns(), all.file, source, reading.warnings);
-  if (const auto repeated = to_leave_out(reading.recording.view(), all.file, reading.warnings)) {
+  if (const auto repeated = to_leave_out(reading.recording.view(), all.file, false, reading.warnings)) {
     leave_out_lines(all, rows, repeated->samples);
     reading.recording.leave_out(*repeated);
     if (repeated->evenly) interval_s = stamp_intervals(reading.recording.time_ns()).median;

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/signals.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/imu_tables.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/recording/text_signals.hpp"
@@ -60,6 +61,19 @@ TableRows columns_of_head(const RecordingFormat& format, const TableRequest& req
   return head;
 }
 
+/// The sampling rate that the file states beside its arrays.
+void add_rate(const RecordingFormat& format, const TableRequest& request, const TableDescription& table, SignalTable& result) {
+  const auto name = std::find_if(table.other_names.begin(), table.other_names.end(), names_rate);
+  if (name == table.other_names.end()) return;
+  format.read({request.file, *name, request.layout}, {.columns = {1}}, [&](TableRows&& value) {
+    const RawColumn& column = value.columns.front();
+    if (column.size() == 1) result.rate_hz = column.integers.empty() ? column.numbers.front() : static_cast<double>(column.integers.front());
+    return true;
+  });
+  if (result.rate_hz && !(*result.rate_hz >= 1e-3 && *result.rate_hz <= 1e6)) result.rate_hz.reset();  // as rate_hz may be declared
+  result.rate_name = *name;
+}
+
 SignalTable signals_of(const RecordingFormat& format, const TableRequest& request, const std::vector<TableDescription>& tables,
                        std::size_t most_numbers) {
   const std::string file = request.file.string();
@@ -77,6 +91,7 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   own.topic = table.name;
   TableRows raw = columns_of_head(format, own, tables, columns, most_numbers);
   result.notes = raw.warnings;
+  add_rate(format, own, table, result);
   for (std::size_t i = 0; i < columns.size(); ++i) {
     Signal signal{name_in_table(table.name, table.columns[i].name), table.columns[i].unit, columns[i], {}};
     if (raw.columns[i].integers.empty()) {

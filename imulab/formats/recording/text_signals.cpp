@@ -11,10 +11,12 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/inspection/names.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -40,6 +42,8 @@ std::string delimiter_name(char delimiter) {
       return "semicolon";
     case '\t':
       return "tab";
+    case '|':
+      return "vertical bar";
     default:
       return "blanks";
   }
@@ -109,6 +113,21 @@ void leave_out_incomplete(SignalTable& table, const LineNumbers& lines) {
       fmt::format("{} row{} in which a number is missing left out, the first in line {}", count, count == 1 ? "" : "s", lines[first]));
 }
 
+/// A header of its own: no numbers, and columns of a sensor.
+bool begins_another_table(const std::vector<std::string_view>& fields) {
+  std::size_t axes = 0;
+  for (const std::string_view field : fields) {
+    if (!field.empty() && (std::isdigit(static_cast<unsigned char>(field.front())) != 0 || std::isfinite(number_in(field)))) return false;
+    axes += inspection::hint_of(field).axis >= 0;
+  }
+  return axes >= 3;
+}
+
+[[noreturn]] void fail_at_second_header(const std::string& where, std::string_view header) {
+  throw Error(fmt::format("{}: {}: begins another table; expected one in a file: cut the file before this line, and give both parts", where,
+                          excerpt(header)));
+}
+
 /// Fields that are no numbers become NaN; rows of another length and headers among the rows are left out.
 void read_what_there_is(const TableLayout& layout, std::string_view text, SignalTable& table) {
   std::size_t ragged = 0, first_ragged = 0, number = layout.line;
@@ -124,6 +143,7 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
     const std::string_view content = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
     if (std::find(layout.header.begin(), layout.header.end(), content) != layout.header.end()) continue;
     const std::vector<std::string_view> fields = fields_of(line, layout);
+    if (begins_another_table(fields)) fail_at_second_header(layout.at(number), content);
     if (std::all_of(fields.begin(), fields.end(), [](std::string_view field) { return field.empty(); })) continue;
     if (fields.size() != layout.columns) {
       if (ragged++ == 0) first_ragged = number;
@@ -178,7 +198,9 @@ ImuTables topics_of_text(const std::string& name, const TextFile& file, const st
     TableDescription& table = tables.emplace_back();
     table.name = sensor;
     table.rows = 1;  // whichever has more of them is the sensor of the higher rate
-    for (std::size_t i = 0; i < layout.columns; ++i) table.columns.push_back({layout.column_name(i)});
+    for (const std::string& column : names_for_rows_of(file.text(), sensor, layout.delimiter)) table.columns.push_back({column});
+    const bool named = !table.columns.empty();
+    for (std::size_t i = 0; i < layout.columns && !named; ++i) table.columns.push_back({layout.column_name(i)});
   }
   return imu_tables(text_format(), {.file = name}, tables);
 }

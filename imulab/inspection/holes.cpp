@@ -1,0 +1,56 @@
+#include "imulab/inspection/holes.hpp"
+
+#include "imulab/inspection/declared.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace imulab::inspection {
+namespace {
+
+/// Two sensors of which each has its own rows, with blanks in the other's columns.
+std::string merged_rows(const SignalTable& table) {
+  const Signal* first = nullptr;
+  for (const Signal& signal : table.signals) {
+    const auto finite =
+        static_cast<std::size_t>(std::count_if(signal.values.begin(), signal.values.end(), [](double v) { return std::isfinite(v); }));
+    if (finite < 20 || finite + 20 > table.rows()) continue;
+    if (first == nullptr) first = &signal;
+    std::size_t both = 0;
+    for (std::size_t i = 0; i < table.rows(); ++i) both += std::isfinite(first->values[i]) && std::isfinite(signal.values[i]);
+    if (both == 0)
+      return fmt::format(
+          "; {} and {} have no row in common, as of sensors whose rows were merged: expected the rows of each in a file of its own, and "
+          "both files together",
+          first->name, signal.name);
+  }
+  return {};
+}
+
+/// Columns of numbers that some rows have none in: none of them is a reading.
+std::string columns_with_holes(const SignalTable& table) {
+  constexpr double most = 0.5;  // of the rows: else it is no column of numbers
+  std::string text;
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const std::vector<double>& values = table.signals[i].values;
+    const auto is_hole = [](double v) { return !std::isfinite(v); };
+    const auto holes = std::count_if(values.begin(), values.end(), is_hole);
+    if (holes == 0 || static_cast<double>(holes) > most * static_cast<double>(values.size())) continue;
+    const auto first = std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1;
+    text += fmt::format("; {} has no finite number in {} {}, first in row {}", column_name(table, i), holes, holes == 1 ? "row" : "rows", first);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string words_about_holes(const SignalTable& table) {
+  const std::string merged = merged_rows(table);
+  return merged.empty() ? columns_with_holes(table) : merged;
+}
+
+}  // namespace imulab::inspection

@@ -1,0 +1,13 @@
+// Columns of numbers in which some rows have none.
+#pragma once
+
+#include "imulab/inspection/signals.hpp"
+
+#include <string>
+
+namespace imulab::inspection {
+
+/// "; ax has no finite number in 3 rows, first in row 7", or of sensors whose rows were merged what to do; empty where there are none.
+std::string words_about_holes(const SignalTable& table);
+
+}  // namespace imulab::inspection
