@@ -77,7 +77,7 @@ struct CausalPass {
   std::vector<Withheld> withheld = {};
   double squares = 0, doubted = 0;
 
-  void add(const Node& node) {
+  void add(const Matrix9& predicted, const Node& node) {
     for (const EpochRows& e : node.rows)
       for (Index k = 0; k < e.innovation.size(); ++k) {
         const double sigmas = e.innovation[k] / std::sqrt(e.innovation_variance[k]);
@@ -89,6 +89,7 @@ struct CausalPass {
       if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
     if (!solution) return;
     epochs.samples.push_back(node.samples), epochs.states.push_back(plus(node.reference, node.error));
+    if (!node.rows.empty()) covariance.push_back({p.time_after(node.samples), predicted});  // what grows until there
     covariance.push_back({p.time_after(node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
 
@@ -141,7 +142,8 @@ void judge_positions(AidedNavigation& out, const std::string& name) {
   const auto sigma = [](const AidedCovariance& c) {
     return std::sqrt(c.value(At::position, At::position) + c.value(At::position + 1, At::position + 1));
   };
-  for (const AidedCovariance& c : out.covariance) all.push_back(sigma(c));
+  for (const AidedCovariance& c : out.covariance)
+    if (&c == &out.covariance.back() || c.time < (&c + 1)->time) all.push_back(sigma(c));  // a time counts once
   const AidedCovariance& worst = *std::ranges::max_element(out.covariance, {}, sigma);
   if (sigma(worst) <= lost) return;
   const double typical = median(std::move(all));
@@ -195,8 +197,9 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   FactorSearch search;
   const auto pass = [&](bool covariances) {
     smoothed = {}, known.emplace(CausalPass{p, options.causal});  // one at a time in memory
-    FilterPass filtered = filter(
-        p, start.start, {.about = trajectory.at ? &trajectory : nullptr, .each = [&](const Transition*, const Node& node) { known->add(node); }});
+    FilterPass filtered = filter(p, start.start,
+                                 {.about = trajectory.at ? &trajectory : nullptr,
+                                  .each = [&](const Transition*, const Matrix9& predicted, const Node& node) { known->add(predicted, node); }});
     smoothed = smooth(p, std::move(filtered), covariances);
   };
   while (true) {
@@ -252,14 +255,14 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
 
 namespace {
 
-/// The epochs about a time, and how far it is from the first to the second.
+/// The epochs about a time, and how far it is from the first to the second. Of two of one time the first is that before an update.
 struct Neighbors {
   const AidedCovariance &before, &after;
   double part = 0;
 };
 Neighbors neighbors(const AidedNavigation& n, double time) {
-  auto after = std::lower_bound(n.covariance.begin(), n.covariance.end(), time, [](const AidedCovariance& c, double t) { return c.time < t; });
-  if (after == n.covariance.end()) --after;
+  const auto after = std::ranges::upper_bound(n.covariance, time, {}, &AidedCovariance::time);
+  if (after == n.covariance.end()) return {n.covariance.back(), n.covariance.back()};
   if (after == n.covariance.begin()) return {*after, *after};
   const AidedCovariance& before = *std::prev(after);
   return {before, *after, std::clamp((time - before.time) / (after->time - before.time), 0., 1.)};

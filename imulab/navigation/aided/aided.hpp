@@ -70,7 +70,7 @@ struct AidedNavigation {
   std::size_t states = 0;                   // at every sample: their number
   std::vector<NavigationState> track;       // some thousand of them along the way, for drawings
   double distance = 0;                      // m, along the way
-  std::vector<AidedCovariance> covariance;  // at the epochs
+  std::vector<AidedCovariance> covariance;  // at the epochs; of the filter twice where it uses an aid, before and after
   std::vector<std::string> aids;            // names, with which those of their constants and factors begin: "gnss", "gnss2"
   std::vector<AidedConstant> constants;
   Eigen::MatrixXd constants_covariance;  // of all of them
@@ -100,7 +100,7 @@ struct AidedOptions {
 AidedNavigation navigate_aided(const Calibration& calibration, const Session& session, Recording recording, const std::vector<Aid>& aids,
                                const AidedOptions& options = {});
 
-/// Between the epochs, linear in time: of phi, velocity, position.
+/// Between the epochs, linear in time, of phi, velocity, position; at an epoch after its update.
 Eigen::Matrix<double, 9, 9> covariance_at(const AidedNavigation& navigation, double time);
 /// Roots of its diagonal.
 Eigen::Matrix<double, 9, 1> sigmas_at(const AidedNavigation& navigation, double time);

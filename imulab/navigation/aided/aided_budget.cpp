@@ -255,7 +255,7 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   AidedOutputs outputs{.parts = parts, .sensors = sensors, .start = start};
   budget::Outputs before(motion.time.front(), options.output_interval), after(loss.begin - 1, 1);
   const auto end = static_cast<std::size_t>(std::ranges::upper_bound(p.time, loss.end + p.interval / 2) - p.time.begin());
-  filter(p, start, {.about = &truth, .end = end, .keep = false, .each = [&](const Transition* step, const Node& node) {
+  filter(p, start, {.about = &truth, .end = end, .keep = false, .each = [&](const Transition* step, const Matrix9&, const Node& node) {
                       if (step != nullptr) split.step(*step);
                       split.update(node);
                       const double time = p.time_after(node.samples);

@@ -177,8 +177,9 @@ struct Filter {
     for (const auto& [samples, observations] : epochs) {
       stop_point();
       Node node = out.nodes.empty() ? first() : next(out.nodes.back(), samples);
+      const Matrix9 predicted = node.covariance.topLeftCorner<9, 9>();
       observe_all(node, observations);
-      if (options.each) options.each(out.nodes.empty() ? nullptr : &out.nodes.back().next, node);
+      if (options.each) options.each(out.nodes.empty() ? nullptr : &out.nodes.back().next, predicted, node);
       if (options.keep)
         out.nodes.push(std::move(node));
       else

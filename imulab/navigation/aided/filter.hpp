@@ -38,8 +38,8 @@ struct FilterOptions {
   const AboutTrajectory* about = nullptr;                     // null: the filter's own, corrected at each epoch
   std::size_t end = std::numeric_limits<std::size_t>::max();  // samples
   bool keep = true;                                           // all nodes, for the smoother; otherwise the last
-  /// Called after each epoch's update, with the step from the epoch before; null at the first.
-  std::function<void(const Transition* step, const Node& node)> each = {};
+  /// Called after each epoch's update, with the step from the epoch before (null at the first) and the covariance of the first nine before it.
+  std::function<void(const Transition* step, const Matrix9& predicted, const Node& node)> each = {};
 };
 
 /// A matrix times a vector of which most is zero, as of a row's derivative.

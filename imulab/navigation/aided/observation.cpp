@@ -51,27 +51,68 @@ ObservedRows joined_rows(ObservedRows a, const ObservedRows& b) {
   return out;
 }
 
-/// Three rows from `row` on, by the offsets of the gyros.
-void set_by_rate(const Problem& p, Eigen::Index row, const Matrix3d& derivative, MatrixXd& out) {
+/// A vector with its derivatives by all states.
+struct Derived {
+  Vector3d value;
+  MatrixXd derivative;
+};
+
+/// Of the rate against the Earth, by all that it depends on.
+MatrixXd rate_derivative(const Problem& p, const Instant& at) {
+  const NavigationState& motion = at.state.motion;
+  MatrixXd out = MatrixXd::Zero(3, p.size);
+  out.middleCols<3>(At::attitude) = -motion.q_nb.toRotationMatrix().transpose() * skew<double>(local_earth(motion.latitude, motion.height).rate);
   for (const Eigen::Index first : {p.gyro_offset, p.gyro_flicker})
-    if (first >= 0) out.block<3, 3>(row, first) = derivative;
+    if (first >= 0) out.middleCols<3>(first).setIdentity();
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    if (p.gyro_matrix >= 0) out.middleCols<3>(p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
+    if (p.g_sensitivity >= 0) out.middleCols<3>(p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
+  }
+  if (p.terms) {
+    Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
+    p.terms->at(p.time[at.sample], p.samples[at.sample], changes);
+    out.middleCols(p.terms_first, changes.cols()) = changes.topRows<3>();
+  }
+  return out;
+}
+
+/// How the aid's point moves about the IMU, body axes.
+Derived swing_of(const Problem& p, const Channel& c, const Instant& at) {
+  const Vector3d lever = lever_of(c, at);
+  Derived out{at.rate_eb.cross(lever), -skew<double>(lever) * rate_derivative(p, at)};
+  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = skew<double>(at.rate_eb);
+  return out;
+}
+
+/// The velocity of the aid's point, and its acceleration, east-north-up. What a small time multiplies has no derivatives but by that time.
+Derived velocity_of(const Problem& p, const Channel& c, const Instant& at) {
+  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
+  const Derived swing = swing_of(p, c, at);
+  const Vector3d swung = C * swing.value;
+  Derived out{at.state.motion.velocity + swung, C * swing.derivative};
+  out.derivative.middleCols<3>(At::attitude) -= skew<double>(swung);
+  out.derivative.middleCols<3>(At::velocity).setIdentity();
+  return out;
+}
+Vector3d acceleration_of(const Channel& c, const Instant& at) {
+  const Vector3d lever = lever_of(c, at);
+  return at.acceleration + at.state.motion.q_nb * (at.rate_eb.cross(at.rate_eb.cross(lever)) + at.turning.cross(lever));
 }
 
 ObservedRows observe_position(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& place) {
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
-  const Vector3d lever = lever_of(c, at), moved = C * lever, velocity = at.state.motion.velocity + C * at.rate_eb.cross(lever);
+  const Vector3d moved = C * lever_of(c, at), acceleration = acceleration_of(c, at);
+  const Derived velocity = velocity_of(p, c, at);
   const double offset = offset_in_time(p, c, o, at);
-  NavigationState antenna = at.state.motion;
-  antenna.latitude = place.x(), antenna.longitude = place.y(), antenna.height = place.z();
   ObservedRows out = rows_of(3, p.size);
-  out.residual = minus(antenna, at.state.motion).segment<3>(At::position) - moved - offset * velocity - offset * offset / 2 * at.acceleration;
-  if (c.slow >= 0) out.residual -= at.state.x.segment<3>(c.slow);
-  out.derivative.middleCols<3>(At::attitude) = -skew<double>(moved);
-  out.derivative.middleCols<3>(At::velocity) = offset * Matrix3d::Identity();
+  out.residual =
+      minus(at_place(place), at.state.motion).segment<3>(At::position) - moved - offset * velocity.value - offset * offset / 2 * acceleration;
+  out.derivative = offset * velocity.derivative;
+  out.derivative.middleCols<3>(At::attitude) -= skew<double>(moved);
   out.derivative.middleCols<3>(At::position).setIdentity();
-  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C;
-  set_delay(p, c, o, velocity, out.derivative);
-  if (c.slow >= 0) out.derivative.middleCols<3>(c.slow).setIdentity();
+  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) += C;
+  set_delay(p, c, o, velocity.value + offset * acceleration, out.derivative);
+  if (c.slow >= 0) out.residual -= at.state.x.segment<3>(c.slow), out.derivative.middleCols<3>(c.slow).setIdentity();
   if (c.level >= 0) out.residual[2] -= at.state.x[c.level], out.derivative(2, c.level) = 1;
   out.variance = position_sigma(c.aid, o.row).cwiseAbs2();
   std::ranges::fill(out.source, c.first_noise);
@@ -79,15 +120,11 @@ ObservedRows observe_position(const Problem& p, const Channel& c, const Observat
 }
 
 ObservedRows observe_velocity(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& measured) {
-  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
-  const Vector3d lever = lever_of(c, at), swung = C * at.rate_eb.cross(lever);
-  const Vector3d acceleration = at.acceleration + C * (at.rate_eb.cross(at.rate_eb.cross(lever)) + at.turning.cross(lever));  // of the antenna
+  const Vector3d acceleration = acceleration_of(c, at);
+  const Derived velocity = velocity_of(p, c, at);
   ObservedRows out = rows_of(3, p.size);
-  out.residual = measured - at.state.motion.velocity - swung - offset_in_time(p, c, o, at) * acceleration;
-  out.derivative.middleCols<3>(At::attitude) = -skew<double>(swung);
-  out.derivative.middleCols<3>(At::velocity).setIdentity();
-  set_by_rate(p, 0, -C * skew<double>(lever), out.derivative);
-  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = C * skew<double>(at.rate_eb);
+  out.residual = measured - velocity.value - offset_in_time(p, c, o, at) * acceleration;
+  out.derivative = velocity.derivative;
   set_delay(p, c, o, acceleration, out.derivative);
   out.variance = velocity_sigma(c.aid, o.row).cwiseAbs2();
   std::ranges::fill(out.source, c.second_noise);
@@ -102,19 +139,13 @@ ObservedRows observe_gnss(const Problem& p, const Channel& c, const Observation&
   return out;
 }
 
-/// The velocity of the vehicle's point in its own axes, with its derivatives.
-struct VehicleVelocity {
-  Vector3d value;
-  MatrixXd derivative;
-};
-VehicleVelocity vehicle_velocity(const Problem& p, const Channel& c, const Instant& at) {
+/// The velocity of the vehicle's point in its own axes.
+Derived vehicle_velocity(const Problem& p, const Channel& c, const Instant& at) {
   const Matrix3d C_bn = at.state.motion.q_nb.toRotationMatrix().transpose(), R = mounting(p, c, at.state.x);
-  const Vector3d lever = lever_of(c, at), body = C_bn * at.state.motion.velocity + at.rate_eb.cross(lever);
-  VehicleVelocity out{R * body, MatrixXd::Zero(3, p.size)};
-  out.derivative.middleCols<3>(At::attitude) = R * C_bn * skew<double>(at.state.motion.velocity);
+  const Derived swing = swing_of(p, c, at);
+  Derived out{R * (C_bn * at.state.motion.velocity + swing.value), R * swing.derivative};
+  out.derivative.middleCols<3>(At::attitude) += R * C_bn * skew<double>(at.state.motion.velocity);
   out.derivative.middleCols<3>(At::velocity) = R * C_bn;
-  set_by_rate(p, 0, -R * skew<double>(lever), out.derivative);
-  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = R * skew<double>(at.rate_eb);
   if (c.mount >= 0) {
     const double yaw = at.state.x[c.mount + 1];
     out.derivative.col(c.mount) =
@@ -125,7 +156,7 @@ VehicleVelocity vehicle_velocity(const Problem& p, const Channel& c, const Insta
 }
 
 ObservedRows observe_vehicle(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
-  const VehicleVelocity v = vehicle_velocity(p, c, at);
+  const Derived v = vehicle_velocity(p, c, at);
   ObservedRows out = rows_of(2, p.size);
   for (Eigen::Index k = 0; k < 2; ++k) {
     out.residual[k] = -v.value[2 * k] - (c.slow >= 0 ? at.state.x[c.slow + k] : 0);
@@ -138,11 +169,12 @@ ObservedRows observe_vehicle(const Problem& p, const Channel& c, const Observati
 }
 
 ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
-  const VehicleVelocity v = vehicle_velocity(p, c, at);
+  const Derived v = vehicle_velocity(p, c, at);
   const double scale = 1 + (c.scale >= 0 ? at.state.x[c.scale] : 0);
   ObservedRows out = rows_of(1, p.size);
-  const Vector3d acceleration = mounting(p, c, at.state.x) * (at.state.motion.q_nb.conjugate() * at.acceleration);
-  const VectorXd rate = VectorXd::Constant(1, scale * acceleration.y());
+  const Matrix3d R = mounting(p, c, at.state.x);
+  const Vector3d sensed = at.state.motion.q_nb.conjugate() * acceleration_of(c, at) - at.rate_eb.cross(R.transpose() * v.value);  // in turning axes
+  const VectorXd rate = VectorXd::Constant(1, scale * (R * sensed).y());
   out.residual[0] = c.aid.record.value[o.row] - scale * v.value.y() - offset_in_time(p, c, o, at) * rate[0];
   out.derivative.row(0) = scale * v.derivative.row(1);
   if (c.scale >= 0) out.derivative(0, c.scale) = v.value.y();
@@ -157,27 +189,30 @@ ObservedRows observe_barometer(const Problem& p, const Channel& c, const Observa
   const double offset = offset_in_time(p, c, o, at);
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const Vector3d moved = C * lever_of(c, at);
+  const Derived velocity = velocity_of(p, c, at);
   ObservedRows out = rows_of(1, p.size);
-  out.residual[0] =
-      c.aid.record.value[o.row] - at.state.motion.height - moved.z() - offset * at.state.motion.velocity.z() - (c.slow >= 0 ? at.state.x[c.slow] : 0);
+  out.residual[0] = c.aid.record.value[o.row] - at.state.motion.height - moved.z() - offset * velocity.value.z();
+  out.derivative = offset * velocity.derivative.row(2);
   out.derivative(0, At::position + 2) = 1;
-  out.derivative.block<1, 3>(0, At::attitude) = -skew<double>(moved).row(2);
-  if (c.lever >= 0) out.derivative.block<1, 3>(0, c.lever) = C.row(2);
-  if (c.slow >= 0) out.derivative(0, c.slow) = 1;
-  set_delay(p, c, o, at.state.motion.velocity.tail<1>(), out.derivative);
+  out.derivative.block<1, 3>(0, At::attitude) -= skew<double>(moved).row(2);
+  if (c.lever >= 0) out.derivative.block<1, 3>(0, c.lever) += C.row(2);
+  if (c.slow >= 0) out.residual[0] -= at.state.x[c.slow], out.derivative(0, c.slow) = 1;
+  set_delay(p, c, o, velocity.value.tail<1>(), out.derivative);
   out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
   out.source[0] = c.first_noise;
   return out;
 }
 
 ObservedRows observe_heading(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
+  const double offset = offset_in_time(p, c, o, at);
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const double east = C(0, 1), north = C(1, 1), up = C(2, 1), level = east * east + north * north;
   ObservedRows out = rows_of(1, p.size);
   const VectorXd rate = VectorXd::Constant(1, -(C * at.rate_eb).z());  // of a level body
-  out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north) - offset_in_time(p, c, o, at) * rate[0], 2 * std::numbers::pi);
+  out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north) - offset * rate[0], 2 * std::numbers::pi);
+  out.derivative = -offset * C.row(2) * rate_derivative(p, at);
   set_delay(p, c, o, rate, out.derivative);
-  out.derivative.block<1, 3>(0, At::attitude) << east * up / level, north * up / level, -1;
+  out.derivative.leftCols<3>() += Eigen::RowVector3d(east * up / level, north * up / level, -1);
   if (c.slow >= 0) out.residual[0] -= at.state.x[c.slow], out.derivative(0, c.slow) = 1;
   out.variance[0] = std::pow(value_sigma(c.aid, o.row), 2);
   out.source[0] = c.first_noise;
@@ -186,22 +221,10 @@ ObservedRows observe_heading(const Problem& p, const Channel& c, const Observati
 
 /// The rate at rest is a mean of a tenth of a second: with the noise of the gyros besides that of a base which is not quite still.
 ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
-  const Matrix3d C_bn = at.state.motion.q_nb.toRotationMatrix().transpose();
-  const Vector3d earth = local_earth(at.state.motion.latitude, at.state.motion.height).rate;
   ObservedRows out = rows_of(6, p.size);
-  out.residual << -at.state.motion.velocity, C_bn * earth - at.rate_ib;
+  out.residual << -at.state.motion.velocity, -at.rate_eb;
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
-  out.derivative.block<3, 3>(3, At::attitude) = -C_bn * skew<double>(earth);
-  set_by_rate(p, 3, Matrix3d::Identity(), out.derivative);
-  for (Eigen::Index j = 0; j < 3; ++j) {
-    if (p.gyro_matrix >= 0) out.derivative.block<3, 3>(3, p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
-    if (p.g_sensitivity >= 0) out.derivative.block<3, 3>(3, p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
-  }
-  if (p.terms) {
-    Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
-    p.terms->at(p.time[at.sample], p.samples[at.sample], changes);
-    out.derivative.block(3, p.terms_first, 3, changes.cols()) = changes.topRows<3>();
-  }
+  out.derivative.bottomRows<3>() = rate_derivative(p, at);
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
   out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;

@@ -1,12 +1,16 @@
 #include "imulab/navigation/aided/observation.hpp"
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
+#include "imulab/navigation/aided/start.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 #include "imulab/units.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::aided {
@@ -38,6 +42,55 @@ TEST(Observation, TheDelaySeesTheSwingOfTheAntenna) {
   }
   EXPECT_GT(swing, 0.5);    // m/s^2
   EXPECT_LT(worst, 0.035);  // means over a tenth of a second where the rate begins to change, 0.4 rad/s^3 over 0.05 s, at 3.6 m
+}
+
+/// A helicopter that hovers, its receiver's antenna about a meter off.
+struct Hovering {
+  motion::Trajectory flight = motion::flight(
+      {48 * unit::deg, 0.2, 500, 0, 10 * unit::deg},
+      {motion::rest(60, {.angle = 4 * unit::deg, .angle_frequency = 0.4, .displacement = 0.2, .displacement_frequency = 0.27})}, {.banks = false});
+  motion::NominalMotion motion = motion::nominal_motion(flight, 0.02);
+  Vector3d lever{0.9, 0.5, -0.8};
+  Recording readings = ideal_readings(motion);
+
+  Aid receiver() const {
+    Aid aid{.scale = TimeScale::recording, .lever_arm = lever, .position_sigma = 0.01, .velocity_sigma = 0.02};
+    for (double t = 0.2; t < flight.duration; t += 0.2) {
+      const motion::Kinematics k = flight.at(t);
+      Eigen::Matrix<double, 9, 1> arm = Eigen::Matrix<double, 9, 1>::Zero();
+      arm.tail<3>() = k.C_nb * lever;
+      const NavigationState antenna = plus(motion::navigation_state(k), arm);
+      aid.record.time.push_back(std::llround(1e9 * t));
+      aid.record.position.emplace_back(antenna.latitude, antenna.longitude, antenna.height);
+      aid.record.velocity.emplace_back(k.velocity + k.C_nb * k.rate_nb_b.cross(lever));
+    }
+    return aid;
+  }
+};
+
+// A common rotation of both triads and of the lever arm is an attitude that no aid can tell from another: information on it is false.
+TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
+  const Hovering h;
+  const Problem p = make_problem(h.readings, sensor_priors({}, {}), {h.receiver()}, {});
+  const FilterStart start = start_near(p, h.motion.states.front());
+  const AboutTrajectory truth{.at = [&](std::size_t samples) { return h.motion.states[samples]; }, .x = start.mean.x, .weights = {}};
+  Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(p.size, 3);  // of the states, by one about each body axis
+  rotation.middleRows<3>(At::attitude) = -h.motion.states.front().q_nb.toRotationMatrix();
+  for (Eigen::Index j = 0; j < 3; ++j)
+    for (const Eigen::Index matrix : {p.gyro_matrix, p.accel_matrix}) rotation.middleRows<3>(matrix + 3 * j) = -skew<double>(Vector3d::Unit(j));
+  rotation.middleRows<3>(p.channels[0].lever) = -skew<double>(h.lever);
+  Matrix3d information = Matrix3d::Zero();  // of the start alone
+  for (Eigen::Index k = 0; k < p.size; ++k)
+    if (!rotation.row(k).isZero(0)) information += rotation.row(k).transpose() * rotation.row(k) / std::pow(start.sigma[k], 2);
+  const Matrix3d root = information.llt().matrixU();
+  double least = INFINITY, most = 0;
+  for (const SmoothedNode& node : smooth(p, filter(p, start, {.about = &truth})).nodes) {
+    const Matrix3d C = node.state.motion.q_nb.toRotationMatrix(), P = C.transpose() * node.covariance.topLeftCorner<3, 3>() * C;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> over_bound(root * P * root.transpose());
+    least = std::min(least, over_bound.eigenvalues().minCoeff()), most = std::max(most, over_bound.eigenvalues().maxCoeff());
+  }
+  EXPECT_GT(least, 0.99);  // the transition sums samples over 0.05 s
+  EXPECT_LT(most, 4);      // and the aids leave little else
 }
 
 }  // namespace
