@@ -75,6 +75,7 @@ struct Aid {
   std::optional<double> rate = {};                     ///< [Hz]; of a simulation
   std::vector<Outage> jumps = {};                      ///< of a simulation: with positions displaced, as by reflected signals
   std::optional<double> jump = {};                     ///< [m], horizontally
+  double other_scale_s = 0;  ///< of a clock of unknown scale that counts from a date: stamps of the other one are so much later
   bool operator==(const Aid&) const = default;
 };
 

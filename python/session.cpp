@@ -79,12 +79,11 @@ std::shared_ptr<Session> unpickled(const py::tuple& state) {
   return session;
 }
 
-/// As the command opens a recording in place of a session, and what that assumes of gravity.
-std::pair<std::shared_ptr<Session>, std::string> session_of_recording(const std::string& file, const std::vector<std::string>& topics) {
+/// As the command opens a recording in place of a session.
+std::shared_ptr<Session> session_of_recording(const std::string& file, const std::vector<std::string>& topics) {
   return run(py::none(), [=](const auto&) {
     const InspectionTask task{.files = {file}, .topics = topics};
-    const auto session = shared(session_for(inspect_files(task), task, "declare it: inspect(file, declare={KEY: VALUE}), or write a session"));
-    return std::pair(session, assumed_gravity(*session));
+    return shared(session_for(inspect_files(task), task, "declare it: inspect(file, declare={KEY: VALUE}), or write a session"));
   });
 }
 
@@ -97,6 +96,7 @@ void bind_session(py::module_& module) {
       .def_readonly("file", &Session::file)
       .def_property_readonly("imu", [](const Session& s) { return s.imu.name; })
       .def_property_readonly("gravity", [](const Session& s) { return s.site.gravity(); })
+      .def_property_readonly("assumed_gravity", &assumed_gravity)
       .def_property_readonly("gravity_sigma", [](const Session& s) { return s.site.gravity_sigma(); })
       .def_property_readonly("recordings",
                              [](const Session& s) {

@@ -1,5 +1,6 @@
 // calibrate --method drive as people use it: simulated drives of drawn IMUs, and what is no drive.
 #include "imulab/files.hpp"
+#include "imulab/units.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -99,7 +100,15 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   bool arm = false;
   for (const RigErrorEstimate& e : c.quality.rig_errors) arm = arm || (e.name == "gnss.lever_arm.right" && e.uncertainty < 0.2);
   EXPECT_TRUE(arm);
-  EXPECT_THAT(read_text(folder / "page.html"), HasSubstr("gnss.lever_arm.right"));
+  const std::string page = read_text(folder / "page.html");
+  EXPECT_THAT(page, HasSubstr("gnss.lever_arm.right"));
+  // What is as uncertain as before is no result: neither in the rows, nor on a card, nor for firmware.
+  EXPECT_THAT(on_one_line(result.output), HasSubstr("not determined, as uncertain as before the data: accel.matrix.zz, gyro.matrix.xx"));
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("Not determined, as uncertain as before the data: accel.matrix.zz"), Not(HasSubstr("imulab export to firmware"))));
+  const double gyro_scale = *standard_uncertainty(c, coefficient_index("gyro.matrix.zz")) / unit::ppm;
+  EXPECT_THAT(on_one_line(result.output), HasSubstr(fmt::format("gyros scale {:.2g} ppm", gyro_scale)));
+  EXPECT_EQ(c.imu, "simulated IMU");
 }
 
 /// Predicted over stated sigma of what both have.

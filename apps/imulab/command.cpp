@@ -354,7 +354,13 @@ void join_parts(std::vector<std::string> command, const std::vector<std::string>
   parse_and_do(std::move(command), parts);
 }
 
-int run(std::vector<std::string> arguments) {
+namespace {
+std::string started_as = "imulab";
+}
+const std::string& program_name() { return started_as; }
+
+int run(std::vector<std::string> arguments, const std::string& program) {
+  if (program.find('/') != std::string::npos) started_as = program;
   try {
     return parse_and_do(std::move(arguments));
   } catch (const Unsupported& e) {

@@ -11,8 +11,11 @@
 
 namespace imulab::command {
 
-/// Runs one command line (without the program's name). 0 done; 1 the data do not support the request; 2 the command or an input file is wrong.
-int run(std::vector<std::string> arguments);
+/// Runs one command line (without the program's name, which is how it was started). 0 done; 1 the data do not support the request; 2 the command or
+/// an input file is wrong.
+int run(std::vector<std::string> arguments, const std::string& program = "imulab");
+/// What to type to start this program again: its path, where it was started by one.
+const std::string& program_name();
 /// The same of a verb's work that was done in parts: the answer of the whole, from their files, by the command in them and `own` options. Throws what
 /// `run` turns into exit codes.
 void join_parts(std::vector<std::string> command, const std::vector<std::string>& own, const std::vector<std::string>& parts);

@@ -82,6 +82,25 @@ TEST_F(CompareCommand, InsignificantRowsAreCountedInOneLine) {
   EXPECT_THAT(result.output, HasSubstr("1 coefficients do not differ significantly; --verbose lists them"));
 }
 
+// Calibrations of the same data differ by less than two that are independent.
+TEST_F(CompareCommand, ThePageSaysWhatTheTerminalSays) {
+  Calibration many = two_coefficients(), same = many;
+  for (Calibration* c : {&many, &same}) {
+    c->estimated = select_coefficients("accel.matrix.diagonal"), c->estimated.push_back(coefficient_index("accel.offset.x"));
+    c->covariance = 1e-6 * Eigen::MatrixXd::Identity(4, 4);
+  }
+  same.estimated.push_back(coefficient_index("gyro.offset.x")), same.covariance = 1e-6 * Eigen::MatrixXd::Identity(5, 5);
+  folder.write("many.json", calibration_text(many)), folder.write("same.json", calibration_text(same));
+  const CommandResult result = run_imulab(folder, "compare many.json same.json --report page.html");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = read_text(folder / "page.html");
+  EXPECT_THAT(on_one_line(result.output), HasSubstr("the differences are smaller than the stated uncertainties say"));
+  EXPECT_THAT(page, HasSubstr("The differences are smaller than the stated uncertainties say."));
+  EXPECT_THAT(page, Not(HasSubstr("as large as")));
+  for (const std::string& text : {on_one_line(result.output), page})
+    EXPECT_THAT(text, HasSubstr("4 coefficients do not differ significantly, 1 are not tested"));
+}
+
 TEST_F(CompareCommand, ATolerancePutsItsVerdictFirstAndIsTheExitCode) {
   for (const auto& [tolerance, code, begin] :
        {std::tuple{"gyro.matrix.xy <= 25 arcsec", 0, "met: gyro.matrix.xy differs by 20 arcsec; tolerance: gyro.matrix.xy <= 25 arcsec\n"},

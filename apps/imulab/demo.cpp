@@ -154,14 +154,13 @@ void demo(const Arguments& a) {
   report.title = title;
   report.story = story;
   report.calibrations[0].claim = misalignment(classical), report.calibrations[1].claim = misalignment(hybrid);
-  report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json",
-                 "See what is there: imulab --help"};
+  const std::string own = program_name() + " calibrate FOLDER --method handheld -o calibration.json";
+  report.next = {"Calibrate your own sensor by hand: " + own, fmt::format("See what is there: {} --help", program_name())};
   write_whole(folder / "report.html", drives_page(report));  // by it a next run tells that the others are the demo's, too, wherever this one ends
   write_whole(folder / "classical.json", calibration_text(classical));
   write_whole(folder / "hybrid.json", calibration_text(hybrid));
   write_whole(folder / "drives.svg", report::standalone(drives_picture(report)));
-  say(fmt::format("\nReport: {}\nYour own sensor: imulab calibrate FOLDER --method handheld -o calibration.json\n",
-                  fs::absolute(folder / "report.html").lexically_normal().string()));
+  say(fmt::format("\nReport: {}\nYour own sensor: {}\n", fs::absolute(folder / "report.html").lexically_normal().string(), own));
   JsonFields figures{{{"drives", std::uint64_t{drives}}}};
   for (const DrivenCalibration& c : report.calibrations) figures.fields.emplace_back(c.name + " [m]", median(c.largest));
   if (a.json) print_json(figures, {"", title});

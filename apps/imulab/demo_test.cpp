@@ -14,6 +14,7 @@ TEST(DemoCommand, RunsFromNothingAndAgain) {
   ASSERT_EQ(first.exit_code, 0) << first.errors;
   EXPECT_LE(std::count(first.output.begin(), first.output.end(), '\n'), 15);
   EXPECT_THAT(first.output, testing::HasSubstr("An hour's drive, 20 times"));
+  EXPECT_THAT(first.output, testing::HasSubstr("Your own sensor: " + command_path() + " calibrate FOLDER")) << "as it was started";
   folder.write("d/mine.txt", "kept");
   const CommandResult again = run_imulab(folder, "demo -o d");
   EXPECT_EQ(again.exit_code, 0) << again.errors;

@@ -22,5 +22,5 @@ void keep_freed_memory() {
 int main(int argc, char** argv) {
   imulab::end_when_memory_ends("imulab: out of memory; expected less data, or a machine with more memory\n");
   keep_freed_memory();
-  return imulab::command::run({argv + 1, argv + argc});
+  return imulab::command::run({argv + 1, argv + argc}, argv[0]);
 }

@@ -13,7 +13,9 @@
 namespace imulab {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 using Json = nlohmann::json;
 
@@ -47,11 +49,33 @@ TEST(NavigateAidedCommand, SmoothsComparesAndWrites) {
     EXPECT_THAT(page, HasSubstr(part));
     EXPECT_THAT(again, HasSubstr(part));
   }
+  // Titled by the session, and not by its path; withheld times are no gaps; constants in the units of the terminal.
+  EXPECT_THAT(page, AllOf(HasSubstr("<h1>session</h1>"), HasSubstr("</i>aids withheld</span>"), Not(HasSubstr("</i>gap</span>"))));
+  EXPECT_THAT(page, AllOf(HasSubstr("<td>accel.offset.x</td>"), HasSubstr("<td>mg</td>"), HasSubstr("<td>deg/h</td>"), Not(HasSubstr("(SI)"))));
   Json lasting = json;
   lasting["noise"]["gnss.velocity"]["lasting"] = 7.5;
   folder.write("lasting.json", lasting.dump());
   EXPECT_EQ(run_imulab(folder, "report lasting.json -o lasting.html").exit_code, 0);
   EXPECT_THAT(read_text(folder / "lasting.html"), HasSubstr("7.5"));
+}
+
+// A reason of the verdict is in the verdict, other warnings below it: nothing twice.
+TEST(NavigateAidedCommand, ThePageSaysEachWarningOnce) {
+  const TemporaryFolder folder;
+  write_aided(folder);
+  ASSERT_EQ(run_shell(folder, "sed -i 's/^kind = \"gnss\"/&\\nlever_arm_m = [30, 0, 0]\\nlever_arm_sigma_m = 0.1/' session/session.toml").exit_code,
+            0);
+  const CommandResult result = run_imulab(folder, "navigate none session --aided --report page.html --json");
+  const Json json = Json::parse(result.output);
+  ASSERT_EQ(json["verdict"], "doubtful") << result.output.substr(0, 300);
+  const std::string page = read_text(folder / "page.html");
+  const auto times = [&](const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("<li>gnss lever arm: comes out"), 1u);
+  EXPECT_EQ(times("recording.csv: gnss lever arm: comes out"), 0u);
 }
 
 TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {

@@ -65,7 +65,10 @@ void add_evidence(CalibrationReport& report, const Session& session, const std::
     if (named && whole) sources.push_back(source);
   }
   for (const RecordingSource& source : sources) try {
-      report.recordings.push_back(evidence_of(calibration, session, read_recording(session, source).recording, sources.size()));
+      const Recording recording = read_recording(session, source).recording;
+      Session with_aids = session;
+      with_aids.aids = read_aids(session, source, recording).aids;
+      report.recordings.push_back(evidence_of(calibration, with_aids, recording, sources.size()));
     } catch (const Error& e) {
       report.missing.push_back(fmt::format("{} of {}: {}.", pictures, source.file, e.what()));
     }

@@ -120,6 +120,13 @@ void expect_no_declarations(const RecordingWords& words) {
   if (!words.topics.empty()) throw Error("--topic: chooses a table of a recording; expected it without a session, which names it by topic");
 }
 
+/// A session that declares all itself, as inspection writes them, too.
+Session declared(Session session, Purpose purpose) {
+  if (const std::string gravity = assumed_gravity(session); !gravity.empty() && purpose == Purpose::calibration)
+    note(fmt::format("{}: assumed: {}; declare the place: latitude_deg in [site]", session.file, gravity));
+  return session;
+}
+
 /// A session, or rows, which are kept to be read again.
 Session session_of_standard_input(const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
   constexpr double longest_wait_s = 1e9;  // to its end
@@ -137,7 +144,7 @@ Session session_of_standard_input(const RecordingWords& words, std::size_t most_
   if (text.size() > longest_settings) throw Error(fmt::format("{}: a session of more than {} MiB; expected less", name, longest_settings >> 20));
   Session session = parse_session(text, name);
   will_read_files_of(session);
-  return session;
+  return declared(std::move(session), purpose);
 }
 
 }  // namespace
@@ -149,7 +156,7 @@ Session open_session(const std::filesystem::path& named, const RecordingWords& w
   if (path == "-") return session_of_standard_input(words, most_numbers, purpose);
   if (!is_session(path)) return inspected(path, words, most_numbers, purpose);
   if (std::filesystem::exists(path)) expect_no_declarations(words);
-  return session_at(path);
+  return declared(session_at(path), purpose);
 }
 
 namespace {

@@ -167,7 +167,8 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice);
   out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice);
   out.rate_hz = stream_rate(input, n.interval_s);
-  out.facts.push_back(fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
+  out.facts.push_back(n.recording.empty() ? "Noise: as given; no log is named to which it was fitted."
+                                          : fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
   out.facts.emplace_back(choice_fact(choice));
   return out;
 }

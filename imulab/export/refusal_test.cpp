@@ -141,6 +141,15 @@ TEST(ExportWarning, NumbersOutsideATargetsRangeAreNamed) {
   EXPECT_THAT(export_target("px4").warnings({si_unit()}), IsEmpty());
 }
 
+// Noise that was typed by hand is not said to come from a log.
+TEST(ExportNoise, OfNoLogNamesNone) {
+  ImuNoise typed = some_noise();
+  typed.recording.clear();
+  const std::string text = export_target("kalibr").text({thermal_unit(), &typed});
+  EXPECT_THAT(text, HasSubstr("Noise: as given; no log is named to which it was fitted."));
+  EXPECT_THAT(text, testing::Not(HasSubstr("\"\"")));
+}
+
 /// The text that a program reads: all but comments.
 std::string without_comments(const std::string& text) {
   std::istringstream lines(text);

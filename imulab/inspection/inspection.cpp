@@ -315,8 +315,7 @@ Session inspected_session(const Inspection& inspection, const Declarations& decl
   session.imu.grade = declared_grade(declared);
   session.site = declared_site(declared);
   if (!session.site.latitude && !session.site.given_gravity) {
-    session.site.given_gravity = 9.806;
-    session.site.given_gravity_sigma = 0.015;  // 9.780 at the equator to 9.832 at the poles
+    session.site.given_gravity = gravity_anywhere, session.site.given_gravity_sigma = gravity_anywhere_sigma;
   }
   session.recordings = {inspection.source};
   return session;

@@ -64,6 +64,9 @@ struct Inspection {
 /// table contradicts.
 Inspection inspect(const SignalTable& table, const Declarations& declared = {});
 
+/// Gravity where the place is not known: 9.780 m/s^2 at the equator to 9.832 at the poles.
+inline constexpr double gravity_anywhere = 9.806, gravity_anywhere_sigma = 0.015;
+
 /// A session of one recording with the findings; if the place is not known, gravity is taken with its range anywhere on Earth.
 Session inspected_session(const Inspection& inspection, const Declarations& declared);
 

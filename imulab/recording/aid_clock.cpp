@@ -76,6 +76,7 @@ Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSourc
   const auto origin = aid.scale == TimeScale::own ? std::nullopt : origin_of(counted, span_of(stamps), known);
   if (known && !origin) fail_apart(aid, counted, span_of(stamps));
   shift(stamps, origin ? zero + *origin : stamps.front() - own.begin);
+  if (!known && origin && source.time.scale == TimeScale::own) aid.other_scale_s = leap_seconds(1e-9 * static_cast<double>(counted.begin + *origin));
   aid.scale = known ? TimeScale::recording : TimeScale::own;
   if (known) return aid;
   if (aid.delay_sigma) aid.delay_sigma = std::hypot(*aid.delay_sigma, guessed_offset_sigma);

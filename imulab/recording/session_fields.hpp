@@ -228,6 +228,8 @@ void transfer(Fields& f, TimeSource& time) {
   f.check(!bits || *bits == std::floor(*bits), "wrap_bits", "is no whole number; expected 16, 32 or another from 8 to 32");
   if (bits) time.wrap_bits = static_cast<int>(*bits);
   f.clock_zero("zero", time.zero, time_exponent(time.unit));
+  f.check(time.zero >= 0, "zero",
+          "is negative, but it is subtracted from every stamp; expected the stamp from which times count, as the first one, in the column's unit");
   f.choice("scale", time.scale, std::vector{TimeScale::own, TimeScale::gps, TimeScale::utc}, Presence::optional);
   f.choice("stamps", time.stamps, std::vector{Stamps::automatic, Stamps::recorded, Stamps::uniform}, Presence::optional);
 }

@@ -25,7 +25,7 @@ std::string sigmas_section(const AidedNavigation& n) {
   TimeChart place{
       .title = "Position, one sigma", .y_label = "m", .start = n.solution.time.front(), .x = {}, .names = {"east", "north", "up"}, .y = {}};
   place.y.resize(3), place.logarithmic = true, place.group = "aided";
-  for (const OutageResult& o : n.outages) place.marks.push_back({o.begin, o.end, Mark::gap});
+  for (const OutageResult& o : n.outages) place.marks.push_back({o.begin, o.end, Mark::withheld});
   TimeChart attitude = place;
   attitude.title = "Attitude about east, north, up, one sigma", attitude.y_label = "deg";
   for (std::size_t i = 0; i < n.covariance.size(); i += step) {
@@ -110,10 +110,12 @@ std::string aids_section(const AidedNavigation& n) {
 }
 
 std::string constants_section(const AidedNavigation& n) {
-  Table t{.head = {"constant (SI)", "value", "u", "u before the data", "would show it"}, .rows = {}, .text_columns = true};
-  for (const AidedConstant& c : n.constants)
-    t.rows.push_back({escaped(c.name), number_text(c.value), uncertainty_text(c.sigma), uncertainty_text(c.prior),
-                      c.undetermined() ? showing_manoeuvre(c.name) : ""});
+  Table t{.head = {"constant", "value", "u", "u before the data", "unit", "would show it"}, .rows = {}, .text_columns = true};
+  for (const AidedConstant& c : n.constants) {
+    const UserUnit unit = unit_of_constant(c.name);
+    t.rows.push_back({escaped(c.name), rounded_to(c.value / unit.size, c.sigma / unit.size), uncertainty_text(c.sigma / unit.size),
+                      uncertainty_text(c.prior / unit.size), escaped(readable_unit(unit.name)), c.undetermined() ? showing_manoeuvre(c.name) : ""});
+  }
   return section("constants", "Sensors and aids",
                  "Errors of the calibrated output, lever arms, delays and mounting. The last column is of constants that this motion did not show.",
                  table(t));
@@ -125,11 +127,15 @@ std::string constants_section(const AidedNavigation& n) {
 std::string aided_page(const std::string& session, const AidedNavigation& n, const Conclusion& conclusion, const std::vector<std::string>& warnings) {
   using namespace report;
   Page page;
-  page.kind = "Navigation", page.title = session;
+  page.kind = "Navigation", page.title = name_of_file(session);
   page.subtitle = n.causal ? "Aided solution, filtered" : "Aided solution, smoothed";
   take_conclusion(page.verdict, conclusion);
-  page.verdict.because = n.warnings;
-  if (!warnings.empty()) page.body += section("warnings", "Warnings", "", list(warnings));
+  page.verdict.because = n.doubts;
+  std::vector<std::string> others = warnings;  // than the reasons of the verdict
+  std::erase_if(others, [&](const std::string& text) {
+    return std::ranges::any_of(n.doubts, [&](const std::string& doubt) { return text.ends_with(doubt); });
+  });
+  if (!others.empty()) page.body += section("warnings", "Warnings", "", list(others));
   page.body += track_section(n) + sigmas_section(n) + outages_section(n) + innovations_section(n);
   page.body += aids_section(n) + constants_section(n);
   return page_text(page);

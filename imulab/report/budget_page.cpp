@@ -162,7 +162,7 @@ std::string budget_page(const BudgetReport& r) {
   const ErrorDistribution* sampled = r.summary.monte_carlo ? &*r.summary.monte_carlo : nullptr;
   Page page;
   page.kind = "Error budget";
-  page.title = r.mission;
+  page.title = name_of_file(r.mission);
   page.subtitle = b.loss ? fmt::format("Aided until {} s, then {} s without {}", number_text(b.loss->begin),
                                        number_text(b.time.back() - b.loss->begin), lost_aids(*b.loss))
                          : fmt::format("{} min, vertical channel {}", number_text(b.time.back() / 60), to_string(b.vertical));

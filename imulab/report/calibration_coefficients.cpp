@@ -54,6 +54,7 @@ std::string element_of(CoefficientIndex index) {
 std::vector<Group> groups_of(const Calibration& calibration) {
   std::vector<Group> groups;
   for (const CoefficientIndex index : calibration.estimated) {
+    if (!is_result(calibration, index)) continue;
     const std::string kind = kind_of(coefficient(index)), unit = user_value(calibration, index).unit;
     auto at = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == kind && g.unit == unit; });
     if (at == groups.end()) at = groups.insert(groups.end(), {kind, unit, {}});
@@ -136,6 +137,9 @@ std::string coefficients_section(const Calibration& calibration) {
   const std::string others = other_values(calibration);
   if (calibration.estimated.empty()) return others.empty() ? "" : section("coefficients", "Coefficients", "", others);
   Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}, .left = {3, 9}};
+  Table priors = t;
+  for (const CoefficientIndex index : calibration.estimated)
+    if (!is_result(calibration, index)) priors.rows.push_back(coefficient_cells(calibration, index));
   std::vector<std::string> figures;
   for (const Group& group : groups_of(calibration)) {
     figures.push_back(intervals_of(calibration, group));
@@ -149,7 +153,7 @@ std::string coefficients_section(const Calibration& calibration) {
       beside(figures) +
           paragraph(
               "u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
-          table(t) + others);
+          table(t) + (priors.rows.empty() ? "" : folded("Not determined by the data: priors", table(priors))) + others);
 }
 
 std::string uncertainty_section(const Calibration& calibration) {
@@ -175,9 +179,9 @@ std::string uncertainty_section(const Calibration& calibration) {
   lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one "
                 "by one."
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
-  return section("uncertainty", "Type A and type B", lead,
-                 (t.rows.empty() ? "" : table(t)) + list(said) +
-                     (rigs.rows.empty() ? "" : "<h3>Rig and aids, estimated jointly [SI]</h3>\n" + table(rigs)));
+  return section(
+      "uncertainty", "Type A and type B", lead,
+      (t.rows.empty() ? "" : table(t)) + list(said) + (rigs.rows.empty() ? "" : "<h3>Rig and aids, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
 std::string strongest_correlations(const Calibration& calibration) {
@@ -228,7 +232,8 @@ std::string tests_section(const Calibration& calibration) {
   const auto& considered = calibration.quality.considered;
   std::string names;
   for (const std::string& name : considered) names += (names.empty() ? "" : ", ") + name;
-  const std::string open = considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
+  const std::string open =
+      considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
   if (t.rows.empty() && open.empty()) return {};
   return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
 }

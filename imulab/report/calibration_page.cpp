@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/navigation/aided/aid_motion.hpp"
 #include "imulab/predict.hpp"
 #include "imulab/procedure.hpp"
 #include "imulab/recording/coverage.hpp"
@@ -38,11 +39,15 @@ std::vector<std::string> actions(const CalibrationReport& report) {
   const Quality& q = report.result.calibration.quality;
   std::vector<std::string> out;
   if (!q.converged) out.emplace_back("Do not use it: the fit did not converge. Check what the session declares, then calibrate again.");
-  if (!q.unobservable.empty()) {
-    std::string names;
-    for (const std::string& name : q.unobservable) names += (names.empty() ? "" : ", ") + name;
-    out.push_back("Not determined, left at starting values: " + names + ". Record motion that shows them.");
-  }
+  if (!q.unobservable.empty())
+    out.push_back(fmt::format("Not determined, left at starting values: {}. Record motion that shows them.", fmt::join(q.unobservable, ", ")));
+  std::vector<std::string_view> priors;
+  for (const CoefficientIndex index : report.result.calibration.estimated)
+    if (const Term term = coefficient(index).term; (term == Term::offset || term == Term::matrix) && !is_result(report.result.calibration, index))
+      priors.push_back(coefficient(index).name);
+  if (!priors.empty())
+    out.push_back(fmt::format("Not determined, as uncertain as before the data: {}. Record motion that shows them, or use the others alone.",
+                              fmt::join(priors, ", ")));
   for (const RequirementResult& r : q.requirements)
     if (!r.met && !(r.reached <= r.limit))
       out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
@@ -126,7 +131,13 @@ namespace {
 constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
-  if (!only_one || calibration.quality.rests.empty()) return rests_of(recording, session).ranges;
+  if (!only_one || calibration.quality.rests.empty()) {
+    std::vector<Range> found = rests_of(recording, session).ranges;
+    std::erase_if(found, [&](const Range& r) {
+      return aided::any_moves(session.aids, recording.name, recording.time_s(r.begin), recording.time_s(r.end - 1));
+    });
+    return found;
+  }
   std::vector<Range> ranges;
   const double first = recording.time_s(0) - recording.interval_s, last = recording.time_s(recording.size() - 1) + recording.interval_s;
   for (const PartResidual& rest : calibration.quality.rests)  // of a file that anybody may have written

@@ -15,21 +15,16 @@ namespace imulab {
 namespace report {
 namespace {
 
-std::string probability_of(const Consistency& c) { return c.p_value < 1e-99 ? "< 10⁻⁹⁹" : number_text(c.p_value, 2); }
-
 std::string consistency_text(const Consistency& c) {
   if (c.degrees_of_freedom == 0) return "no coefficient has an uncertainty in both: nothing is tested";
-  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}{}", number_text(c.chi2, 4), c.degrees_of_freedom,
-                     probability_of(c), c.differing.empty() ? "" : "; given the others, most in " + differing_text(c));
+  return fmt::format("all together, {} degrees of freedom: {}", c.degrees_of_freedom, judged_text(c));
 }
 
 Verdict comparison_verdict(const ComparisonSummary& summary) {
-  Verdict v{.tone = Tone::good,
-            .word = "consistent",
-            .meaning = "The differences are as large as the stated uncertainties say.",
-            .because = {},
-            .actions = {}};
+  Verdict v{.tone = Tone::good, .word = "consistent", .meaning = {}, .because = {}, .actions = {}};
   const std::vector<PairTest> pairs = ranked_pairs(summary);
+  v.meaning = size_text(pairs.front().together) + (pairs.size() > 1 ? " even in the least probable pair." : ".");
+  v.meaning[0] = 'T';
   const double limit = significant_from(summary);
   const RankedRows ranked = ranked_rows(summary.comparisons, limit);
   const bool any = ranked.tested > 0;
@@ -118,8 +113,7 @@ std::string comparison_section(const ComparisonSummary& summary, std::size_t k) 
   return section("comparison", shortened(summary.names[0], 60) + " and " + shortened(summary.names[k + 1], 60), lead,
                  beside({sigmas_figure(comparison, ranked, limit, Triad::accel), sigmas_figure(comparison, ranked, limit, Triad::gyro)}) +
                      difference_table(comparison, {ranked.rows.begin(), middle}, limit, years) +
-                     (rest.empty() ? "" : folded(fmt::format("{} that do not differ significantly", ranked.rows.size() - open), rest)) +
-                     folded("All values in SI", si_table(comparison)));
+                     (rest.empty() ? "" : folded(rest_text({comparison}, ranked, open), rest)) + folded("All values in SI", si_table(comparison)));
 }
 
 std::string calibrations_section(const std::vector<ComparedCalibration>& calibrations) {
@@ -140,7 +134,7 @@ std::string pairs_section(const ComparisonSummary& summary) {
     const bool none = pair.differences.empty();
     t.rows.push_back({escaped(shortened(summary.names[pair.k + 1], 40)), none ? "nothing to test" : pair.differences, std::to_string(pair.differing),
                       std::to_string(pair.tested), none ? "" : number_text(pair.together.chi2, 4),
-                      none ? "" : std::to_string(pair.together.degrees_of_freedom), none ? "" : escaped(probability_of(pair.together))});
+                      none ? "" : std::to_string(pair.together.degrees_of_freedom), none ? "" : escaped(probability_text(pair.together.p_value))});
   }
   return section("pairs", "Each with the first",
                  "How many coefficients differ significantly, and all of a pair together against the stated uncertainties: the probability of "

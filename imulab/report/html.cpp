@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 
 namespace imulab::report {
 
@@ -90,6 +91,13 @@ std::string shortened(std::string_view text, std::size_t most) {
   for (std::size_t at = 0; at < text.size(); at += first_character(text.substr(at)).bytes, ++characters)
     if (characters == most) kept = at;
   return characters <= most ? std::string(text) : fmt::format("{}… ({} characters)", text.substr(0, kept), characters);
+}
+
+std::string name_of_file(std::string_view path) {
+  const std::size_t topic = std::min(path.find(':'), path.size());
+  std::filesystem::path file = std::filesystem::absolute(path.substr(0, topic)).lexically_normal();
+  if (!file.has_filename() || file.filename() == "session.toml") file = file.parent_path();
+  return file.has_filename() ? file.filename().string() + std::string(path.substr(topic)) : std::string(path);
 }
 
 std::string relative_url(std::string_view path) {

@@ -13,6 +13,8 @@ std::string escaped(std::string_view text);
 /// The first characters of a long text, then "… (N characters)".
 std::string shortened(std::string_view text, std::size_t most);
 
+/// What a file is called without its folders, a session by its folder; a topic stays.
+std::string name_of_file(std::string_view path);
 /// A path as a link: bytes that have a meaning in one, or none, as %20.
 std::string relative_url(std::string_view path);
 

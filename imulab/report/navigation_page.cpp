@@ -131,7 +131,7 @@ std::string navigation_page(const NavigationReport& r) {
   using namespace report;
   Page page;
   page.kind = "Navigation";
-  page.title = r.sessions.size() == 1 ? r.sessions.front().session : fmt::format("{} sessions", r.sessions.size());
+  page.title = r.sessions.size() == 1 ? name_of_file(r.sessions.front().session) : fmt::format("{} sessions", r.sessions.size());
   page.subtitle = "Pure-inertial solution";
   page.verdict = navigation_verdict(r);
   take_conclusion(page.verdict, r.conclusion);

@@ -156,7 +156,7 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
 Page noise_page_of(const NoiseAnalysis& analysis) {
   Page page;
   page.kind = "Noise";
-  page.title = analysis.recording;
+  page.title = name_of_file(analysis.recording);
   page.subtitle = fmt::format("{} s at rest at {} Hz", number_text(analysis.end_s - analysis.begin_s, 4), number_text(1 / analysis.interval_s, 5));
   page.verdict = noise_verdict(analysis);
   page.figures = noise_cards(analysis);

@@ -1,7 +1,7 @@
 'use strict';
 (function () {
   var coarse = window.matchMedia && window.matchMedia('(pointer: coarse)').matches;
-  var shades = {rest: 'rgba(86,180,233,0.16)', dropped: 'rgba(213,94,0,0.30)', gap: 'rgba(0,0,0,0.25)'};
+  var shades = {rest: 'rgba(86,180,233,0.16)', dropped: 'rgba(213,94,0,0.30)', gap: 'rgba(0,0,0,0.25)', withheld: 'rgba(0,0,0,0.25)'};
   var groups = {}, graphs = [];
 
   // The color that the style gives a picture's color on this page, light or dark.

@@ -91,7 +91,7 @@ std::string svg_text(double width, double height, std::string_view description, 
 std::string line_between(double x1, double y1, double x2, double y2, std::string_view stroke, double width = 1, bool dashed = false);
 std::string text_at(double x, double y, std::string_view text, Anchor anchor = Anchor::start, std::string_view attributes = "");
 
-enum class Mark { rest, dropped, gap };
+enum class Mark { rest, dropped, gap, withheld };
 struct MarkedTime {
   double begin = 0, end = 0;
   Mark mark = Mark::rest;

@@ -85,7 +85,7 @@ std::string inspection_page(const Inspection& inspection, const std::optional<Ov
   using namespace report;
   Page page;
   page.kind = "Inspection";
-  page.title = inspection.file;
+  page.title = name_of_file(inspection.file);
   page.subtitle = inspection.topic;
   page.verdict = inspection_verdict(inspection);
   page.figures.push_back({std::to_string(inspection.rows), "rows"});

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <tuple>
 
 namespace imulab::report {
 
@@ -36,7 +36,13 @@ std::string json_list(const Values& values, const Text& text) {
 std::string json_number(double v) { return std::isfinite(v) ? fmt::format("{:.5g}", v) : "null"; }
 std::string json_time(double v) { return fmt::format("{:.9g}", v); }
 
-const char* name_of(Mark mark) { return mark == Mark::rest ? "rest" : mark == Mark::dropped ? "dropped" : "gap"; }
+struct DrawnMark {
+  Mark mark;
+  std::string_view id, name, shade;  // `id`: in page.js
+};
+constexpr std::array drawn_marks{DrawnMark{Mark::rest, "rest", "rest", color::sky},
+                                 DrawnMark{Mark::dropped, "dropped", "dropped as an outlier", color::vermilion},
+                                 DrawnMark{Mark::gap, "gap", "gap", color::ink}, DrawnMark{Mark::withheld, "withheld", "aids withheld", color::ink}};
 
 std::vector<std::string> colors_of(const TimeChart& chart) {
   std::vector<std::string> colors = chart.colors;
@@ -75,11 +81,11 @@ std::string still(const TimeChart& chart, const std::string& x_label, const std:
   const double first = chart.x.empty() ? 0 : std::min(0.0, chart.x.front()),
                last = chart.x.empty() || chart.x.back() <= first ? first + 1 : chart.x.back();
   Plot plot({x_label, first, last}, axis_over(chart.y_label, all, chart.logarithmic), chart.title, wide_plot);
-  for (const auto& [mark, shade] : {std::pair{Mark::rest, color::sky}, {Mark::dropped, color::vermilion}, {Mark::gap, color::ink}}) {
+  for (const DrawnMark& drawn : drawn_marks) {
     std::vector<std::pair<double, double>> spans;
     for (const MarkedTime& m : chart.marks)
-      if (m.mark == mark) spans.emplace_back(m.begin, m.end);
-    plot.shade(spans, shade, mark == Mark::rest ? 0.16 : 0.3);
+      if (m.mark == drawn.mark) spans.emplace_back(m.begin, m.end);
+    plot.shade(spans, drawn.shade, drawn.mark == Mark::rest ? 0.16 : 0.3);
   }
   std::vector<std::pair<std::string, std::string_view>> names;
   for (std::size_t k = 0; k < chart.y.size(); ++k) {
@@ -93,10 +99,9 @@ std::string still(const TimeChart& chart, const std::string& x_label, const std:
 /// What is shaded.
 std::string mark_key(const TimeChart& chart) {
   std::string out;
-  for (const auto& [mark, name, shade] :
-       {std::tuple{Mark::rest, "rest", color::sky}, {Mark::dropped, "dropped as an outlier", color::vermilion}, {Mark::gap, "gap", color::ink}})
-    if (std::any_of(chart.marks.begin(), chart.marks.end(), [m = mark](const MarkedTime& marked) { return marked.mark == m; }))
-      out += fmt::format("<span class=\"key\"><i class=\"shade\" style=\"background:{}\"></i>{}</span>", shade, name);
+  for (const DrawnMark& drawn : drawn_marks)
+    if (std::ranges::find(chart.marks, drawn.mark, &MarkedTime::mark) != chart.marks.end())
+      out += fmt::format("<span class=\"key\"><i class=\"shade\" style=\"background:{}\"></i>{}</span>", drawn.shade, drawn.name);
   return out.empty() ? out : "<div class=\"keys\">" + out + "</div>";
 }
 
@@ -106,13 +111,13 @@ std::string time_chart(const TimeChart& given) {
   const TimeChart chart = from_its_start(given);
   const std::string x_label = time_label(given.start, given.minutes ? "min" : "s");
   const std::vector<std::string> colors = colors_of(chart);
-  std::string data =
-      fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
-                  json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
-                  json_list(chart.names, json_string), json_list(colors, json_string), json_string(x_label), json_string(chart.y_label),
-                  chart.logarithmic, json_string(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
-                    return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
-                  }));
+  std::string data = fmt::format(
+      "{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
+      json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
+      json_list(chart.names, json_string), json_list(colors, json_string), json_string(x_label), json_string(chart.y_label), chart.logarithmic,
+      json_string(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
+        return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), std::ranges::find(drawn_marks, m.mark, &DrawnMark::mark)->id);
+      }));
   return fmt::format(
       "<div class=\"chart\"><div class=\"title\">{}</div><div class=\"legend\"></div><div class=\"live\"></div><div class=\"still\">{}</div>{}"
       "<script type=\"application/json\">{}</script></div>\n",

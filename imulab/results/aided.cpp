@@ -22,6 +22,17 @@ const AidedConstant* find_constant(const AidedNavigation& n, const std::string& 
 
 }  // namespace
 
+UserUnit unit_of_constant(const std::string& name) {
+  if (name.find("lever_arm") != std::string::npos || name.ends_with("height_level")) return {"m", 1};
+  if (name.find("mounting") != std::string::npos) return {"deg", unit::deg};
+  if (name.ends_with("delay")) return {"s", 1};
+  if (name.ends_with("drift") || name.ends_with("scale")) return {"ppm", unit::ppm};
+  if (name.starts_with("gyro.offset")) return {"deg/h", unit::deg_per_h};
+  if (name.starts_with("accel.offset")) return {"mg", 1e-3 * unit::g};
+  if (name.find("g_sensitivity") != std::string::npos) return {"deg/h/g", unit::deg_per_h / unit::g};
+  return {"ppm", unit::ppm};
+}
+
 std::vector<AidedAid> aided_aids(const AidedNavigation& n) {
   std::vector<AidedAid> out;
   for (const std::string& name : n.aids) {
@@ -75,21 +86,8 @@ std::string aided_headline(const AidedNavigation& n) {
 namespace {
 
 std::string constant_row(const AidedConstant& c) {
-  struct Shown {
-    const char* unit;
-    double size;
-  };
-  const auto shown = [&]() -> Shown {
-    if (c.name.find("lever_arm") != std::string::npos || c.name.ends_with("height_level")) return {"m", 1};
-    if (c.name.find("mounting") != std::string::npos) return {"deg", unit::deg};
-    if (c.name.ends_with("delay")) return {"s", 1};
-    if (c.name.ends_with("drift") || c.name.ends_with("scale")) return {"ppm", 1e-6};
-    if (c.name.starts_with("gyro.offset")) return {"deg/h", unit::deg_per_h};
-    if (c.name.starts_with("accel.offset")) return {"mg", 1e-3 * unit::g};
-    if (c.name.find("g_sensitivity") != std::string::npos) return {"deg/h/g", unit::deg_per_h / unit::g};
-    return {"ppm", unit::ppm};
-  }();
-  return fmt::format("  {:<26} {:>11.4g} {:>9.2g} {:<8}\n", c.name, c.value / shown.size, c.sigma / shown.size, shown.unit);
+  const UserUnit unit = unit_of_constant(c.name);
+  return fmt::format("  {:<26} {:>11.4g} {:>9.2g} {:<8}\n", c.name, c.value / unit.size, c.sigma / unit.size, unit.name);
 }
 
 std::string not_shown(const AidedNavigation& n) {

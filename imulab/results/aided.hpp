@@ -1,6 +1,7 @@
 // An aided navigation as JSON and as a table for a terminal (docs/theory/aided.md).
 #pragma once
 
+#include "imulab/coefficient.hpp"
 #include "imulab/navigation/aided/aided.hpp"
 
 #include <optional>
@@ -17,6 +18,9 @@ struct AidedSummary {
   double largest_sigma = 0;  // m, horizontal
 };
 std::string aided_json(const std::string& session, const AidedNavigation& navigation);
+
+/// In which people read a constant of this name.
+UserUnit unit_of_constant(const std::string& name);
 
 /// What an aid turned out to be: absent values are not states of its kind.
 struct AidedAid {

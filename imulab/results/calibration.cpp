@@ -57,7 +57,7 @@ bool is_hidden(const Calibration& calibration, const Coefficient& c) {
 std::string coefficient_rows(const Calibration& calibration) {
   std::string text = fmt::format("  {:<21} {:>14} {:>12}  {}\n", "coefficient", "value", "u", "unit");
   for (const CoefficientIndex index : calibration.estimated) {
-    if (is_hidden(calibration, coefficient(index))) continue;
+    if (is_hidden(calibration, coefficient(index)) || !is_result(calibration, index)) continue;
     const UserValue user = user_value(calibration, index);
     text += fmt::format("  {:<21} {:>14} {:>12}  {}\n", coefficient(index).name, to_digits_of(user.uncertainty, user.value),
                         two_digits(user.uncertainty), user.unit);
@@ -65,12 +65,17 @@ std::string coefficient_rows(const Calibration& calibration) {
   return text;
 }
 
-/// The optional terms whose priors alone count.
+/// What is known by its prior alone: optional terms, and others.
 std::string hidden_text(const Calibration& calibration) {
   std::string names;
   for (const TermTest& test : calibration.quality.term_tests)
     if (!test.kept) names += (names.empty() ? "" : ", ") + test.term;
-  return names.empty() ? "" : wrapped("  ", "not significant; their priors are included in the uncertainties: " + names);
+  std::string priors;
+  for (const CoefficientIndex index : calibration.estimated)
+    if (const Coefficient& c = coefficient(index); !is_hidden(calibration, c) && !is_result(calibration, index))
+      priors += (priors.empty() ? "" : ", ") + std::string(c.name);
+  return (names.empty() ? "" : wrapped("  ", "not significant; their priors are included in the uncertainties: " + names)) +
+         (priors.empty() ? "" : wrapped("  ", "not determined, as uncertain as before the data: " + priors));
 }
 
 std::string effect_text(const EffectEstimate& effect) {
@@ -195,7 +200,14 @@ std::string calibration_details(const Calibration& calibration, const SensorMode
   return text + fmt::format("  condition of the scaled normal equations {:.3g}\n", quality.condition);
 }
 
+bool is_result(const Calibration& calibration, CoefficientIndex index) {
+  const Quality& q = calibration.quality;
+  const auto named = [&](const std::vector<std::string>& list) { return std::ranges::find(list, coefficient(index).name) != list.end(); };
+  return contains(calibration.estimated, index) && !named(q.considered) && !named(q.unobservable);
+}
+
 double judged_uncertainty(const Calibration& calibration, CoefficientIndex index) {
+  if (!is_result(calibration, index)) return NAN;
   const Coefficient& c = coefficient(index);
   const TriadModel& triad = triad_model(calibration.model, c.triad);
   if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);

@@ -88,16 +88,6 @@ std::string value_rows(const std::vector<Comparison>& comparisons) {
   return text;
 }
 
-std::string probability_text(double p) { return p < 1e-99 ? "< 1e-99" : fmt::format("{:.2g}", p); }
-
-/// A chi-square of differences, judged against the stated uncertainties.
-std::string verdict(const Consistency& c) {
-  const char* size = c.p_value < improbable_differences ? "larger than" : c.p_value > 1 - improbable_differences ? "smaller than" : "as large as";
-  const std::string chi2 = c.chi2 < 1e4 ? fmt::format("{:.1f}", c.chi2) : text::number(c.chi2, 4);
-  return fmt::format("chi2 = {}, probability of more {}: the differences are {} the stated uncertainties say{}", chi2, probability_text(c.p_value),
-                     size, c.differing.empty() ? "" : "; given the others, most in " + differing_text(c));
-}
-
 std::string count_text(std::size_t marked, std::size_t tested, double mark_from) {
   if (tested == 0) return "nothing to test: no coefficient has an uncertainty on one side and a value to compare it with on the other\n";
   return text::wrapped(
@@ -126,7 +116,7 @@ std::string tests_text(const ComparisonSummary& summary, const RankedRows& ranke
   if (summary.comparisons.size() > 1) return count + pair_rows(summary);
   const Consistency& c = summary.comparisons.front().consistency;
   if (c.degrees_of_freedom == 0) return count;
-  return count + text::wrapped("", fmt::format("{} coefficients together: {}", c.degrees_of_freedom, verdict(c)));
+  return count + text::wrapped("", fmt::format("{} coefficients together: {}", c.degrees_of_freedom, judged_text(c)));
 }
 
 /// The unit that was mounted elsewhere.
@@ -147,7 +137,7 @@ std::string agreement_text(const Agreement& agreement) {
     if (c.differs && ++count <= named) differing += fmt::format("{}{}", differing.empty() ? "" : ", ", coefficient(c.index).name);
   if (count > named) differing += fmt::format(" and {} more", count - named);
   return text::wrapped("", fmt::format("All {} calibrations about their weighted mean, {} degrees of freedom: {}", agreement.calibrations,
-                                       agreement.consistency.degrees_of_freedom, verdict(agreement.consistency))) +
+                                       agreement.consistency.degrees_of_freedom, judged_text(agreement.consistency))) +
          text::wrapped("", "Coefficients that differ among them: " + (differing.empty() ? "none" : differing));
 }
 
@@ -174,14 +164,7 @@ std::string comparison_table(const ComparisonSummary& summary, bool details) {
   const std::size_t shown = details || ranked.tested == 0 ? ranked.rows.size() : ranked.significant;
   if (shown > 0) out += "\n" + heading(comparisons.size(), years.has_value());
   for (std::size_t k = 0; k < shown; ++k) out += coefficient_row(comparisons, ranked.rows[k], mark_from, years);
-  if (shown < ranked.rows.size())
-    out +=
-        text::wrapped(shown > 0 ? "" : "\n",
-                      fmt::format("{} coefficients do not differ significantly{}{}; --verbose lists them", ranked.tested - shown,
-                                  shown == 0 && std::ranges::any_of(comparisons, [](const Comparison& c) { return !c.consistency.differing.empty(); })
-                                      ? " by themselves"
-                                      : "",
-                                  ranked.rows.size() > ranked.tested ? fmt::format(", {} are not tested", ranked.rows.size() - ranked.tested) : ""));
+  if (shown < ranked.rows.size()) out += text::wrapped(shown > 0 ? "" : "\n", rest_text(comparisons, ranked, shown) + "; --verbose lists them");
   return details ? out + value_rows(comparisons) : out;
 }
 

@@ -64,6 +64,13 @@ struct PairTest {
 };
 /// "accel.offset.z (41 sigmas), ..., and 3 more"; empty where all agree.
 std::string differing_text(const Consistency& consistency);
+std::string probability_text(double p);
+/// "the differences are as large as the stated uncertainties say", or larger or smaller.
+std::string size_text(const Consistency& consistency);
+/// A chi-square of differences, judged so.
+std::string judged_text(const Consistency& consistency);
+/// "42 coefficients do not differ significantly, 9 are not tested": the rows that are not shown; empty where all are.
+std::string rest_text(const std::vector<Comparison>& comparisons, const RankedRows& ranked, std::size_t shown);
 /// The pairs with the least probable differences first.
 std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary);
 

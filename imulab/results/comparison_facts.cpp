@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -126,6 +127,38 @@ std::string differing_text(const Consistency& c) {
   return c.differing.size() > named ? out + fmt::format(" and {} more", c.differing.size() - named) : out;
 }
 
+std::string probability_text(double p) { return p < 1e-99 ? "< 1e-99" : fmt::format("{:.2g}", p); }
+
+namespace {
+
+/// Against the stated uncertainties.
+enum class Differences { larger, as_stated, smaller };
+Differences differences_of(const Consistency& c) {
+  return c.p_value < improbable_differences       ? Differences::larger
+         : c.p_value > 1 - improbable_differences ? Differences::smaller
+                                                  : Differences::as_stated;
+}
+
+}  // namespace
+
+std::string size_text(const Consistency& c) {
+  constexpr std::array words{"larger than", "as large as", "smaller than"};
+  return fmt::format("the differences are {} the stated uncertainties say", words[static_cast<std::size_t>(differences_of(c))]);
+}
+
+std::string judged_text(const Consistency& c) {
+  return fmt::format("chi2 = {}, probability of more {}: {}{}", c.chi2 < 1e4 ? fmt::format("{:.1f}", c.chi2) : text::number(c.chi2, 4),
+                     probability_text(c.p_value), size_text(c), c.differing.empty() ? "" : "; given the others, most in " + differing_text(c));
+}
+
+std::string rest_text(const std::vector<Comparison>& comparisons, const RankedRows& ranked, std::size_t shown) {
+  if (shown >= ranked.rows.size()) return "";
+  const bool together = shown == 0 && std::ranges::any_of(comparisons, [](const Comparison& c) { return !c.consistency.differing.empty(); });
+  const std::size_t untested = ranked.rows.size() - std::max(shown, ranked.tested);
+  return fmt::format("{} coefficients do not differ significantly{}{}", ranked.tested - std::min(shown, ranked.tested),
+                     together ? " by themselves" : "", untested > 0 ? fmt::format(", {} are not tested", untested) : "");
+}
+
 std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary) {
   const double from = significant_from(summary);
   std::vector<PairTest> out;
@@ -134,9 +167,7 @@ std::vector<PairTest> ranked_pairs(const ComparisonSummary& summary) {
     for (const CoefficientDifference& d : c.coefficients)
       if (const auto sigmas = d.user_sigmas()) ++pair.tested, pair.differing += std::abs(*sigmas) > from;
     if (c.consistency.degrees_of_freedom == 0) continue;
-    pair.differences = c.consistency.p_value < improbable_differences       ? "larger"
-                       : c.consistency.p_value > 1 - improbable_differences ? "smaller"
-                                                                            : "as stated";
+    pair.differences = std::array{"larger", "as stated", "smaller"}[static_cast<std::size_t>(differences_of(c.consistency))];
   }
   std::ranges::stable_sort(out, [](const PairTest& a, const PairTest& b) {
     return a.together.p_value != b.together.p_value ? a.together.p_value < b.together.p_value : a.together.chi2 > b.together.chi2;

@@ -73,10 +73,12 @@ AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibratio
   const auto all = std::make_shared<const AidedNavigation>(std::move(navigation));
   std::vector<std::string> warnings = std::move(reading.warnings);
   warnings.insert(warnings.end(), all->warnings.begin(), all->warnings.end());
+  std::vector<std::string> on_page = told;
+  on_page.insert(on_page.end(), warnings.begin(), warnings.end());
   const Conclusion conclusion = conclude(all->doubtful() ? "doubtful" : "good", aided_headline(*all), {});
   return {{.json = [all, name] { return aided_json(name, *all); },
            .table = [all, name](bool) { return aided_table(name, *all); },
-           .page = [all, name, conclusion, told, warnings] { return aided_page(name, *all, conclusion, warnings); },
+           .page = [all, name, conclusion, on_page] { return aided_page(name, *all, conclusion, on_page); },
            .warnings = warnings,
            .told = told,
            .shortcomings = {},

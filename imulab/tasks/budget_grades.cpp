@@ -30,22 +30,25 @@ std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
   return "{\n\"budgets\": [\n" + out + "\n]\n}\n";
 }
 
-/// The worst of all; the headline says which grade is good enough.
+/// The worst of all, with its grades first; the headline says which grade is good enough.
 Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std::string& headline) {
   constexpr std::array worst_last{"", "met", "not met", "doubtful"};
   const auto rank = [&](const std::string& verdict) { return std::find(worst_last.begin(), worst_last.end(), verdict); };
   Conclusion out{"", ""};
-  for (const char* verdict : worst_last) {
-    std::string names;
-    for (const auto& each : budgets)
-      if (each.conclusion.verdict == verdict) names += (names.empty() ? "" : ", ") + each.data->grade;
-    if (names.empty() || *verdict == '\0') continue;
-    out.headline +=
-        fmt::format("{}{} {}", out.headline.empty() ? "" : "; ", verdict == std::string_view("met") ? "met by" : std::string(verdict) + ":", names);
-  }
-  out.headline += (out.headline.empty() ? "" : "; ") + headline;
   for (const auto& each : budgets)
     if (rank(each.conclusion.verdict) > rank(out.verdict)) out.verdict = each.conclusion.verdict;
+  std::vector<std::string> parts;
+  for (const std::string_view verdict : worst_last) {
+    std::string names;
+    for (const auto& each : budgets)
+      if (!verdict.empty() && each.conclusion.verdict == verdict) names += (names.empty() ? "" : ", ") + each.data->grade;
+    if (verdict == out.verdict && !names.empty())
+      parts.insert(parts.begin(), names);  // the verdict itself is before the headline
+    else if (!names.empty())
+      parts.push_back((verdict == "met" ? "met by " : std::string(verdict) + ": ") + names);
+  }
+  parts.push_back(headline);
+  out.headline = fmt::format("{}", fmt::join(parts, "; "));
   return out;
 }
 

@@ -264,8 +264,11 @@ std::string shortcomings(const CalibrationResult& result) {
 
 std::string calibration_page(const CalibrationResult& result, const SessionRecordings& data) {
   CalibrationReport report{.result = result, .session = data.session};
+  std::vector<std::string> said;  // already
+  Session session = data.session;
+  session.aids = aids_of_all(data, said);
   for (const Recording& recording : data.recordings)
-    report.recordings.push_back(evidence_of(result.calibration, data.session, recording, data.recordings.size()));
+    report.recordings.push_back(evidence_of(result.calibration, session, recording, data.recordings.size()));
   return calibration_page(report);
 }
 

@@ -150,7 +150,7 @@ Session session_for(const Inspection& inspection, const InspectionTask& task, co
 }
 
 std::string assumed_gravity(const Session& session) {
-  if (session.site.latitude || !session.site.given_gravity_sigma) return "";
+  if (session.site.latitude || !(session.site.given_gravity_sigma >= gravity_anywhere_sigma)) return "";
   return fmt::format("gravity {} m/s^2 (u = {} m/s^2), as anywhere on Earth", *session.site.given_gravity, *session.site.given_gravity_sigma);
 }
 

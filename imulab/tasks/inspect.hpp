@@ -53,7 +53,7 @@ AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task);
 /// answered.
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint);
 
-/// The gravity that such a session assumes; empty where it is declared.
+/// The gravity that a session assumes as anywhere on Earth, also where it is written in its file; empty where it is known better.
 std::string assumed_gravity(const Session& session);
 
 }  // namespace imulab

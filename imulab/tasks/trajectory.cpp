@@ -166,6 +166,7 @@ FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
     std::vector<std::string> told;  // already
     out.session.imu = declared_imu(file, task.mission, told);
   }
+  if (out.session.imu.name.empty()) out.session.imu.name = task.errors || task.unit ? "simulated IMU" : "ideal IMU";
   out.aids = simulate_aids(out.session, file.mission.aids, motion, task.seed);
   return out;
 }

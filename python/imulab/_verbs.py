@@ -102,14 +102,15 @@ def _declared(
     if isinstance(data, Simulation):
         return data.session, data.recordings
     if isinstance(data, Session):
-        return data, None
-    place = path("data", data)
-    if _is_session(place):
-        return read_session(place), None
-    session, gravity = _imulab.session_of_recording(place, list(topics))
+        session = data
+    else:
+        place = path("data", data)
+        session = read_session(place) if _is_session(place) else Session._of(_imulab.session_of_recording(place, list(topics)))
+    gravity = session._session.assumed_gravity
     if gravity and needs_gravity:
-        warn([f"{place}: assumed: {gravity}; declare the place: inspect(file, declare={{'latitude_deg': '47.4'}}).session"])
-    return Session._of(session), None
+        name = session._session.file or "session"
+        warn([f"{name}: assumed: {gravity}; declare the place: inspect(files, declare={{'latitude_deg': '47.4'}}), or site of the session"])
+    return session, None
 
 
 def _one_recording(

@@ -45,9 +45,12 @@ def test_calibrations_of_two_imus(calibration, tmp_path):
     assert imulab.compare(a, b, different_imus=True)["consistency"]["chi2"] == 0
 
 
-def test_assumed_gravity_is_said(hand_session):
-    with pytest.warns(imulab.DataWarning, match="assumed: gravity"):
-        imulab.calibrate(hand_session / "recording.csv", method="handheld")
+def test_assumed_gravity_is_said(hand_session, tmp_path):
+    inspected = imulab.inspect(hand_session / "recording.csv", declare={"grade": "mems"}).session
+    inspected.save(tmp_path / "session.toml")
+    for data in (hand_session / "recording.csv", inspected, imulab.read_session(tmp_path / "session.toml")):
+        with pytest.warns(imulab.DataWarning, match="assumed: gravity"):
+            imulab.calibrate(data, method="handheld")
 
 
 def test_budget_of_an_undetermined_calibration(by_hand, tmp_path):

@@ -274,17 +274,21 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
   }
   name_assumed(calibration, findings, effects, covariance, coefficients);
   if (effects.causes().empty()) return;
-  std::string words, advice;
+  std::vector<std::string> words, advice;  // several effects may have one of them
+  const auto add = [](std::vector<std::string>& to, std::string text) {
+    if (std::ranges::find(to, text) == to.end()) to.push_back(std::move(text));
+  };
   for (const std::string& name : effects.causes()) {
     const Effect* const effect = find_effect(name);
-    (words += words.empty() ? "" : ", or ") += effect != nullptr ? std::string(effect->words) : name + " is larger";
-    if (effect != nullptr) (advice += advice.empty() ? "" : ", or ") += effect->advice;
+    add(words, effect != nullptr ? std::string(effect->words) : name + " is larger");
+    if (effect != nullptr) add(advice, std::string(effect->advice));
   }
   quality.cause = fmt::format("{}", fmt::join(effects.causes(), ", "));
   const auto is_cause = [&](const EffectGroup& g) { return std::ranges::find(effects.causes(), g.effect->name) != effects.causes().end(); };
   const bool widened = std::ranges::any_of(effects.groups(), [&](const EffectGroup& g) { return g.widened > 1 && is_cause(g); });
-  if (widened) findings.doubt(words + ", by more than is expected of this IMU");
-  if (effects.causes().size() > 1 && !advice.empty()) findings.warn("the data do not tell these apart: " + *quality.cause + "; to do so: " + advice);
+  if (widened) findings.doubt(fmt::format("{}, by more than is expected of this IMU", fmt::join(words, ", or ")));
+  if (effects.causes().size() > 1 && !advice.empty())
+    findings.warn(fmt::format("the data do not tell these apart: {}; to do so: {}", *quality.cause, fmt::join(advice, ", or ")));
 }
 
 }  // namespace imulab::kernel

@@ -83,6 +83,7 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrate_hz = 0\n"), ":4: recording.rate_hz: 0 is out of range; expected 0.001 to 1000000"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrig = \"q\"\n"), ":4: recording.rig: \"q\" is not a rig of this session"},
       {changed("unit = \"s\"", "unit = \"min\""), ":4: recording.time.unit: \"min\" is not allowed; expected one of s, ms, us, ns"},
+      {changed("unit = \"s\"", "unit = \"s\", zero = -5"), ":4: recording.time.zero: is negative, but it is subtracted from every stamp; expected"},
       {changed("unit = \"s\"", "unit = \"s\", zero = 1e25"), ":4: recording.time.zero: is more than 292 years"},
       {changed("column = \"t\"", "column = 0"), ":4: recording.time.column: column 0 is out of range; expected 1 or more"},
       {changed("column = \"t\"", "column = 1.5"), ":4: recording.time.column: is a number; expected a column's name or its number"},

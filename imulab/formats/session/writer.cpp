@@ -103,9 +103,8 @@ class TomlText {
   void clock_zero(std::string_view key, std::int64_t zero_ns, int exponent) {
     std::int64_t one = 1;
     for (int i = 0; i < exponent; ++i) one *= 10;
-    const std::uint64_t rest = static_cast<std::uint64_t>(std::abs(zero_ns % one));
-    std::string value = fmt::format("{}{}", zero_ns < 0 && zero_ns / one == 0 ? "-" : "", zero_ns / one);
-    if (rest != 0) value += fmt::format(".{:0{}}", rest, exponent);
+    std::string value = fmt::format("{}", zero_ns / one);
+    if (zero_ns % one != 0) value += fmt::format(".{:0{}}", zero_ns % one, exponent);
     if (zero_ns != 0) add(key, value);
   }
   template <class Body>

@@ -2,6 +2,7 @@
 
 #include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/navigation/aided/clock_search.hpp"
 #include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/navigation/aided/lasting.hpp"
@@ -184,6 +185,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   AidedNavigation out;
   std::vector<Aid> measured = aids;
   take_unmeasured(measured, session, recording, out);
+  find_clocks(measured, recording, options.outages, out);
   Problem p = make_problem(recording, priors, measured, session, {.outages = options.outages});
   add_first_rest(p, recording, session);
   set_first_factors(p);

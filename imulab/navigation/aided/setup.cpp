@@ -4,6 +4,7 @@
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/model/filter_flicker.hpp"
+#include "imulab/navigation/aided/aid_motion.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/recording/aid_clock.hpp"
 #include "imulab/units.hpp"
@@ -183,26 +184,16 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
 /// No receiver and no wheel moves until then, as far as their sigmas tell, and there are some, or an initial state that does not move: a steady
 /// motion looks like a rest to an IMU.
 bool still_by_aids(const Problem& p, const std::optional<InitialState>& initial, double end) {
-  constexpr double sigmas = 6, slow = 0.3, near = 3;  // m/s, m: besides
+  constexpr double slow = 0.3;  // m/s
   std::optional<Vector3d> first;
   bool any = initial && initial->time <= end;
   if (any && Vector3d(initial->velocity_enu[0], initial->velocity_enu[1], initial->velocity_enu[2]).norm() > slow) return false;
   return std::ranges::none_of(p.observations,
                               [&](const Observation& o) {
                                 const Aid& aid = p.channels[o.channel].aid;
-                                const AidRecord& r = aid.record;
                                 if (o.stamp > end || o.withheld) return false;
                                 any = any || aid.kind == AidKind::wheels || aid.kind == AidKind::gnss;
-                                if (aid.kind == AidKind::wheels) return std::abs(r.value[o.row]) > sigmas * value_sigma(aid, o.row) + slow;
-                                if (aid.kind != AidKind::gnss) return false;
-                                if (!r.velocity.empty() && r.velocity[o.row].norm() > sigmas * velocity_sigma(aid, o.row).norm() + slow) return true;
-                                if (r.position.empty() || !r.position[o.row].allFinite()) return false;
-                                const Vector3d& here = r.position[o.row];
-                                if (!first) first = here;
-                                const LocalEarth earth = local_earth(here.x(), here.z());
-                                const double east = (here.y() - first->y()) * earth.transverse_radius * earth.cos_latitude,
-                                             north = (here.x() - first->x()) * earth.meridian_radius;
-                                return std::hypot(east, north) > 2 * sigmas * position_sigma(aid, o.row).head<2>().norm() + near;
+                                return shows_motion(aid, o.row, first);
                               }) &&
          any;
 }

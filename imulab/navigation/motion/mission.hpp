@@ -24,9 +24,9 @@ struct UnitTemperature {
 };
 
 struct Mission {
-  std::string imu = "ideal IMU";  // its name
-  double rate = 100;              // samples [Hz]
-  std::size_t truth_every = 1;    // samples to a row of the truth
+  std::string imu;              // its name; empty: none
+  double rate = 100;            // samples [Hz]
+  std::size_t truth_every = 1;  // samples to a row of the truth
   Carrier carrier;
   FlightStart start;  // with segments
   std::vector<Segment> segments;
