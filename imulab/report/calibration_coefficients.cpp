@@ -1,6 +1,7 @@
 // Values with their uncertainties, as a certificate states them; correlations; tests of terms.
 #include "imulab/calibration.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
@@ -65,24 +66,30 @@ std::vector<Group> groups_of(const Calibration& calibration) {
 std::string intervals_of(const Calibration& calibration, const Group& group) {
   std::vector<Interval> rows;
   for (const CoefficientIndex index : group.members) {
+    if (!is_measured(calibration, index)) continue;
     const UserValue v = user_value(calibration, index);
     const double expanded = expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty;
     rows.push_back({element_of(index), v.value, expanded, rounded_to(v.value, expanded) + " ± " + uncertainty_text(expanded)});
   }
-  return figure(interval_rows(rows, readable_unit(group.unit), group.name), group.name);
+  if (rows.empty()) return "";
+  const std::string seconds = group.name == "gyro scale" && calibration.clock ? "; seconds: " + clock_text(calibration.clock) : "";
+  return figure(interval_rows(rows, readable_unit(group.unit), group.name), group.name + seconds);
 }
 
 std::vector<std::string> coefficient_cells(const Calibration& calibration, CoefficientIndex index) {
   const UserValue user = user_value(calibration, index);
   const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
   const double value = coefficient_value(calibration.model, index), expanded = u.coverage_factor * user.uncertainty;
+  const bool measured = is_measured(calibration, index);
   return {"<code>" + escaped(coefficient(index).name) + "</code>",
           rounded_to(user.value, expanded),
-          uncertainty_text(expanded),
+          measured ? uncertainty_text(expanded) : "",
           escaped(readable_unit(user.unit)),
           uncertainty_text(user.uncertainty),
-          u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
-          fmt::format("{:.2f}", u.coverage_factor),
+          !measured                    ? "prior"
+          : u.degrees_of_freedom > 1e4 ? "&gt; 10⁴"
+                                       : fmt::format("{:.0f}", u.degrees_of_freedom),
+          measured ? fmt::format("{:.2f}", u.coverage_factor) : "",
           number_text(value, 8),
           number_text(u.standard, 2),
           escaped(readable_unit(coefficient(index).unit))};
@@ -147,8 +154,8 @@ std::string coefficients_section(const Calibration& calibration) {
       "scales are "
       "differences from one, or the scale itself where the readings are counts.",
       beside(figures) +
-          paragraph(
-              "u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
+          paragraph("u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u (JCGM "
+                    "100); prior: not measured, u is that of the prior.") +
           table(t) + others);
 }
 
@@ -175,9 +182,9 @@ std::string uncertainty_section(const Calibration& calibration) {
   lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one "
                 "by one."
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
-  return section("uncertainty", "Type A and type B", lead,
-                 (t.rows.empty() ? "" : table(t)) + list(said) +
-                     (rigs.rows.empty() ? "" : "<h3>Rig and aids, estimated jointly [SI]</h3>\n" + table(rigs)));
+  return section(
+      "uncertainty", "Type A and type B", lead,
+      (t.rows.empty() ? "" : table(t)) + list(said) + (rigs.rows.empty() ? "" : "<h3>Rig and aids, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
 std::string strongest_correlations(const Calibration& calibration) {
@@ -228,7 +235,8 @@ std::string tests_section(const Calibration& calibration) {
   const auto& considered = calibration.quality.considered;
   std::string names;
   for (const std::string& name : considered) names += (names.empty() ? "" : ", ") + name;
-  const std::string open = considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
+  const std::string open =
+      considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
   if (t.rows.empty() && open.empty()) return {};
   return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
 }
