@@ -33,7 +33,7 @@ struct RequirementResult {
   std::string text = {};         ///< "gyro.matrix.diagonal <= 100 ppm"
   std::string coefficient = {};  ///< the worst of them; of other results the figure: "gyro.x.N", "CEP"
   double limit = 0;              ///< SI
-  double reached = 0;            ///< SI, of a coefficient its standard uncertainty; infinite: not determined
+  double reached = 0;            ///< SI, of a coefficient the larger of u and U/2; infinite: not determined
   bool met = false;
   std::string note = {};  ///< how it was judged, where that is not plain: "by the bound"
   bool operator==(const RequirementResult&) const = default;
@@ -267,8 +267,8 @@ std::string to_string(const Requirement& requirement);
 /// matrix and g_sensitivity), a number that is not above 0, and a unit that the coefficients cannot have.
 std::vector<Requirement> parse_requirements(std::string_view text);
 
-/// Compares a calibration with a requirement: the standard uncertainty of the worst coefficient, for matrices relative to the row's scale. A
-/// coefficient that was not estimated has infinite uncertainty; coefficients fixed by the frame are left out. A doubtful calibration meets none.
+/// Compares the larger of u and U/2 of the worst coefficient with a limit, of matrices relative to the row's scale. One that was not estimated is
+/// infinite, one fixed by the frame is left out; fewer than 3 effective degrees of freedom, or a doubtful calibration, meet none.
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement);
 
 }  // namespace imulab

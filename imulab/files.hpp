@@ -84,7 +84,7 @@ Calibration parse_calibration(std::string_view text, const std::string& file);
 
 /// The calibration as JSON text that reads back to the same numbers. Throws Error where a coefficient is not finite.
 std::string calibration_text(const Calibration& calibration);
-/// Writes that text, whole or not at all. Throws Error also where the file cannot be written.
+/// Writes that text, whole or not at all. Throws Error as `validate` of a calibration, and where the file cannot be written.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
 /// SI, or counts; null for what is not determined. Of several logs: mean, spread, and the worst; then each log's own.

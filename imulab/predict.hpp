@@ -35,8 +35,8 @@ struct NominalMotion;
 struct Shortfall {
   Requirement requirement;
   CoefficientIndex coefficient;
-  double sigma;             ///< of it, SI; infinite: the procedure does not determine it
-  std::string source = {};  ///< of most of its variance, where that is known
+  double sigma;             ///< the larger of u and U/2, SI; infinite: the procedure does not determine it
+  std::string source = {};  ///< of most of its variance, where that is known; or why it meets no requirement
 };
 
 struct Sharing;  // of work among processes: the command's
@@ -119,6 +119,7 @@ struct Prediction {
   std::vector<CoefficientIndex> coefficients, undetermined;
   Eigen::VectorXd sigma;                          ///< of each of `coefficients`, with the second order
   Eigen::VectorXd cramer_rao;                     ///< Cramer-Rao bound
+  Eigen::VectorXd degrees_of_freedom = {};        ///< effective, of each of `coefficients`; empty: infinite
   Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
   std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated
@@ -140,8 +141,8 @@ struct Prediction {
   std::optional<Advice> advice = {};          ///< where something is missed or not determined
 };
 
-/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite where one is not determined. Those that the
-/// accelerometers' frame fixes at zero are left out.
+/// In the order of the requirements: the coefficients that exceed them as in `assess` of a calibration, each once; sigma is infinite where one is not
+/// determined. Those that the accelerometers' frame fixes at zero are left out.
 std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
 /// Each requirement with the worst of its coefficients.
 std::vector<RequirementResult> assess(const Prediction& prediction, const std::vector<Requirement>& requirements);

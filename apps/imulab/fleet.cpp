@@ -47,7 +47,7 @@ struct Options {
 
 void add_declared(Verb& verb, FleetDeclaration& declared) {
   verb.option("--station NAME", declared.station, "where it was measured");
-  verb.option("--operator NAME", declared.operated_by, "who measured, where the session does not say");
+  verb.option("--operator NAME", declared.operated_by, "who measured, where the session or the calibration does not say");
   verb.option("--time TIME", declared.time, "when it was measured (UTC, 2026-03-31T12:00:00Z), instead of the recording's stamps");
 }
 

@@ -84,6 +84,11 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
     report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));
     return report;
   }
+  if (o.session.empty() && c.session_file == c.sources.front().file) {
+    report.missing.push_back(
+        fmt::format("{}: the calibration is of {} without a session; imulab calibrate --report draws them.", pictures, c.session_file));
+    return report;
+  }
   const fs::path place = find_session(o.session, o.result, c.session_file);
   std::set<std::string> bad;
   const std::vector<VerifiedFile> files = verify_sources(c, place);
@@ -174,6 +179,7 @@ void run(const Options& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the page; expected -o FILE");
   if (!o.certificate && !o.number.empty()) throw Error("--number: belongs to a certificate; expected --certificate");
   if (!o.certificate && !o.laboratory.empty()) throw Error("--laboratory: belongs to a certificate; expected --certificate");
+  if (o.certificate && o.number.empty()) warn("the certificate has no number, which would identify it; expected --number N");
   write_whole(o.output, o.certificate ? certificate_of(o) : page_of(read_answer(o.result), o));
   if (o.json) print_json({{{"file", o.output}}}, {"", "written: " + o.output});
   if (!o.json && o.output != "-") print(fmt::format("written: {}\n", one_line(o.output)));

@@ -1,7 +1,11 @@
 // imulab report and --report as typed.
+#include "imulab/calibration.hpp"
+#include "imulab/files.hpp"
+
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include <algorithm>
 
 namespace imulab {
 namespace {
@@ -223,6 +227,32 @@ TEST_F(Report, ACertificateSaysWhatNobodyDeclared) {
     EXPECT_TRUE(says("bare.html", part)) << part;
   EXPECT_FALSE(says("bare.html", "<script"));
   EXPECT_FALSE(says("bare.html", "±"));
+}
+
+TEST_F(Report, ACertificateStatesWhatWasMeasured) {
+  folder_->write("warm.toml", "format = \"imulab.laboratory/1\"\n[conditions]\ntemperature = \"(23.0 +/- 0.5) degC\"\n");
+  ASSERT_EQ(run_shell(*folder_, "cut -d, -f2- hand/recording.csv > UNNAMED.csv").exit_code, 0);
+  ASSERT_EQ(run("calibrate UNNAMED.csv --method handheld --rate 100 --set latitude_deg=45 -o log.json").exit_code, 0);
+  const CommandResult bare = run("report log.json --certificate --laboratory warm.toml -o log.html");
+  ASSERT_EQ(bare.exit_code, 0) << bare.errors;
+  EXPECT_THAT(bare.errors, HasSubstr("the certificate has no number"));
+  EXPECT_EQ(run("report log.json --certificate --number 1 -o numbered.html").errors, "");
+  for (const char* part : {"ambient as declared (23.0 +/- 0.5) degC", "as its nominal rate says", "<th>time base</th><td>0</td><td>40000</td>",
+                           "<tr><th>item</th><td><span class=\"fill\">"})
+    EXPECT_TRUE(says("log.html", part)) << part;
+  const Calibration c = read_calibration(*folder_ / "log.json");
+  ASSERT_FALSE(c.quality.considered.empty());
+  const std::string page = text("log.html"), appendix = page.substr(page.find("<h2>Appendix"), page.find("<h2>Model") - page.find("<h2>Appendix"));
+  for (const CoefficientIndex index : c.estimated) {
+    const std::string name(coefficient(index).name);
+    const bool prior = std::find(c.quality.considered.begin(), c.quality.considered.end(), name) != c.quality.considered.end();
+    EXPECT_EQ(appendix.find("<code>" + name + "</code>") == std::string::npos, prior) << name;
+  }
+  for (const char* part : {"as its nominal rate says", "not known here", "TOML"})
+    EXPECT_EQ(says("numbered.html", part), part[0] == 'a' || part[0] == 'n');
+  ASSERT_EQ(run("report hand.json --certificate --number 2 -o stamped.html").exit_code, 0);
+  EXPECT_TRUE(says("stamped.html", "as its stamps say"));
+  EXPECT_TRUE(says("stamped.html", "<th>time base</th><td>0</td><td>100</td>"));
 }
 
 TEST_F(Report, ACertificateHasTheLaboratorysStatements) {

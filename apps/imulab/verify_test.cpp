@@ -45,6 +45,19 @@ TEST(VerifyCommand, KnowsTheFilesOfACalibration) {
   EXPECT_THAT(changed.output, HasSubstr("session/session.toml: unchanged"));
 }
 
+TEST(VerifyCommand, ADoubtfulCalibrationStaysDoubtful) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  ASSERT_EQ(run_imulab(folder, calibrate).exit_code, 0);
+  ASSERT_EQ(
+      run_shell(folder, "sed -i 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason\"]/' c.json")
+          .exit_code,
+      0);
+  const CommandResult verified = run_imulab(folder, "verify c.json");
+  EXPECT_EQ(verified.exit_code, 0) << "the files are unchanged";
+  EXPECT_THAT(verified.output, testing::StartsWith("doubtful: 2 of 2 files are unchanged; the calibration itself is doubtful: a reason"));
+}
+
 TEST(CalibrateCommand, ReplacesACalibrationOnlyByForce) {
   const TemporaryFolder folder;
   hand_held_session().write(folder);

@@ -20,7 +20,9 @@ std::string_view to_string(Knob knob) {
 
 Prediction prediction_of(const Calibration& calibration) {
   Prediction out{calibration.estimated, {}, calibration.covariance.diagonal().cwiseSqrt(), {}};
-  out.cramer_rao = out.sigma;
+  out.cramer_rao = out.degrees_of_freedom = out.sigma;
+  for (Eigen::Index i = 0; i < out.sigma.size(); ++i)
+    out.degrees_of_freedom[i] = expanded_uncertainty(calibration, out.coefficients[static_cast<std::size_t>(i)]).degrees_of_freedom;
   out.frame = calibration.frame;
   for (const std::string& name : calibration.quality.unobservable) out.undetermined.push_back(coefficient_index(name));
   for (const std::string& name : calibration.quality.considered)
@@ -30,26 +32,19 @@ Prediction prediction_of(const Calibration& calibration) {
 
 namespace {
 
-/// Infinite where the procedure does not determine it; zero where the frame fixes it.
-double predicted_sigma(const Prediction& p, CoefficientIndex index) {
-  const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-  if (found != p.coefficients.end()) return p.sigma[found - p.coefficients.begin()];
-  return p.frame == "accelerometers" && zero_by_frame(index) ? 0 : std::numeric_limits<double>::infinity();
-}
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
+StatedSigma predicted(const Prediction& p, CoefficientIndex index) {
+  const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
+  if (at < std::ssize(p.coefficients)) return {p.sigma[at], p.degrees_of_freedom.size() > 0 ? p.degrees_of_freedom[at] : infinite};
+  return {p.frame == "accelerometers" && zero_by_frame(index) ? 0 : infinite};
+}
+
 std::vector<RequirementResult> assess(const Prediction& p, const std::vector<Requirement>& requirements) {
   std::vector<RequirementResult> out;
-  for (const Requirement& r : requirements) {
-    throw_problems("", problems_of(r));
-    RequirementResult result{to_string(r), std::string(coefficient(r.coefficients.front()).name), r.limit, 0, false};
-    for (const CoefficientIndex index : r.coefficients)
-      if (const double sigma = predicted_sigma(p, index); sigma > result.reached)
-        result.reached = sigma, result.coefficient = coefficient(index).name;
-    result.met = result.reached <= r.limit;
-    out.push_back(std::move(result));
-  }
+  for (const Requirement& r : requirements) out.push_back(compared(r, [&](CoefficientIndex index) { return predicted(p, index); }));
   return out;
 }
 
@@ -60,9 +55,9 @@ std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Require
     throw_problems("", problems_of(r));
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
-      const double sigma = predicted_sigma(p, index);
-      if (sigma <= r.limit) continue;
-      out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
+      const StatedSigma stated = predicted(p, index);
+      if (stated.meets(r.limit)) continue;
+      out.push_back({r, index, stated.compared(), std::isinf(stated.sigma) ? "the procedure does not determine it" : ""});
       named.push_back(index);
     }
   }

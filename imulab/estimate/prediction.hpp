@@ -4,6 +4,7 @@
 #include "imulab/calibration.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/eigen.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/predict.hpp"
 
 #include <cstdint>
@@ -19,7 +20,10 @@ namespace imulab {
 /// Throws Error that lists all options out of range: terms and requirements.
 void validate(const PredictionOptions& options);
 
-/// The prediction that a calibration of ideal readings gives.
+/// The prediction that a calibration of ideal readings gives. Its degrees of freedom are those of the fit.
 Prediction prediction_of(const Calibration& calibration);
+
+/// Infinite where the procedure does not determine it; 0 where the frame fixes it.
+StatedSigma predicted(const Prediction& prediction, CoefficientIndex index);
 
 }  // namespace imulab

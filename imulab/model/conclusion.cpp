@@ -38,6 +38,10 @@ std::string requirement_text(const RequirementResult& r) {
   return fmt::format("{} {}; required: {}{}", r.coefficient, reached_text(r), r.text, r.note.empty() ? "" : " (" + r.note + ")");
 }
 
+std::string judged_text(const RequirementResult& r) {
+  return fmt::format("{}: {} ({}: {}{}{})", r.text, r.met ? "met" : "not met", r.coefficient, reached_text(r), r.note.empty() ? "" : "; ", r.note);
+}
+
 std::string verdict_about(std::string_view measured, const std::vector<RequirementResult>& requirements) {
   if (requirements.empty() || measured == "doubtful") return std::string(measured);
   return std::all_of(requirements.begin(), requirements.end(), [](const RequirementResult& r) { return r.met; }) ? "met" : "not met";

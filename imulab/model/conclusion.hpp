@@ -14,6 +14,9 @@ std::string reached_text(const RequirementResult& requirement);
 /// "CEP 1.3 nmi/h; required: CEP <= 1 nmi/h", with its note.
 std::string requirement_text(const RequirementResult& requirement);
 
+/// "CEP <= 1 nmi/h: not met (CEP: 1.3 nmi/h; by the bound)": a row of a list.
+std::string judged_text(const RequirementResult& requirement);
+
 /// The verdict about requirements by what was measured ("good", "doubtful", or nothing that says so): "met", "not met", or "doubtful", with which
 /// none is met; without requirements what it was.
 std::string verdict_about(std::string_view measured, const std::vector<RequirementResult>& requirements);

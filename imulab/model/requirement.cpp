@@ -71,23 +71,43 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
   return *sigma / std::abs(triad_model(calibration.model, c.triad).matrix(c.row, c.row));
 }
 
-RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
+double StatedSigma::compared() const {
+  return std::isfinite(sigma) ? sigma * std::max(1.0, 0.5 * coverage_factor(std::max(1.0, degrees_of_freedom))) : sigma;
+}
+
+RequirementResult compared(const Requirement& requirement, const std::function<StatedSigma(CoefficientIndex)>& of) {
   throw_problems("", problems_of(requirement));
-  validate(calibration);
-  RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, false};
+  RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, true};
+  StatedSigma worst;
   for (const CoefficientIndex index : requirement.coefficients) {
-    if (calibration.frame == "accelerometers" && zero_by_frame(index)) continue;  // nothing to be determined
-    const double reached = relative_uncertainty(calibration, index);
-    if (!(reached > out.reached)) continue;
+    const StatedSigma stated = of(index);
+    out.met = out.met && stated.meets(requirement.limit);
+    if (!(stated.compared() > out.reached)) continue;
+    worst = stated;
+    out.reached = stated.compared();
     out.coefficient = coefficient(index).name;
-    out.reached = reached;
   }
-  if (std::all_of(requirement.coefficients.begin(), requirement.coefficients.end(),
-                  [&](CoefficientIndex i) { return calibration.frame == "accelerometers" && zero_by_frame(i); }))
-    out.note = "zero by the definition of the axes";
-  const bool doubtful = calibration.quality.verdict == "doubtful";
-  if (doubtful && out.note.empty()) out.note = "the calibration is doubtful";
-  out.met = out.reached <= out.limit && !doubtful;
+  constexpr double alike = 1.02;  // two digits of u are the same
+  if (std::isfinite(out.reached) && !worst.has_enough())
+    out.note = fmt::format("{:.2g} degree{} of freedom, fewer than 3", worst.degrees_of_freedom, worst.degrees_of_freedom == 1 ? "" : "s");
+  else if (std::isfinite(out.reached) && out.reached > alike * worst.sigma)
+    out.note = fmt::format("U/2 at {:.0f} degrees of freedom", worst.degrees_of_freedom);
+  return out;
+}
+
+RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
+  validate(calibration);
+  const auto fixed = [&](CoefficientIndex index) { return calibration.frame == "accelerometers" && zero_by_frame(index); };
+  RequirementResult out = compared(requirement, [&](CoefficientIndex index) {
+    if (fixed(index)) return StatedSigma{};
+    const double sigma = relative_uncertainty(calibration, index);
+    return StatedSigma{sigma, std::isfinite(sigma) ? expanded_uncertainty(calibration, index).degrees_of_freedom : 0};
+  });
+  if (std::ranges::all_of(requirement.coefficients, fixed)) out.note = "zero by the definition of the axes";
+  if (calibration.quality.verdict == "doubtful") {
+    out.met = false;
+    if (out.note.empty() || out.reached > 0) out.note = "the calibration is doubtful";
+  }
   return out;
 }
 

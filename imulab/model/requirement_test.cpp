@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -65,7 +66,7 @@ TEST(Requirement, ADoubtfulResultMeetsNone) {
   c.estimated = select_coefficients("accel.offset");
   c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
   const Requirement r = parse_requirements("accel.offset <= 1 ug").front();
-  c.quality.verdict = "good";
+  c.quality.verdict = "good", c.quality.degrees_of_freedom = 100;
   EXPECT_TRUE(assess(c, r).met);
   c.quality.verdict = "doubtful";
   EXPECT_FALSE(assess(c, r).met);
@@ -73,6 +74,32 @@ TEST(Requirement, ADoubtfulResultMeetsNone) {
   EXPECT_EQ(assess(c, r).note, "the calibration is doubtful");
   c.covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(assess(c, r), Error);
+}
+
+TEST(Requirement, FewDegreesOfFreedomCountWithStudentsT) {
+  Calibration c;
+  c.estimated = select_coefficients("accel.offset"), c.frame = "rig";
+  c.covariance = std::pow(30 * unit::ug, 2) * Eigen::MatrixXd::Identity(3, 3);
+  c.quality.verdict = "good";
+  const Requirement r = parse_requirements("accel.offset <= 2 mg").front();
+  struct Case {
+    int degrees;
+    double factor;  // k/2, of JCGM 100, table G.2
+    bool met;
+    const char* note;
+  };
+  for (const Case& each : {Case{1, 13.97 / 2, false, "1 degree of freedom, fewer than 3"},
+                           {2, 4.53 / 2, false, "2 degrees of freedom, fewer than 3"},
+                           {3, 3.31 / 2, true, "U/2 at 3 degrees of freedom"},
+                           {4, 2.87 / 2, true, "U/2 at 4 degrees of freedom"},
+                           {1000, 1, true, ""}}) {
+    c.quality.degrees_of_freedom = each.degrees;
+    const RequirementResult result = assess(c, r);
+    EXPECT_NEAR(result.reached / (30 * unit::ug), each.factor, 0.01) << each.degrees;
+    EXPECT_EQ(result.met, each.met) << each.degrees;
+    EXPECT_EQ(result.note, each.note);
+    EXPECT_EQ(assess(c, parse_requirements("accel.offset <= 40 ug").front()).met, each.degrees == 1000);
+  }
 }
 
 }  // namespace

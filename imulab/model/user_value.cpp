@@ -109,9 +109,6 @@ UserUnit user_unit(const Coefficient& c, double size, const TriadModel& triad) {
 
 namespace {
 
-/// Two sigma of a normal distribution, on both sides.
-constexpr double level = 0.9545;
-
 double declared_part(const Calibration& calibration, CoefficientIndex index) {
   const Coefficient& c = coefficient(index);
   if (c.triad != Triad::accel || !is_scale(c)) return 0;
@@ -121,6 +118,11 @@ double declared_part(const Calibration& calibration, CoefficientIndex index) {
 }
 
 }  // namespace
+
+double coverage_factor(double degrees_of_freedom) {
+  constexpr double level = 0.9545;  // two sigma of a normal distribution, on both sides
+  return student_quantile(0.5 * (1 + level), degrees_of_freedom);
+}
 
 ExpandedUncertainty expanded_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   const auto u = standard_uncertainty(calibration, index);
@@ -133,7 +135,7 @@ ExpandedUncertainty expanded_uncertainty(const Calibration& calibration, Coeffic
   const double of_fit = std::max(1, calibration.quality.degrees_of_freedom);
   const double part = *u > 0 ? out.from_fit / *u : 0;
   out.degrees_of_freedom = part > 0.01 ? of_fit / std::pow(part, 4) : std::numeric_limits<double>::infinity();
-  out.coverage_factor = student_quantile(0.5 * (1 + level), out.degrees_of_freedom);
+  out.coverage_factor = coverage_factor(out.degrees_of_freedom);
   out.expanded = out.coverage_factor * *u;
   return out;
 }

@@ -82,12 +82,12 @@ void transfer_clock(Fields& f, std::string& clock) {
   clock = named.value_or("own");
 }
 
-/// The size of an effect, among those by name.
+/// The size of an effect, among those by name; 0: the effect is absent.
 template <class Fields>
 void transfer_effect(Fields& f, std::string_view key, const Effect& effect, EffectSigmas& sizes) {
   std::optional<double> sigma;
   if (const auto at = sizes.find(effect.name); at != sizes.end()) sigma = at->second;
-  f.number(key, sigma, Number{effect.unit, 0, 1e6, true});  // in these units far beyond any sensor
+  f.number(key, sigma, within(0, 1e6, effect.unit));  // in these units far beyond any sensor
   if (sigma) sizes[std::string(effect.name)] = *sigma;
 }
 

@@ -69,15 +69,17 @@ std::string identification_section(const CalibrationReport& report) {
                  facts.html() + "<div class=\"small\">" + sketch + "</div>\n" + model_equation(c) + list(c.quality.notes));
 }
 
-std::string not_covered_section(const CalibrationReport& report) {
+std::string not_covered_section(const CalibrationReport& report, const std::string& temperature) {
   const Calibration& c = report.result.calibration;
   std::vector<std::string> out;
-  if (!c.model.accel.temperature && !c.model.gyro.temperature)
-    out.emplace_back(
-        calibrated_here(c)
-            ? "Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here."
-            : "Temperature: nothing is on record of it. The values hold at the temperature of their measurement, which is not known here.");
-  else
+  if (!c.model.accel.temperature && !c.model.gyro.temperature) {
+    const std::string own = thermal_readings(c);
+    out.push_back("Temperature: the values hold at that of the " + std::string(calibrated_here(c) ? "recording" : "measurement") +
+                  (!own.empty()           ? ", by the item's own readings " + own
+                   : !temperature.empty() ? ", ambient as declared " + shortened(temperature, 200)
+                                          : ", which is not known here: no thermal reading is on record") +
+                  ".");
+  } else
     out.emplace_back("Temperatures outside the calibrated range, fast changes of temperature, and hysteresis.");
   out.emplace_back("Repeatability: offsets and scales change from one power-on to the next, and age. One calibration does not show by how much.");
   const std::string ranges = ranges_text(report);

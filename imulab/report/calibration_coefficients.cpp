@@ -70,20 +70,24 @@ std::string intervals_of(const Calibration& calibration, const Group& group) {
     const double expanded = expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty;
     rows.push_back({element_of(index), v.value, expanded, rounded_to(v.value, expanded) + " ± " + uncertainty_text(expanded)});
   }
-  return figure(interval_rows(rows, readable_unit(group.unit), group.name), group.name);
+  const std::string seconds = group.name == "gyro scale" && calibration.clock ? "; seconds: " + clock_text(calibration.clock) : "";
+  return figure(interval_rows(rows, readable_unit(group.unit), group.name), group.name + seconds);
 }
 
 std::vector<std::string> coefficient_cells(const Calibration& calibration, CoefficientIndex index) {
   const UserValue user = user_value(calibration, index);
   const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
   const double value = coefficient_value(calibration.model, index), expanded = u.coverage_factor * user.uncertainty;
+  const bool measured = is_result(calibration, index);
   return {"<code>" + escaped(coefficient(index).name) + "</code>",
           rounded_to(user.value, expanded),
-          uncertainty_text(expanded),
+          measured ? uncertainty_text(expanded) : "",
           escaped(readable_unit(user.unit)),
           uncertainty_text(user.uncertainty),
-          u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
-          fmt::format("{:.2f}", u.coverage_factor),
+          !measured                    ? "prior"
+          : u.degrees_of_freedom > 1e4 ? "&gt; 10⁴"
+                                       : fmt::format("{:.0f}", u.degrees_of_freedom),
+          measured ? fmt::format("{:.2f}", u.coverage_factor) : "",
           number_text(value, 8),
           number_text(u.standard, 2),
           escaped(readable_unit(coefficient(index).unit))};
@@ -148,8 +152,7 @@ std::string coefficients_section(const Calibration& calibration) {
   return section(
       "coefficients", "Coefficients",
       "Bars show ± U, the expanded uncertainty: 95 % of such intervals contain the true value. Misalignments are relative to their row's scale; "
-      "scales are "
-      "differences from one, or the scale itself where the readings are counts.",
+      "scales are differences from one, or the scale itself where the readings are counts.",
       beside(figures) +
           paragraph(
               "u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +

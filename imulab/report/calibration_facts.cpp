@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <optional>
 #include <utility>
 
 namespace imulab::report {
@@ -75,6 +77,22 @@ std::string frame_text(const Calibration& c) {
                           : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
 }
 
+std::string declared_name(const Calibration& c) {
+  const bool of_log = !c.sources.empty() && c.session_file == c.sources.front().file;
+  return of_log && c.imu == std::filesystem::path(c.session_file).stem() ? "" : c.imu;
+}
+
+std::string thermal_readings(const Calibration& c) {
+  std::optional<std::array<double, 2>> all;
+  for (const SourceFile& source : c.sources)
+    for (const auto& range : {source.accel_temperature, source.gyro_temperature})
+      if (range) all = all ? std::array{std::min((*all)[0], (*range)[0]), std::max((*all)[1], (*range)[1])} : *range;
+  const std::string unit = c.model.accel.temperature  ? c.model.accel.temperature->unit
+                           : c.model.gyro.temperature ? c.model.gyro.temperature->unit
+                                                      : "";
+  return all ? fmt::format("{} to {} {}", number_text((*all)[0], 4), number_text((*all)[1], 4), unit) : "";
+}
+
 bool has_estimated(const Calibration& c, Term term, Triad triad) {
   return std::any_of(c.estimated.begin(), c.estimated.end(),
                      [&](CoefficientIndex i) { return coefficient(i).term == term && coefficient(i).triad == triad; });
@@ -130,8 +148,9 @@ std::string positions_text(const Quality& q) {
     least = std::min(least, held), most = std::max(most, held), all += held, ++used;
   }
   if (used == 0) return "";
-  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number_text(least), number_text(most),
-                     number_text(all), q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
+  const std::string shortest = number_text(least), longest = number_text(most), range = shortest == longest ? shortest : shortest + " to " + longest;
+  return fmt::format("{} rest{} of {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", range, number_text(all), q.rotations.size(),
+                     q.rotations.size() == 1 ? "" : "s");
 }
 
 std::string latitude_text(const Site& site) {
@@ -141,6 +160,19 @@ std::string latitude_text(const Site& site) {
   return fmt::format("{} deg{}: the Earth turns by {} deg/h about north and {} deg/h about up", number_text(*site.latitude / unit::deg, 7), sigma,
                      number_text(rate.y(), 5), number_text(rate.z(), 5));
 }
+
+namespace {
+
+/// By what the recorder's clock is read. Without the session by the uncertainty that a nominal rate alone has.
+std::string time_text(const CalibrationReport& report) {
+  const auto has_stamps = [](const RecordingSource& r) { return r.time.column.has_value(); };
+  if (report.session) return std::ranges::all_of(report.session->recordings, has_stamps) ? ", as its stamps say" : ", as its nominal rate says";
+  constexpr double nominal = 0.01;  // half of what state_clock allows a clock without stamps
+  const std::optional<ClockScale>& clock = report.result.calibration.clock;
+  return !clock ? "" : clock->sigma > nominal ? ", as its nominal rate says" : ", as its stamps say";
+}
+
+}  // namespace
 
 bool calibrated_here(const Calibration& c) {
   return std::any_of(methods().begin(), methods().end(), [&c](const Method& method) { return method.name == c.method; });
@@ -165,7 +197,7 @@ std::vector<Origin> origins_of(const CalibrationReport& report) {
       {"acceleration", "acceleration", g.empty() ? "gravity at the site" : "gravity at the site: " + g,
        computed ? "not used: gravity was not declared but computed" : ""},
       {"rotation", "angle and rate", std::string(method_of(c).angle_source), machine ? "" : "not used: the method takes no angle from an instrument"},
-      {"time", "time", "the recorder's clock, as its stamps say", ""}};
+      {"time", "time", "the recorder's clock" + time_text(report), ""}};
   if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
   return out;
 }

@@ -24,6 +24,11 @@ std::string test_text(const Calibration& calibration, const CalibrationReport& r
 /// Counts the positions, and says how long each was held.
 std::string positions_text(const Quality& quality);
 
+/// Empty for a calibration of a log without a session: its name is that of the log's file.
+std::string declared_name(const Calibration& calibration);
+/// The range of the item's own thermal readings; empty without any.
+std::string thermal_readings(const Calibration& calibration);
+
 bool has_estimated(const Calibration& calibration, Term term, Triad triad);
 /// HTML.
 std::string model_equation(const Calibration& calibration);

@@ -85,11 +85,15 @@ std::string requirements_section(const Quality& q) {
     const UserUnit unit = user_unit(coefficient(coefficient_index(r.coefficient)), r.limit);
     t.rows.push_back({escaped(r.text), escaped(r.coefficient),
                       escaped(std::isfinite(r.reached) ? uncertainty_text(r.reached / unit.size) + " " + std::string(unit.name) : "not determined"),
-                      r.met ? "met" : "<strong>not met</strong>"});
+                      (r.met ? "met" : "<strong>not met</strong>") + escaped(r.note.empty() ? "" : ": " + r.note)});
   }
   return t.rows.empty()
              ? ""
-             : section("requirements", "Requirements", "One standard uncertainty of each coefficient, of matrices relative to its scale.", table(t));
+             : section(
+                   "requirements", "Requirements",
+                   "The larger of u and U/2 of each coefficient, of matrices relative to its scale. With fewer than 3 effective degrees of freedom "
+                   "no requirement is met.",
+                   table(t));
 }
 
 std::string subtitle_of(const Calibration& c) {

@@ -32,7 +32,7 @@ std::string nonlinearity_section(const CalibrationReport& report);
 
 // calibration_certificate.cpp: what a certificate states
 std::string identification_section(const CalibrationReport& report);
-std::string not_covered_section(const CalibrationReport& report);
+std::string not_covered_section(const CalibrationReport& report, const std::string& temperature = "");  ///< as declared
 std::string traceability_section(const CalibrationReport& report);
 std::string origin_section(const CalibrationReport& report);
 

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace imulab::report {
@@ -91,7 +90,8 @@ std::string item_part(const Certificate& c) {
   Statements s;
   s.add("customer", lines_of(lab.customer.name, lab.customer.address));
   s.add_known("information from the customer", lab.customer.information);
-  s.add("item", of.imu.empty() ? "" : "inertial measurement unit " + of.imu);
+  const std::string name = declared_name(of);
+  s.add("item", name.empty() ? "" : "inertial measurement unit " + name);
   s.add_html("manufacturer and type", or_line(lab.item.manufacturer) + ", " + or_line(lab.item.type));
   s.add("serial number", of.serial);
   s.add_known("firmware", of.firmware);
@@ -101,18 +101,6 @@ std::string item_part(const Certificate& c) {
   s.add("date of issue", lab.issued);
   s.add("adjustment or repair", lab.item.adjustment);
   return "<h2>Customer and item</h2>\n" + s.html();
-}
-
-/// The range of the item's own thermal readings.
-std::string thermal_readings(const Calibration& c) {
-  std::optional<std::array<double, 2>> all;
-  for (const SourceFile& source : c.sources)
-    for (const auto& range : {source.accel_temperature, source.gyro_temperature})
-      if (range) all = all ? std::array{std::min((*all)[0], (*range)[0]), std::max((*all)[1], (*range)[1])} : *range;
-  const std::string unit = c.model.accel.temperature  ? c.model.accel.temperature->unit
-                           : c.model.gyro.temperature ? c.model.gyro.temperature->unit
-                                                      : "";
-  return all ? fmt::format("{} to {} {}", number_text((*all)[0], 4), number_text((*all)[1], 4), unit) : "";
 }
 
 std::string conditions_part(const Certificate& c) {

@@ -21,6 +21,7 @@ namespace {
 std::string all_coefficients(const Calibration& c) {
   std::string rows;
   for (const CoefficientIndex index : c.estimated) {
+    if (!is_result(c, index)) continue;
     const UserValue user = user_value(c, index);
     const ExpandedUncertainty u = expanded_uncertainty(c, index);
     const double expanded = u.coverage_factor * user.uncertainty;
@@ -28,13 +29,11 @@ std::string all_coefficients(const Calibration& c) {
         "<tr><th><code>{}</code></th><td>{}</td><td>{}</td><td class=\"left\">{}</td><td>{:.2f}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"left\">{}</td></tr>\n",
         escaped(coefficient(index).name), rounded_to(user.value, expanded), uncertainty_text(expanded), escaped(readable_unit(user.unit)),
-        u.coverage_factor,
-        std::ranges::find(c.quality.considered, coefficient(index).name) != c.quality.considered.end() ? "prior"
-        : u.degrees_of_freedom > 1e4                                                                   ? "&gt; 10⁴"
-                                                                                                       : fmt::format("{:.0f}", u.degrees_of_freedom),
+        u.coverage_factor, u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
         number_text(coefficient_value(c.model, index), 8), number_text(u.standard, 2), escaped(readable_unit(coefficient(index).unit)));
   }
-  return "<h2>Appendix: all coefficients</h2>\n<div class=\"scroll\"><table class=\"numbers\"><thead><tr><th></th><th>value</th><th>U</th><th></th>"
+  return "<h2>Appendix: all measured coefficients</h2>\n<div class=\"scroll\"><table "
+         "class=\"numbers\"><thead><tr><th></th><th>value</th><th>U</th><th></th>"
          "<th>k</th><th>ν<sub>eff</sub></th><th>value (SI)</th><th>u (SI)</th><th></th></tr></thead><tbody>\n" +
          rows + "</tbody></table></div>\n";
 }
@@ -70,7 +69,7 @@ std::string files_part(const Certificate& certificate) {
     rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"hash\">{}</td></tr>\n", what, escaped(shortened(file, 120)), escaped(hash));
   };
   add("calibration", certificate.file, certificate.sha256);
-  if (!c.session_file.empty()) add("session", c.session_file, c.session_sha256);
+  if (!c.session_file.empty() && (c.sources.empty() || c.session_file != c.sources.front().file)) add("session", c.session_file, c.session_sha256);
   for (const SourceFile& source : c.sources) add("recording", source.file, source.sha256);
   std::string options;
   for (const auto& [name, value] : c.options) options += fmt::format("{}{} = {}", options.empty() ? "" : ", ", name, value);
@@ -82,8 +81,9 @@ std::string files_part(const Certificate& certificate) {
 
 std::string appendix_part(const Certificate& certificate) {
   const Calibration& c = certificate.report.result.calibration;
-  return all_coefficients(c) + "<h2>Model</h2>\n" + model_equation(c) + fit_part(c) + not_covered_section(certificate.report) +
-         files_part(certificate) + "<p class=\"small\">Written by " + escaped(software()) +
+  return all_coefficients(c) + "<h2>Model</h2>\n" + model_equation(c) + fit_part(c) +
+         not_covered_section(certificate.report, certificate.laboratory.conditions.temperature) + files_part(certificate) +
+         "<p class=\"small\">Written by " + escaped(software()) +
          " from the files above and from what the session and the laboratory's file declare, which was not checked. It is no statement that the "
          "laboratory or this certificate conforms to ISO/IEC 17025.</p>\n<p><strong>End of the certificate" +
          (certificate.number.empty() ? std::string() : " " + escaped(shortened(certificate.number, 60))) + "</strong></p>\n";

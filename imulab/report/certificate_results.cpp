@@ -2,15 +2,18 @@
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"
 #include "imulab/model/frame_axes.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/certificate_parts.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/results/calibration.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace imulab::report {
 
@@ -27,10 +30,32 @@ std::string name_on_certificate(CoefficientIndex index, const std::string& unit)
 std::string result_row(const Calibration& calibration, CoefficientIndex index) {
   const UserValue user = user_value(calibration, index);
   std::string row = "<tr><th>" + escaped(name_on_certificate(index, user.unit)) + "</th>";
-  if (!contains(calibration.estimated, index)) return row + "<td colspan=\"4\">not determined</td></tr>\n";
+  if (!is_result(calibration, index)) return row + "<td colspan=\"4\">not determined</td></tr>\n";
   const double k = expanded_uncertainty(calibration, index).coverage_factor, expanded = k * user.uncertainty;
   return row + fmt::format("<td>{}</td><td>{}</td><td class=\"left\">{}</td><td>{:.2f}</td></tr>\n", rounded_to(user.value, expanded),
                            uncertainty_text(expanded), escaped(readable_unit(user.unit)), k);
+}
+
+bool any_of_triad(const Calibration& c, Triad triad) {
+  return std::ranges::any_of(c.estimated, [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
+}
+
+/// The seconds of the gyros' scales, beside these: what their U does not contain.
+std::string time_base_row(const Calibration& c) {
+  if (!c.clock || c.clock->seconds == "true") return "";
+  const double k = coverage_factor(std::numeric_limits<double>::infinity()), expanded = k * c.clock->sigma / unit::ppm;
+  return fmt::format("<tr><th>time base</th><td>{}</td><td>{}</td><td class=\"left\">ppm</td><td>{:.2f}</td></tr>\n",
+                     rounded_to(c.clock->gain / unit::ppm, expanded), uncertainty_text(expanded), k);
+}
+
+std::string time_base_text(const Calibration& c) {
+  if (!c.clock || !any_of_triad(c, Triad::gyro)) return "";
+  return c.clock->seconds == "true"
+             ? fmt::format(" The gyros' scales are per true second; their U contains that of the recording's clock, {} ppm.",
+                           uncertainty_text(coverage_factor(std::numeric_limits<double>::infinity()) * c.clock->sigma / unit::ppm))
+             : " The gyros' scales are per second of the recording's own clock. Time base: by how much that clock gains; the U of the scales does "
+               "not "
+               "contain its U.";
 }
 
 /// Offsets and matrix of a triad; elements that the choice of axes makes zero are no results.
@@ -42,20 +67,17 @@ std::string triad_results(const Calibration& c, Triad triad) {
     if (c.frame == "accelerometers" && zero_by_frame(index)) continue;
     rows += result_row(c, index);
   }
+  if (triad == Triad::gyro) rows += time_base_row(c);
   return fmt::format(
       "<div><h3>{}</h3><div class=\"scroll\"><table class=\"numbers\"><thead><tr><th></th><th>value</th><th>U</th><th></th><th>k</th>"
       "</tr></thead><tbody>\n{}</tbody></table></div></div>\n",
       triad == Triad::accel ? "Accelerometers" : "Gyros", rows);
 }
 
-bool any_of_triad(const Calibration& c, Triad triad) {
-  return std::ranges::any_of(c.estimated, [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
-}
-
 std::string reached_on_certificate(const RequirementResult& r) {
   if (!std::isfinite(r.reached)) return "not determined";
   const UserUnit unit = user_unit(coefficient(coefficient_index(r.coefficient)), r.limit);
-  return escaped("u = " + uncertainty_text(r.reached / unit.size) + " " + readable_unit(unit.name));
+  return escaped(uncertainty_text(r.reached / unit.size) + " " + readable_unit(unit.name) + (r.note.empty() ? "" : " (" + r.note + ")"));
 }
 
 }  // namespace
@@ -77,8 +99,8 @@ std::string results_part(const Certificate& certificate) {
          "</div>\n<p>U is the expanded uncertainty: the standard uncertainty multiplied by the coverage factor k, which for a t distribution with "
          "the "
          "effective degrees of freedom corresponds to a coverage probability of 95.45 % (JCGM 100). It holds at the time and under the conditions of "
-         "the calibration and contains no drift, no change from one power-on to the next, and nothing outside these conditions. 1 g = 9.80665 "
-         "m/s².</p>\n";
+         "the calibration and contains no drift, no change from one power-on to the next, and nothing outside these conditions." +
+         time_base_text(c) + " 1 g = 9.80665 m/s².</p>\n";
 }
 
 std::string conformity_part(const Calibration& c) {
@@ -94,12 +116,11 @@ std::string conformity_part(const Calibration& c) {
                         : r.met  ? "<strong>met</strong>"
                                  : "<strong>not met</strong>");
   return heading +
-         "<p>Requirements are on uncertainties, not tolerances of values: the standard uncertainty u of each named coefficient, of matrices relative "
-         "to "
-         "the row's scale, is compared with the limit. Decision rule: simple acceptance, met if the largest u is at most the limit; no guard band "
-         "is taken off, since what is compared is itself an uncertainty." +
+         "<p>Requirements are on uncertainties, not tolerances of values: the larger of u and U/2 of each named coefficient, of matrices relative to "
+         "the row's scale, is compared with the limit. Decision rule: simple acceptance, met if the largest is at most the limit; no guard band is "
+         "taken off, since what is compared is itself an uncertainty. With fewer than 3 effective degrees of freedom no requirement is met." +
          (doubtful ? std::string(" The calibration is doubtful: no statement of conformity is made.") : "") +
-         "</p>\n<table class=\"wide\"><thead><tr><th>requirement</th><th>largest u, "
+         "</p>\n<table class=\"wide\"><thead><tr><th>requirement</th><th>largest, "
          "of</th><th>reached</th><th>conformity</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>\n";
 }

@@ -192,14 +192,15 @@ std::string requirements_figure(const PlanSummary& plan) {
   const PredictionSummary& s = plan.prediction;
   for (const Requirement& r : plan.requirements)
     for (const CoefficientIndex index : r.coefficients) {
-      const double sigma = sigma_of(index, s.indices(), s.sigma());
-      if (std::isnan(sigma)) continue;
+      const auto c = std::ranges::find(s.coefficients, index, &PredictedCoefficient::index);
+      if (c == s.coefficients.end()) continue;
+      const double sigma = StatedSigma{c->sigma, c->degrees_of_freedom}.compared();
       rows.push_back({std::string(coefficient(index).name), sigma / r.limit, 0,
                       fmt::format("{} {}", uncertainty_text(sigma / r.unit.size), readable_unit(r.unit.name)), sigma / r.limit > 1});
     }
   if (rows.empty()) return {};
   return section("required", "Against the requirements", "",
-                 figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
+                 figure(interval_rows(rows, "u, or U/2 where that is larger, over requirement", "requirements", 1), "At most 1 is required."));
 }
 
 Verdict plan_verdict(const PlanSummary& plan, const std::string& written) {

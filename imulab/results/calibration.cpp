@@ -115,14 +115,8 @@ std::string term_test_text(const TermTest& test) {
 
 std::string requirements_text(const Calibration& calibration) {
   std::string text;
-  for (const RequirementResult& r : calibration.quality.requirements) {
-    text += wrapped(text.empty() ? "  required        " : "                  ",
-                    fmt::format("{}: {} ({}: {})", r.text,
-                                r.met                  ? "met"
-                                : r.reached <= r.limit ? "not met, since the result is doubtful"
-                                                       : "not met",
-                                r.coefficient, reached_text(r)));
-  }
+  for (const RequirementResult& r : calibration.quality.requirements)
+    text += wrapped(text.empty() ? "  required        " : "                  ", judged_text(r));
   return text;
 }
 

@@ -136,7 +136,8 @@ std::string progress_text(const RequirementResult& r) {
   const std::string selector = r.text.substr(0, r.text.find(" <="));
   const UserUnit unit = user_unit(coefficient(coefficient_index(r.coefficient)), r.limit);
   if (!std::isfinite(r.reached)) return selector + " not determined";
-  return fmt::format("{} {:.3g} {} of {:.3g} {}", selector, r.reached / unit.size, unit.name, r.limit / unit.size, unit.name);
+  const std::string why = !r.met && r.reached <= r.limit && !r.note.empty() ? " (" + r.note + ")" : "";
+  return fmt::format("{} {:.3g} {} of {:.3g} {}{}", selector, r.reached / unit.size, unit.name, r.limit / unit.size, unit.name, why);
 }
 
 std::string live_picture(const LiveView& view, bool color) {

@@ -1,6 +1,7 @@
 #include "imulab/results/prediction.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/estimate/prediction.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/effects.hpp"
@@ -155,9 +156,10 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
   text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    const double sigma = p.sigma[static_cast<Eigen::Index>(i)], limit = limit_of(p.coefficients[i], requirements);
+    const StatedSigma stated = predicted(p, p.coefficients[i]);
+    const double sigma = stated.sigma, limit = limit_of(p.coefficients[i], requirements);
     text += fmt::format("{:<21} {:<13} {:>9}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(sigma / unit.size));
-    if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, sigma / limit);
+    if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, stated.compared() / limit);
     text += std::find(p.considered.begin(), p.considered.end(), p.coefficients[i]) == p.considered.end() ? "\n" : "  its prior\n";
   }
   for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
@@ -187,6 +189,7 @@ std::string advice_text(const Advice& advice) {
 std::string shortfall_text(const Shortfall& s) {
   const auto name = coefficient(s.coefficient).name;
   if (!std::isfinite(s.sigma)) return fmt::format("{} is not determined", name);
+  if (s.sigma <= s.requirement.limit) return fmt::format("{} has fewer than 3 degrees of freedom", name);
   const UserUnit& unit = s.requirement.unit;
   return fmt::format("{} has {:.4g} {} where {:g} {} is required", name, s.sigma / unit.size, unit.name, s.requirement.limit / unit.size, unit.name);
 }
@@ -222,6 +225,7 @@ std::string requirement_text(const Shortfall& s) {
   const std::string required = fmt::format("{} <= {:g} {}", s.requirement.selector, s.requirement.limit / unit.size, unit.name);
   const auto name = coefficient(s.coefficient).name;
   if (!std::isfinite(s.sigma)) return fmt::format("{}: the procedure does not determine {}", required, name);
+  if (s.sigma <= s.requirement.limit) return fmt::format("{}: {}", required, shortfall_text(s));
   return fmt::format("{}: {} has {} {}, most of it from {}", required, name, text::number(s.sigma / unit.size), unit.name, s.source);
 }
 

@@ -80,6 +80,7 @@ PredictionSummary summary_of(const Prediction& p) {
     const auto row = static_cast<Eigen::Index>(i);
     PredictedCoefficient& c = out.coefficients.emplace_back();
     c.index = p.coefficients[i], c.sigma = p.sigma[row], c.cramer_rao = p.cramer_rao[row];
+    c.degrees_of_freedom = predicted(p, c.index).degrees_of_freedom;
     if (p.monte_carlo) c.monte_carlo = p.monte_carlo->sigma[row];
     if (p.sources.empty()) continue;
     c.first_order = first[row], c.second_order = p.second_order[row], c.bias = p.bias[row];

@@ -28,7 +28,8 @@ namespace imulab {
 /// A coefficient of a prediction. What not every method predicts is optional. SI.
 struct PredictedCoefficient {
   CoefficientIndex index{};
-  double sigma = 0, cramer_rao = NAN;  ///< the bound: NaN where it is not stated
+  double sigma = 0, cramer_rao = NAN;    ///< the bound: NaN where it is not stated
+  double degrees_of_freedom = INFINITY;  ///< effective
   std::optional<double> first_order = {}, second_order = {}, bias = {}, monte_carlo = {};
   std::vector<std::pair<std::string, double>> budget = {};  ///< sigma by source, to first order
 };

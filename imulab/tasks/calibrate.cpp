@@ -255,8 +255,10 @@ std::string shortcomings(const CalibrationResult& result) {
   std::vector<std::string> unmet, doubted;
   for (const RequirementResult& r : quality.requirements) {
     if (r.met) continue;
-    std::vector<std::string>& list = r.reached <= r.limit ? doubted : unmet;
-    list.push_back(r.text);
+    if (r.reached <= r.limit && quality.verdict == "doubtful")
+      doubted.push_back(r.text);
+    else
+      unmet.push_back(r.reached <= r.limit ? fmt::format("{} ({})", r.text, r.note) : r.text);
   }
   if (!unmet.empty()) return fmt::format("not reached: {}{}", fmt::join(unmet, ", "), missing);
   return doubted.empty() ? "" : fmt::format("a doubtful result meets no requirement: {}", fmt::join(doubted, ", "));

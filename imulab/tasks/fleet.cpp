@@ -17,9 +17,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <mutex>
 #include <new>
 #include <optional>
+#include <set>
 #include <sys/stat.h>
 
 namespace imulab {
@@ -104,20 +106,47 @@ void count(const FleetItem& item, const FleetRequest& request, FleetCalibrationC
 
 }  // namespace
 
+namespace {
+
+/// The session.toml of a folder and of all below it, also behind links. Each folder is entered once: behind a link only if no other way leads there.
+std::vector<fs::path> sessions_in(const fs::path& place) {
+  std::vector<fs::path> found, folders{place};
+  std::set<fs::path> links, entered;  // in the order of their names; real paths
+  std::error_code none;
+  while (!folders.empty() || !links.empty()) {
+    if (folders.empty()) folders.push_back(links.extract(links.begin()).value());
+    const fs::path folder = folders.back();
+    folders.pop_back();
+    if (!entered.insert(fs::canonical(folder, none)).second) continue;
+    for (const auto& entry : fs::directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+      const bool below = entry.is_directory(none);
+      if (below && entry.is_symlink(none))
+        links.insert(entry.path());
+      else if (below)
+        folders.push_back(entry.path());
+      else if (entry.path().filename() == "session.toml" && entry.is_regular_file(none))
+        found.push_back(entry.path());
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
 std::vector<fs::path> sessions_below(const std::vector<fs::path>& places) {
   std::vector<fs::path> out;
+  std::set<fs::path> listed;  // by their folders' real paths: a link to one and the same session.toml may stand beside other recordings
   for (const fs::path& place : places) {
     std::vector<fs::path> found;
-    std::error_code none;
-    if (fs::is_directory(place)) {
-      for (const auto& entry : fs::recursive_directory_iterator(place, fs::directory_options::skip_permission_denied))
-        if (entry.path().filename() == "session.toml" && entry.is_regular_file(none)) found.push_back(fs::absolute(entry.path()).lexically_normal());
-    } else if (fs::exists(place)) {
-      found.push_back(fs::absolute(place).lexically_normal());
-    }
+    if (fs::is_directory(place))
+      found = sessions_in(place);
+    else if (fs::exists(place))
+      found = {place};
     if (found.empty()) throw Error(place.string() + ": no session; expected a folder with a session.toml in it or below it");
+    for (fs::path& file : found) file = fs::absolute(file).lexically_normal();
     std::sort(found.begin(), found.end());
-    out.insert(out.end(), found.begin(), found.end());
+    std::ranges::copy_if(found, std::back_inserter(out),
+                         [&](const fs::path& file) { return listed.insert(fs::canonical(file.parent_path()) / file.filename()).second; });
   }
   return out;
 }
@@ -131,8 +160,8 @@ FleetSession fleet_session(const Session& session) {
 
 FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& recordings, const FleetDeclaration& declared) {
   constexpr double earliest = 946684800, latest = 4102444800;  // of this century
-  const auto said = [](const std::string& option, const std::optional<std::string>& key) { return option.empty() ? key.value_or("") : option; };
-  FleetOccasion out{said(declared.station, session.station), said(declared.operated_by, session.operated_by), 0, "file"};
+  const auto said = [](const std::string& first, const std::optional<std::string>& other) { return first.empty() ? other.value_or("") : first; };
+  FleetOccasion out{said(declared.station, session.station), said(session.operated_by.value_or(""), declared.operated_by), 0, "file"};
   if (const std::string time = said(declared.time, session.measured); !time.empty()) {
     out.time = parse_time(time);
     out.time_from = "declared";
@@ -213,7 +242,7 @@ std::string add_to_fleet(const fs::path& file, const std::string& unit, const Fl
     return result("noise", store.add_noise(text, of.serial, of.name, occasion));
   }
   const Calibration calibration = parse_calibration(text, name);
-  if (occasion.operated_by.empty()) occasion.operated_by = calibration.operated_by;
+  if (!calibration.operated_by.empty()) occasion.operated_by = calibration.operated_by;
   if (occasion.station.empty()) occasion.station = calibration.station;
   if (declared.time.empty() && !calibration.measured.empty())
     errors_at(name + ": measured", [&] { occasion.time = parse_time(calibration.measured), occasion.time_from = "declared"; });

@@ -17,8 +17,9 @@ namespace imulab {
 
 /// Values for everything that is added in one call; empty: as the session declares.
 struct FleetDeclaration {
-  std::string station, operated_by;
-  std::string time;  ///< UTC, "2026-03-31T12:00:00Z"
+  std::string station;
+  std::string operated_by;  ///< where the session or the calibration does not say
+  std::string time;         ///< UTC, "2026-03-31T12:00:00Z"
 };
 
 struct FleetCalibrationTask {
@@ -35,7 +36,8 @@ struct FleetCalibrationCounts {
   std::vector<FleetFailure> failures;  ///< of this run, in the sessions' order
 };
 
-/// The session.toml of this folder and of all below it, in the order of their names; a file is itself. Throws Error where there is none.
+/// The session.toml of this folder and of all below it, also behind symbolic links, each once, in the order of their names; a file is itself. Throws
+/// Error where there is none.
 std::vector<std::filesystem::path> sessions_below(const std::vector<std::filesystem::path>& places);
 
 /// Calibrates every session whose content the store does not have with this method and these terms. Sessions are worked on in parallel, a few in

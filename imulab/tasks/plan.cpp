@@ -95,7 +95,7 @@ void allow_for_unsearched(std::vector<Requirement>& limits, const std::vector<Re
   for (std::size_t i = 0; i < required.size(); ++i) {
     double added = 0;  // variance
     for (const CoefficientIndex index : required[i].coefficients)
-      if (const double sigma = sigma_of(index, with.coefficients, with.sigma); std::isfinite(sigma))
+      if (const double sigma = predicted(with, index).compared(); std::isfinite(sigma))
         added = std::max(added, sigma * sigma - std::pow(sigma_of(index, without.coefficients, without.sigma), 2));
     const double left = required[i].limit * required[i].limit - added;
     limits[i].limit = left > 0 ? std::min(limits[i].limit, spare * std::sqrt(left)) : 0.5 * limits[i].limit;
@@ -143,7 +143,7 @@ void add_prior(Prediction& prediction, const FleetPrior& prior) {
     if (!std::isfinite(relative_sigma(prior, index))) return false;
     const Eigen::Index n = prediction.sigma.size();
     prediction.coefficients.push_back(index);
-    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao}) {
+    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao, &prediction.degrees_of_freedom}) {
       of->conservativeResize(n + 1);
       (*of)[n] = std::numeric_limits<double>::infinity();
     }

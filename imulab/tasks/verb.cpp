@@ -120,8 +120,7 @@ VerbOption& store_option(Verb& verb, std::string& store) {
 }
 
 VerbOption& prior_option(Verb& verb, std::string& store) {
-  return verb.option("--prior STORE", store, "a fleet's store: its mean and covariance are the prior")
-      .reads();
+  return verb.option("--prior STORE", store, "a fleet's store: its mean and covariance are the prior").reads();
 }
 
 VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {
@@ -165,9 +164,7 @@ std::string Answer::text(bool details) const {
   if (own.starts_with(begin)) return own;
   if (conclusion.requirements.size() == 1) return begin + "\n" + own;  // the headline says it
   for (const RequirementResult& r : conclusion.requirements)
-    begin += text::wrapped(
-        &r == &conclusion.requirements.front() ? "  required        " : "                  ",
-        fmt::format("{}: {} ({}: {}{}{})", r.text, r.met ? "met" : "not met", r.coefficient, reached_text(r), r.note.empty() ? "" : "; ", r.note));
+    begin += text::wrapped(&r == &conclusion.requirements.front() ? "  required        " : "                  ", judged_text(r));
   return begin + "\n" + own;
 }
 

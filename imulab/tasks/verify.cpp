@@ -4,7 +4,7 @@
 #include "imulab/files.hpp"
 #include "imulab/formats/text/json.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -29,9 +29,13 @@ std::string shortcomings(const std::string& calibration, const Files& files) {
   return "";
 }
 
-Conclusion conclusion_of(const Files& files) {
+/// Files that are unchanged make a doubtful calibration no better.
+Conclusion conclusion_of(const Files& files, const Quality& quality) {
   const auto unchanged = std::count_if(files.begin(), files.end(), [](const VerifiedFile& f) { return f.state == FileState::unchanged; });
-  return {unchanged == std::ssize(files) ? "good" : "doubtful", fmt::format("{} of {} files are unchanged", unchanged, files.size())};
+  Conclusion out{unchanged == std::ssize(files) ? "good" : "doubtful", fmt::format("{} of {} files are unchanged", unchanged, files.size())};
+  if (quality.verdict == "doubtful")
+    out.verdict = quality.verdict, out.headline += fmt::format("; the calibration itself is doubtful: {}", fmt::join(quality.because, "; "));
+  return out;
 }
 
 std::string json_of(const Files& verified) {
@@ -75,7 +79,7 @@ AnswerOf<Files> verify(const VerifyOptions& o) {
   return {{.json = [files] { return json_of(*files); },
            .table = [files](bool) { return text_of(*files); },
            .shortcomings = shortcomings(o.calibration, *files),
-           .conclusion = conclusion_of(*files)},
+           .conclusion = conclusion_of(*files, calibration.quality)},
           files};
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -10,8 +10,15 @@ import numpy.typing as npt
 from ._imulab import Error
 
 FloatArray = npt.NDArray[np.float64]
+Array = TypeVar("Array", bound=npt.NDArray[Any])
 
 _NANOSECONDS = {"ns": 1, "us": 1_000, "ms": 1_000_000, "s": 1_000_000_000}
+
+
+def fixed(array: Array) -> Array:
+    """The same array, read-only: a change of a copy would be silently lost."""
+    array.flags.writeable = False
+    return array
 
 
 def _kind(value: Any) -> str:
@@ -72,14 +79,15 @@ def triad_options(
 
 
 def stamps(t: Any, unit: str) -> FloatArray | npt.NDArray[np.int64]:
-    """Seconds as float64, or exact nanoseconds as int64 where `t` is of integers or of datetime64."""
+    """Seconds as float64, or exact nanoseconds as int64 where `t` is of integers, datetime64 (UTC; of pandas also with a time zone) or timedelta64."""
     if unit not in _NANOSECONDS:
         raise Error(f"time_unit: {unit!r}; expected one of {', '.join(_NANOSECONDS)}")
-    array = t if isinstance(t, np.ndarray) else np.asarray(t)
-    if array.dtype.kind == "M":
+    zoned = str(getattr(t, "dtype", "")).startswith("datetime64[")  # without the type, pandas gives objects for times with a zone
+    array = np.asarray(t, dtype="datetime64[ns]") if zoned else np.asarray(t)
+    if array.dtype.kind in "Mm":
         if np.isnat(array).any():
             raise Error("t: has stamps that are not a time (NaT)")
-        nanoseconds = array.astype("datetime64[ns]").astype(np.int64)
+        nanoseconds = array.astype(f"{'datetime64' if array.dtype.kind == 'M' else 'timedelta64'}[ns]").astype(np.int64)
     elif array.dtype.kind in "iu":
         factor = _NANOSECONDS[unit]
         limit = np.iinfo(np.int64).max // factor

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -53,27 +53,27 @@ class Terms:
 class Triad(Terms):
     """The coefficients of the gyros or the accelerometers: offset + matrix @ raw + ..., and `sigma`, their standard uncertainties in the same form."""
 
-    sigma: Terms | None = None
+    sigma: Terms = field(kw_only=True)
 
 
 _SHAPES = {"offset": (3,), "matrix": (3, 3), "quadratic": (3,), "cubic": (3,), "thermal": (3, 2), "g_sensitivity": (3, 3), "lever_arm": (3, 3)}
 
 
 def _arrays_of(numbers: dict[str, float | None], triad: str) -> dict[str, FloatArray]:
-    """The numbers named "gyro.matrix.xy" and "gyro.thermal.x1" in arrays by term."""
+    """The numbers named "gyro.matrix.xy" and "gyro.thermal.x1" in read-only arrays by term."""
     terms: dict[str, FloatArray] = {}
     for name, value in numbers.items():
         own, term, element = name.split(".")
         if own == triad:
             place = tuple("xyz".index(c) if c in "xyz" else int(c) - 1 for c in element)
             terms.setdefault(term, np.full(_SHAPES[term], np.nan))[place] = np.nan if value is None else value
-    return terms
+    return {term: _arrays.fixed(array) for term, array in terms.items()}
 
 
 class Calibration(Answer):
     """The model of an IMU with the standard uncertainty of every coefficient.
 
-    From `calibrate`, `read_calibration` or `import_calibration`. It does not change.
+    From `calibrate`, `read_calibration` or `import_calibration`. It does not change: its arrays are read-only.
     """
 
     def __init__(self, calibration: _imulab.Calibration, name: str = "") -> None:
@@ -125,10 +125,10 @@ class Calibration(Answer):
         """Names of the coefficients in `covariance`."""
         return list(self._answer.estimated)
 
-    @property
+    @cached_property
     def covariance(self) -> FloatArray:
         """(M, M), SI, in the order of `estimated`."""
-        return self._answer.covariance
+        return _arrays.fixed(self._answer.covariance)
 
     @property
     def verdict(self) -> str:
@@ -149,10 +149,10 @@ class Calibration(Answer):
         """The name of the IMU."""
         return self._answer.imu
 
-    @property
+    @cached_property
     def curves(self) -> dict[str, FloatArray]:
         """Convergence of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
-        return self._answer.curves
+        return {name: _arrays.fixed(curve) for name, curve in self._answer.curves.items()}
 
     @property
     def gyro_unit(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,11 +17,15 @@ if TYPE_CHECKING:
     import pandas  # type: ignore[import]
 
 
+def _fixed_or_none(array: FloatArray | None) -> FloatArray | None:
+    return None if array is None else _arrays.fixed(array)
+
+
 class Recording:
     """Samples of one IMU on one clock, in SI, or in counts where their unit is "count".
 
     A sample belongs to the interval that ends at its stamp. Make one with `Recording.from_arrays`, `read_recording` or `simulate`. It does not
-    change; each attribute that is an array is a new copy.
+    change: its arrays are read-only, and the same at every access.
     """
 
     def __init__(self, recording: _imulab.Recording, temperature_units: tuple[str | None, str | None] = (None, None)) -> None:
@@ -58,7 +63,7 @@ class Recording:
     ) -> Recording:
         """A recording from arrays in memory, which are copied once.
 
-        t: (N,) ends of the samples' intervals: seconds as floats; integers of `time_unit` ("s", "ms", "us", "ns") or datetime64 keep every digit.
+        t: (N,) ends of the samples' intervals: seconds as floats; integers of `time_unit` ("s", "ms", "us", "ns"), datetime64 or timedelta64 keep every digit.
         gyro: (N, 3) angular rates, rad/s or `gyro_unit`: "deg/s", "deg/h", "count"; with `gyro_increment` integrals over the interval ("rad").
         accel: (N, 3) specific forces, m/s^2 or `accel_unit`: "g", "mg", "count"; with `accel_increment` "m/s".
         temperature: (N,) or (N, 3) of both triads, degC; or of each by `gyro_temperature` and `accel_temperature`.
@@ -103,35 +108,35 @@ class Recording:
         """Nominal interval, s."""
         return self._recording.interval_s
 
-    @property
+    @cached_property
     def t(self) -> FloatArray:
         """(N,) ends of the samples' intervals, s."""
-        return self._recording.t
+        return _arrays.fixed(self._recording.t)
 
-    @property
+    @cached_property
     def time_ns(self) -> npt.NDArray[np.int64]:
         """(N,) the same, exact, ns."""
-        return self._recording.time_ns
+        return _arrays.fixed(self._recording.time_ns)
 
-    @property
+    @cached_property
     def gyro(self) -> FloatArray:
         """(N, 3) angular rates, rad/s, or counts."""
-        return self._recording.gyro
+        return _arrays.fixed(self._recording.gyro)
 
-    @property
+    @cached_property
     def accel(self) -> FloatArray:
         """(N, 3) specific forces, m/s^2, or counts."""
-        return self._recording.accel
+        return _arrays.fixed(self._recording.accel)
 
-    @property
+    @cached_property
     def gyro_temperature(self) -> FloatArray | None:
         """(N, 3) thermal readings of the gyros, or None."""
-        return self._recording.gyro_temperature
+        return _fixed_or_none(self._recording.gyro_temperature)
 
-    @property
+    @cached_property
     def accel_temperature(self) -> FloatArray | None:
         """(N, 3) thermal readings of the accelerometers, or None."""
-        return self._recording.accel_temperature
+        return _fixed_or_none(self._recording.accel_temperature)
 
     @property
     def gyro_unit(self) -> str:
@@ -143,15 +148,15 @@ class Recording:
         """"m/s^2" or "count"."""
         return self._recording.accel_unit
 
-    @property
+    @cached_property
     def gaps(self) -> npt.NDArray[np.int64]:
         """Indices of samples before which time is missing."""
-        return self._recording.gaps
+        return _arrays.fixed(self._recording.gaps)
 
-    @property
+    @cached_property
     def saturated(self) -> npt.NDArray[np.int64]:
         """Indices of samples with a reading at a limit."""
-        return self._recording.saturated
+        return _arrays.fixed(self._recording.saturated)
 
     def save(self, file: PathLike) -> None:
         """Writes t,gx,gy,gz,ax,ay,az as CSV, whole or not at all."""
@@ -166,6 +171,9 @@ class Recording:
     def plot(self) -> Any:
         """Rates and forces over the time from the first sample, as a figure of matplotlib."""
         return _plots.recording(self.t, self.gyro, self.accel, (self.gyro_unit, self.accel_unit))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Recording, (self._recording, self.temperature_units)  # without the arrays of earlier accesses
 
     def __repr__(self) -> str:
         size = len(self)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from . import _imulab, _plots, _tables
+from . import _arrays, _imulab, _plots, _tables
 from ._arrays import FloatArray
 from ._imulab import Unsupported
 from ._recording import Recording
@@ -259,7 +259,7 @@ class Solution:
     columns = ("t", "latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg")
 
     def __init__(self, solution: _imulab.Solution) -> None:
-        rows = solution.rows
+        rows = _arrays.fixed(solution.rows)
         self.t: FloatArray = rows[:, 0]  #: (N,) s
         self.latitude_deg: FloatArray = rows[:, 1]
         self.longitude_deg: FloatArray = rows[:, 2]

@@ -152,6 +152,32 @@ def test_exact_stamps():
     assert (np.diff(recording.time_ns) == 10_000_000).all() and recording.time_ns[0] % 10 == 1
 
 
+def test_stamps_of_pandas():
+    pandas = pytest.importorskip("pandas")
+    forces = np.ones((10, 3))
+    utc = pandas.date_range("2026-01-01", periods=10, freq="10ms", tz="UTC")
+    for t in (utc, utc.tz_convert("Asia/Kolkata"), utc.to_series(), utc.tz_localize(None)):
+        recording = imulab.Recording.from_arrays(t, np.zeros((10, 3)), forces)
+        assert recording.time_ns[0] == 1_767_225_600_000_000_000 and (np.diff(recording.time_ns) == 10_000_000).all()
+    since = imulab.Recording.from_arrays(utc - utc[0], np.zeros((10, 3)), forces)
+    assert (since.time_ns == np.arange(10) * 10_000_000).all()
+
+
+def test_stamps_since_a_start():
+    t = np.arange(10) * np.timedelta64(10, "ms")
+    assert imulab.Recording.from_arrays(t, np.zeros((10, 3)), np.ones((10, 3))).time_ns[9] == 90_000_000
+
+
+def test_arrays_of_results_are_views(by_hand, calibration):
+    recording = by_hand.recordings[0]
+    assert recording.gyro is recording.gyro and recording.time_ns is recording.time_ns
+    for array in (recording.gyro, recording.t, calibration.gyro.matrix, calibration.gyro.sigma.offset, calibration.covariance):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 5
+    again = pickle.loads(pickle.dumps(recording))
+    assert (again.gyro == recording.gyro).all() and again.temperature_units == recording.temperature_units
+
+
 def test_pickle(calibration):
     again = pickle.loads(pickle.dumps(calibration))
     assert again.values == calibration.values and (again.covariance == calibration.covariance).all()

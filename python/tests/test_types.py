@@ -45,6 +45,7 @@ def test_a_program_is_checked(tmp_path):
         "imulab.plan('gyro.offset <= 1 deg/h', latitude_deg=47.4).report('plan.html')\n"
         "imulab.budget('m.toml', grade=['navigation', 'tactical']).budgets['tactical']\n"
         "imulab.budget('m.toml', grade=3)\n"
+        "sigma: float = c.gyro.sigma.offset[0]\n"
     )
     environment = dict(os.environ, MYPYPATH=str(pathlib.Path(imulab.__file__).parent.parent))  # as it is built: the hints of options are written then
     environment.pop("LD_PRELOAD", None)

@@ -149,6 +149,10 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
   name_undetermined(n, calibration.quality, findings);
   sort_by_table(calibration);
   add_aids(n, calibration.quality);
+  std::size_t values = 0;
+  for (const Aid& aid : mission.aids) values += 3 * (aid.record.position.size() + aid.record.velocity.size()) + aid.record.value.size();
+  calibration.quality.degrees_of_freedom = static_cast<int>(values - std::min(values, n.constants.size()));
+  calibration.quality.sources = {kernel::gravity_source(mission.site)};
   Prediction out = prediction_of(calibration);
   out.rig_errors = calibration.quality.rig_errors;
   out.notes = findings.warnings;

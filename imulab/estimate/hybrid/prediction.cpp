@@ -69,7 +69,9 @@ FilterPrediction predict(const Plan& plan) {
   const Iterate pass = repeated(data, first_iterate(data));
   const Errors errors = determined_errors(pass);
 
-  FilterPrediction out{prediction_of(calibration_of(data, pass)), pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
+  Calibration calibration = calibration_of(data, pass);
+  calibration.quality.sources.push_back(kernel::gravity_source(plan.procedure.site));
+  FilterPrediction out{prediction_of(calibration), pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
   const MatrixXd jacobian = correction_jacobian(SensorModel{}, errors.coefficients, out.states);
   const Index n = out.states.constants();
   const MatrixXd by_undetermined = errors.covariance - out.covariance.topLeftCorner(n, n);

@@ -19,12 +19,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Chi-square of the velocities in the last pass.
-void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
+/// Of the velocities in the last pass.
+int degrees_of_freedom(const Data& data, const Iterate& iterate) {
   double estimated = static_cast<double>((iterate.states.prior.array() > 0).count());
   if (iterate.pass.effects.value.size() > 0) estimated += data.unmodeled.effects.degrees_of_freedom(iterate.pass.effects.covariance);
-  quality.degrees_of_freedom = static_cast<int>(3 * static_cast<double>(data.observed()) - estimated);
-  quality.chi2_per_dof = iterate.pass.total_chi2() / std::max(1, quality.degrees_of_freedom);
+  return static_cast<int>(3 * static_cast<double>(data.observed()) - estimated);
 }
 
 /// Neighbouring blocks that were left out together.
@@ -207,6 +206,7 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
   c.covariance = jacobian * errors.covariance * jacobian.transpose();
   if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
+  c.quality.degrees_of_freedom = degrees_of_freedom(data, iterate);
   if (data.terms.wanted.empty()) consider_nonlinearity(data, c);
   return c;
 }
@@ -214,7 +214,7 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
 void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings) {
   const Iterate& last = result.last;
   const auto sigma = [&](Index state) { return std::sqrt(last.pass.covariance(state, state)); };
-  add_residuals(data, last, calibration.quality);
+  calibration.quality.chi2_per_dof = last.pass.total_chi2() / std::max(1, calibration.quality.degrees_of_freedom);
   enlarge(data, last, calibration, findings);
   calibration.quality.term_tests = result.tests;
   calibration.quality.converged = last.converged;

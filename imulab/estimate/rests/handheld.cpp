@@ -7,6 +7,7 @@
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/stop.hpp"
 #include "imulab/units.hpp"
@@ -86,10 +87,13 @@ class Ratios {
   VectorXd of(HandheldProblem& problem, const Fit& fit) const {
     const Index n = needed_.size();
     const Conditions conditions = problem.conditions(fit.spreads);
-    const Eigen::MatrixXd covariance =
-        fit.excess * fit.excess * kernel::solve(conditions.information(), problem.parameters(), "the rests").covariance.topLeftCorner(n, n);
+    const kernel::Solution solution = kernel::solve(conditions.information(), problem.parameters(), "the rests");
+    const Eigen::MatrixXd covariance = fit.excess * fit.excess * solution.covariance.topLeftCorner(n, n);
     const VectorXd raw = raw_covariance(problem, covariance).diagonal().cwiseSqrt();
-    return covariance.diagonal().cwiseSqrt().cwiseQuotient(needed_).cwiseMax(raw.cwiseQuotient(limit_));
+    const double degrees = std::max(solution.degrees_of_freedom, 1.0), factor = StatedSigma{1, degrees}.compared();
+    const VectorXd ratio = covariance.diagonal().cwiseSqrt().cwiseQuotient(needed_).cwiseMax((factor * raw).cwiseQuotient(limit_));
+    const bool unmet = std::isfinite(limit_.minCoeff()) && !StatedSigma{1, degrees}.has_enough();
+    return unmet ? VectorXd(ratio.cwiseMax(4 - degrees)) : ratio;  // above 1: until the residuals check the uncertainties
   }
   /// Sum of the logarithms of the ratios above nearly one, and a little of the worst.
   double distance(HandheldProblem& problem, const Fit& fit) const {

@@ -1,4 +1,6 @@
 // Predictions of the methods on rests. Agreement with their calibrations: tests/methods_test.cpp.
+#include "imulab/estimate/prediction.hpp"
+
 #include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/grade.hpp"
@@ -31,6 +33,20 @@ TEST(RestsPrediction, GyrosThatDoNotResolveEarthsRateAreNotAmongTheStaticOnes) {
   const std::vector<Shortfall> missed = shortfalls(p, parse_requirements("gyro.matrix.xx <= 1 %, accel.offset <= 1 g"));
   ASSERT_EQ(missed.size(), 1u);
   EXPECT_TRUE(std::isinf(missed[0].sigma));
+}
+
+TEST(RestsPrediction, LimitsAreComparedAsThoseOfACalibration) {
+  Calibration c;
+  c.estimated = select_coefficients("gyro.offset"), c.frame = "rig";
+  c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
+  for (const int degrees : {1, 4, 50})
+    for (const char* limit : {"gyro.offset <= 1 deg/s", "gyro.offset <= 0.25 deg/h"}) {
+      c.quality.degrees_of_freedom = degrees;
+      const std::vector<Requirement> required = parse_requirements(limit);
+      const Prediction p = prediction_of(c);
+      EXPECT_EQ(assess(p, required).front(), assess(c, required.front())) << degrees << limit;
+      EXPECT_EQ(shortfalls(p, required).empty(), assess(c, required.front()).met) << degrees << limit;
+    }
 }
 
 TEST(RestsPrediction, TooFewPosesDetermineLess) {

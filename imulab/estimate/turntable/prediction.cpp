@@ -178,6 +178,7 @@ Prediction predict(const Plan& plan) {
   out.bias = second.bias;
   out.second_order = second.covariance.diagonal().cwiseSqrt();
   out.sigma = (out.variance.rowwise().sum() + out.second_order.cwiseAbs2()).cwiseSqrt();
+  out.degrees_of_freedom = VectorXd::Constant(out.sigma.size(), estimator.degrees_of_freedom());
   // The estimate is generalized least squares: by default it reaches the bound.
   out.cramer_rao = plan.classical ? VectorXd(with_best_weights(plan, motion, out.coefficients).cwiseSqrt()) : out.first_order();
   return out;

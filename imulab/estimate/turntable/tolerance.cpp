@@ -58,15 +58,15 @@ Tolerance search(const Plan& plan, Knob knob, const std::vector<Requirement>& re
 std::optional<Shortfall> shortfall(const Prediction& prediction, const Requirement& requirement) {
   std::optional<Shortfall> worst;
   for (const CoefficientIndex index : requirement.coefficients) {
-    const auto found = std::find(prediction.coefficients.begin(), prediction.coefficients.end(), index);
-    if (found == prediction.coefficients.end())
-      return Shortfall{requirement, index, std::numeric_limits<double>::infinity(), "the procedure does not determine it"};
-    const Index row = found - prediction.coefficients.begin();
-    if (prediction.sigma[row] <= (worst ? worst->sigma : requirement.limit)) continue;
+    const StatedSigma stated = predicted(prediction, index);
+    if (std::isinf(stated.sigma)) return Shortfall{requirement, index, stated.sigma, "the procedure does not determine it"};
+    if (!stated.has_enough()) return Shortfall{requirement, index, stated.compared()};
+    const Index row = std::find(prediction.coefficients.begin(), prediction.coefficients.end(), index) - prediction.coefficients.begin();
+    if (stated.compared() <= (worst ? worst->sigma : requirement.limit)) continue;
     Index largest;
     const double share = prediction.variance.row(row).maxCoeff(&largest);
     const bool second = std::pow(prediction.second_order[row], 2) > share;
-    worst = Shortfall{requirement, index, prediction.sigma[row],
+    worst = Shortfall{requirement, index, stated.compared(),
                       second ? "second order of the table's errors" : prediction.sources[static_cast<std::size_t>(largest)]};
   }
   return worst;

@@ -21,6 +21,27 @@ ByUnit rows_by_unit(const GaugeInput& in) {
   return out;
 }
 
+/// Sums over the rows of a unit by level: only of levels that the unit has, so that its time grows with its rows.
+class LevelSums {
+ public:
+  explicit LevelSums(Eigen::Index levels) : sum_(Eigen::VectorXd::Zero(levels)) {}
+  void add(Eigen::Index level, double x) {
+    if (sum_[level] == 0) levels_.push_back(level);
+    sum_[level] += x;
+  }
+  /// Subtracts `factor` times the outer product of the sums, and begins anew.
+  void subtract_square(double factor, Eigen::MatrixXd& from) {
+    for (const Eigen::Index a : levels_)
+      for (const Eigen::Index b : levels_) from(a, b) -= factor * sum_[a] * sum_[b];
+    for (const Eigen::Index a : levels_) sum_[a] = 0;
+    levels_.clear();
+  }
+
+ private:
+  Eigen::VectorXd sum_;
+  std::vector<Eigen::Index> levels_;
+};
+
 struct LevelFit {
   Eigen::VectorXd means;  ///< of the levels
   Eigen::MatrixXd covariance;
@@ -30,6 +51,7 @@ struct LevelFit {
 LevelFit fit_levels(const GaugeInput& in, const ByUnit& units, double spread2, double repeat2) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(in.levels, in.levels);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(in.levels);
+  LevelSums of_unit(in.levels);
   for (const auto& rows : units) {
     double sum = 0, weighted = 0;
     for (const Eigen::Index k : rows) {
@@ -42,8 +64,9 @@ LevelFit fit_levels(const GaugeInput& in, const ByUnit& units, double spread2, d
       const Eigen::Index a = in.level[static_cast<std::size_t>(k)];
       normal(a, a) += d;
       right[a] += d * (in.values[k] - shared * weighted);
-      for (const Eigen::Index j : rows) normal(a, in.level[static_cast<std::size_t>(j)]) -= shared * d / (in.variances[j] + repeat2);
+      of_unit.add(a, d);
     }
+    of_unit.subtract_square(shared, normal);
   }
   for (Eigen::Index a = 0; a < in.levels; ++a)
     if (normal(a, a) == 0) normal(a, a) = 1;  // without calibrations
@@ -69,12 +92,15 @@ double squares_within(const GaugeInput& in, const ByUnit& units, const Eigen::Ar
 double freedom_within(const GaugeInput& in, const ByUnit& units) {
   double freedom = 0;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(in.levels, in.levels);
+  LevelSums of_unit(in.levels);
   for (const auto& rows : units) {
     freedom += static_cast<double>(rows.size()) - 1;
-    Eigen::VectorXd part = Eigen::VectorXd::Zero(in.levels);
-    for (const Eigen::Index k : rows) part[in.level[static_cast<std::size_t>(k)]] += 1;
-    gram += part.asDiagonal();
-    gram -= part * part.transpose() / static_cast<double>(rows.size());
+    for (const Eigen::Index k : rows) {
+      const Eigen::Index a = in.level[static_cast<std::size_t>(k)];
+      gram(a, a) += 1;
+      of_unit.add(a, 1);
+    }
+    of_unit.subtract_square(1 / static_cast<double>(rows.size()), gram);
   }
   const Eigen::VectorXd values = symmetric_eigenvalues(gram);
   return freedom - static_cast<double>((values.array() > 1e-9 * std::max(1.0, values.maxCoeff())).count());

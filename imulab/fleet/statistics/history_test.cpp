@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 namespace imulab {
 namespace {
@@ -107,6 +108,20 @@ TEST(GaugeLevels, IntervalsCoverTheTruth) {
     EXPECT_LE(covered, 0.97 * 3 * fleets);
     EXPECT_GE(found, (shared ? 0.9 : 0.05) * fleets);  // units that were at two stations show what others hide in their spread
   }
+}
+
+TEST(GaugeLevels, TimeIsLinearInTheCalibrationsOfAUnit) {
+  constexpr Eigen::Index each = 30'000;  // quadratic: 1e9 pairs in each of up to 21 fits, more than 10 s; linear: 20 ms
+  const RandomStream error(1, "error");
+  GaugeInput in{{}, {}, 3, Eigen::ArrayXd(2 * each), Eigen::ArrayXd::Constant(2 * each, 0.01)};
+  for (Eigen::Index k = 0; k < 2 * each; ++k) {
+    in.unit.push_back(k % 2), in.level.push_back(k % 3);
+    in.values[k] = 0.1 * error.normal(static_cast<std::uint64_t>(k)) + static_cast<double>(k % 2) + 0.05 * static_cast<double>(k % 3);
+  }
+  const std::clock_t begin = std::clock();
+  const Gauge g = compare_levels(in);
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 2);
+  EXPECT_NEAR(g.levels[2].bias - g.levels[0].bias, 0.1, 0.005);  // 5 sigma: 0.1 sqrt(2/20000) = 0.001
 }
 
 TEST(GaugeLevels, OneStationHasNoBias) {

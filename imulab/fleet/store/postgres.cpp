@@ -209,7 +209,7 @@ void Postgres::expect_address(const std::string& address) {
   libpq().free_options(options);
   if (!good)
     throw DatabaseError(
-        fmt::format("{}: is no address of a PostgreSQL server{}; expected postgresql://USER@HOST:PORT/DATABASE, with %40 for @, %3A "
+        fmt::format("{}: is no address of a PostgreSQL server{}; expected postgresql://USER@HOST:5432/DATABASE, with %40 for @, %3A "
                     "for :, %2F for / within a name or a password",
                     name_, why));
 }

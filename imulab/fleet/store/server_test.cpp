@@ -23,7 +23,8 @@ using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 TEST(FleetServer, IsKnownByItsAddress) {
-  for (const char* server : {"postgresql://host/fleet", "postgres://", "postgresql://u:p@/fleet?host=/run"}) EXPECT_TRUE(fleet::is_server(server));
+  for (const char* server : {"postgresql://host/fleet", "postgres://", "postgresql://u:p@/fleet?host=/run", "POSTGRESQL://h/d"})
+    EXPECT_TRUE(fleet::is_server(server));
   for (const char* file : {"fleet.db", "postgresql:/host", "postgresql", "./postgres://x", "sqlite://x", ""}) EXPECT_FALSE(fleet::is_server(file));
 }
 
@@ -35,11 +36,22 @@ TEST(FleetServer, PasswordsAreNotShown) {
       {"postgresql://user:se cret@host/fleet", "postgresql://user:***@host/fleet"},
       {"postgresql:///fleet?user=u&password=secret&sslmode=require", "postgresql:///fleet?user=u&password=***&sslmode=require"},
       {"postgresql://h/fleet?sslpassword=secret", "postgresql://h/fleet?sslpassword=***"},
-      {"file:secret@password=x", "file:secret@password=x"},
+      {"POSTGRESQL://user:secret@host/fleet", "POSTGRESQL://user:***@host/fleet"},
+      {"postgresql://h/fleet?Password=secret", "postgresql://h/fleet?***"},
+      {"postgresql://h/fleet?pass%77ord=secret&port=1", "postgresql://h/fleet?***&port=1"},
+      {"postgresql://h/fleet?password=p@ss", "postgresql://***"},
+      {"postgresql://user:se?cr@et@host/fleet", "postgresql://***"},
+      {"postgresql://user:se@cr?et@host/fleet", "postgresql://***"},
+      {"postgresql://user:secret", "postgresql://***"},  // libpq takes it for a port
+      {"postgresql://us%65r:secret@[::1]:5432,h2/fleet", "postgresql://***:***@[::1]:5432,h2/fleet"},
+      {"postgresql:/user:secret@host/fleet", "postgresql:***"},
+      {"host=h PassWord = secret", "host=h PassWord =***"},
+      {"weeks/1@home:a=b.db", "weeks/1@home:a=b.db"},
   };
   for (const auto& [address, expected] : addresses) EXPECT_EQ(fleet::shown_store(address), expected);
   EXPECT_EQ(fleet::without_passwords("not expected: postgres://u:secret@h/d \"postgresql://u:secret@h/d\" a:b@c"),
             "not expected: postgres://u:***@h/d \"postgresql://u:***@h/d\" a:b@c");
+  EXPECT_EQ(fleet::without_passwords("not expected: Postgres://u:se cr\"et@h/d there"), "not expected: Postgres://*** there");
 }
 
 TEST(FleetServer, StatementsAreTranslated) {
@@ -102,10 +114,10 @@ TEST(FleetServer, WrongAddressesEndTheCommand) {
     }
   }();
   for (const char* address : {"postgresql://u:sec/ret@h/d", "postgresql://u:sec@ret@h/d", "postgresql://u:secret@h:1/d?nonsense=ret",
-                              "postgresql://u:secret@/d?host=/nowhere"}) {
+                              "postgresql://u:secret@/d?host=/nowhere", "POSTGRESQL://u:secret@h/d"}) {
     const CommandResult list = run_imulab(folder, "fleet list --store '" + std::string(address) + "'");
     EXPECT_EQ(list.exit_code, 2);
-    EXPECT_THAT(list.errors, AllOf(HasSubstr("postgresql://u:***@"), Not(HasSubstr("sec"))));
+    EXPECT_THAT(list.errors, AllOf(HasSubstr("://u:***@"), Not(HasSubstr("sec"))));
     EXPECT_THAT(list.errors, HasSubstr(has_libpq ? "expected" : "apt-get install libpq5"));
   }
   EXPECT_THAT(run_imulab(folder, "fleet lst postgresql://u:secret@h/d").errors, Not(HasSubstr("secret")));

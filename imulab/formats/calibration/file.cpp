@@ -189,7 +189,10 @@ Calibration read_calibration(const std::filesystem::path& path) {
 
 std::string calibration_text(const Calibration& c) { return json_text(calibration_json(c), JsonLayout::rows_on_lines); }
 
-void write_calibration(const std::filesystem::path& path, const Calibration& c) { write_whole(path, calibration_text(c)); }
+void write_calibration(const std::filesystem::path& path, const Calibration& c) {
+  validate(c);  // what read_calibration would refuse
+  write_whole(path, calibration_text(c));
+}
 
 std::string truth_text(const Calibration& c, const std::vector<RecordedRigErrors>& rig) {
   JsonFields json = calibration_json(c), recordings;

@@ -6,8 +6,11 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/temporary_folder.hpp"
 #include <bit>
 #include <cmath>
+#include <filesystem>
+#include <limits>
 
 namespace imulab {
 namespace {
@@ -15,6 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
+using ::testing::ThrowsMessage;
 
 /// A calibration with every field filled, numbers of all sizes, and an awkward text.
 Calibration any_calibration() {
@@ -120,6 +124,18 @@ TEST(CalibrationFile, NumbersThatAreNotFiniteAreNotWritten) {
   Calibration c;
   c.model.accel.offset.x() = std::nan("");
   EXPECT_THROW(calibration_text(c), Error);
+}
+
+TEST(CalibrationFile, WhatCouldNotBeReadIsNotWritten) {
+  const TemporaryFolder folder;
+  Calibration c;
+  c.estimated = select_coefficients("accel.offset");
+  for (const double variance : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    c.covariance = Eigen::MatrixXd::Identity(3, 3);
+    c.covariance(1, 1) = variance;
+    EXPECT_THAT([&] { write_calibration(folder / "c.json", c); }, ThrowsMessage<Error>(HasSubstr("the variance of accel.offset.y is ")));
+    EXPECT_FALSE(std::filesystem::exists(folder / "c.json"));
+  }
 }
 
 TEST(CalibrationFile, QualityMayHoldAConditionWithoutBound) {

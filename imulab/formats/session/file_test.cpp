@@ -1,6 +1,7 @@
 #include "imulab/formats/text/file.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/laboratory/file.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -304,6 +305,18 @@ TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
     ++examples;
   }
   EXPECT_GE(examples, 10);
+}
+
+TEST(SessionFile, EveryEffectMayBeDeclaredAbsent) {
+  std::string text = "format = \"imulab.session/1\"\n[imu]\n";
+  for (const Effect& effect : effects()) text += std::string(effect.declared) + " = 0\n";
+  const Session session = parse_session(text, "session.toml");
+  for (const Effect& effect : effects()) EXPECT_EQ(session.imu.effect_sigmas.at(std::string(effect.name)), 0) << effect.name;
+  EXPECT_NO_THROW(validate(session));
+  EXPECT_EQ(parse_session(session_text(session), "again.toml").imu.effect_sigmas, session.imu.effect_sigmas);
+  const EffectSetting all{
+      .accel = true, .gyro = true, .thermometer = true, .mount = true, .moved = true, .centrifuge = true, .latitude = true, .recordings = 3};
+  EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session, Vector3d::Zero()), all).size(), 0) << "an absent effect has no column";
 }
 
 }  // namespace
