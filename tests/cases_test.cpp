@@ -118,5 +118,13 @@ TEST_F(Cases, CalibrationsHaveTheirOffsets) {
   EXPECT_THAT(six.output, HasSubstr("accel.offset.x"));
 }
 
+TEST_F(Cases, OffsetsThatFollowTheTemperatureAreNamed) {
+  ASSERT_EQ(run("calibrate cases/hand_temperature/hand.csv --method handheld --set gyro.unit=rad/s -o t.json").exit_code, 0);
+  const auto calibration = nlohmann::json::parse(read_text(folder_ / "t.json"));
+  const std::string cause = calibration.at("quality").at("cause").get<std::string>();
+  EXPECT_THAT(cause, HasSubstr("gyro.offset_temperature"));
+  EXPECT_THAT(cause, testing::Not(HasSubstr("drift")));
+}
+
 }  // namespace
 }  // namespace imulab

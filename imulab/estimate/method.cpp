@@ -191,12 +191,16 @@ CalibrationResult calibrate_together(const Method& method, const CalibrationInpu
 /// By how much chi-square is larger than is expected.
 double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * quality.degrees_of_freedom; }
 
-/// A latitude of the wrong sign is far from the right one, where no fit about it comes: what is doubtful is tried in the other hemisphere.
+/// A latitude of the wrong sign is far from the right one, where no fit about it comes: what is doubtful is tried in the other hemisphere. Gyros that
+/// are all reversed fit as well there as the right ones here; then nothing may contradict the other.
 CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
   if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != "doubtful") return result;
   constexpr double obvious = 30;  // of chi-square: five sigma of one parameter
+  const bool by_latitude = std::ranges::any_of(result.calibration.quality.because, [](const std::string& doubt) {
+    return doubt == kernel::wrong_latitude || doubt == kernel::not_earth_rate;
+  });
   Session elsewhere = input.session;
   elsewhere.site.latitude = -*latitude;
   try {
@@ -204,9 +208,11 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
     const double before = excess_of(result.calibration.quality);
     Quality& quality = other.calibration.quality;
     // What explains a part only is another fault, which the latitude's turn of the Earth's rate resembles.
-    if (!(excess_of(quality) + obvious < before && excess_of(quality) < before / 2)) return result;
-    quality.warnings.push_back(fmt::format("at a latitude of {:g} deg in place of {:g} deg chi2 falls by {:.3g}; check its sign",
-                                           -*latitude / unit::deg, *latitude / unit::deg, before - excess_of(quality)));
+    const bool by_chi2 = excess_of(quality) + obvious < before && excess_of(quality) < before / 2;
+    if (!by_chi2 && !(by_latitude && quality.verdict == "good")) return result;
+    quality.warnings.push_back(
+        fmt::format("at a latitude of {:g} deg in place of {:g} deg {}; check its sign", -*latitude / unit::deg, *latitude / unit::deg,
+                    by_chi2 ? fmt::format("chi2 falls by {:.3g}", before - excess_of(quality)) : "nothing contradicts the data"));
     kernel::add_doubt(quality, kernel::wrong_latitude);
     return other;
   } catch (const std::runtime_error&) {
@@ -214,13 +220,15 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
   }
 }
 
-/// Where the other method cannot judge the data, or doubts its own estimate, it has no opinion.
+/// Where the other method cannot judge the data it has no opinion; where it refuses what the session declares, that is one.
 void add_second_opinion(Calibration& calibration, const Method& of, const CalibrationInput& input, const CalibrationOptions& options) {
   try {
     CalibrationOptions same;
     same.effects = options.effects;
     const CalibrationResult other = calibrate_together(method(of.second), input, same);
-    if (other.calibration.quality.verdict == "good") kernel::add_second_opinion(calibration, other.calibration);
+    kernel::add_second_opinion(calibration, other.calibration);
+  } catch (const Error& e) {
+    kernel::add_doubt(calibration.quality, fmt::format("the method {} refuses the same data: {}", of.second, e.what()));
   } catch (const std::runtime_error&) {
   }
 }

@@ -1,9 +1,11 @@
-// Sizes of effects, and the play of hysteresis.
+// The columns, keys and sizes of effects, and the play of hysteresis.
 #include "imulab/grade.hpp"
 #include "imulab/model/effects.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 namespace imulab {
 
@@ -19,17 +21,39 @@ std::size_t place_of(std::string_view name) {
 
 }  // namespace
 
+int Effect::columns(const EffectSetting& setting) const {
+  const unsigned has = (setting.accel ? of_accel : 0u) | (setting.gyro ? of_gyro : 0u) | (setting.thermometer ? by_thermometer : 0u) |
+                       (setting.recordings > 1 ? by_recordings : 0u) | (setting.mount ? by_mount : 0u) | (setting.centrifuge ? by_centrifuge : 0u) |
+                       (setting.latitude ? by_latitude : 0u) | (setting.moved ? by_move : 0u);
+  constexpr unsigned triads = of_accel | of_gyro;
+  if ((needs & triads & has) == 0 || (needs & ~triads & ~has) != 0) return 0;
+  if ((needs & by_recordings) != 0) return basis * (setting.recordings - 1);
+  return basis * (each == Each::recording ? setting.recordings : each == Each::machine ? setting.machines : 1);
+}
+
+std::string_view Effect::simulated() const {
+  static const std::map<std::string_view, std::string> keys = [] {
+    constexpr std::string_view sigma = "_sigma";
+    std::map<std::string_view, std::string> out;
+    for (const Effect& effect : effects()) out[effect.name] = std::string(effect.declared).erase(effect.declared.find(sigma), sigma.size());
+    return out;
+  }();
+  return keys.at(name);
+}
+
+const Effect* find_effect(std::string_view name) {
+  const auto at = std::ranges::find(effects(), name, &Effect::name);
+  return at == effects().end() ? nullptr : &*at;
+}
+
+std::string_view grade_of_offset(double accel_offset) {
+  const auto distance = [&](std::string_view name) { return std::abs(std::log(std::max(accel_offset, 1e-9) / grade(name).accel_bias)); };
+  return *std::ranges::min_element(graded, {}, distance);
+}
+
 double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade_name, double accel_offset) {
   if (const auto at = declared.find(effect.name); at != declared.end()) return at->second;
-  std::size_t place = 0;
-  if (!grade_name.empty()) {
-    place = place_of(grade_name);
-  } else {
-    const auto distance = [&](std::string_view name) { return std::abs(std::log(std::max(accel_offset, 1e-9) / grade(name).accel_bias)); };
-    for (std::size_t k = 1; k < graded.size(); ++k)
-      if (distance(graded[k]) < distance(graded[place])) place = k;
-  }
-  return effect.prior[place] * effect.unit;
+  return effect.prior[place_of(grade_name.empty() ? grade_of_offset(accel_offset) : grade_name)] * effect.unit;
 }
 
 Vector3d PlayOperator::operator()(const Vector3d& force) {

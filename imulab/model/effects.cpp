@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string>
 
 namespace imulab {
@@ -57,6 +56,7 @@ double higher_orders(const EffectState& s, int i, int function) {
 double offset_drift(const EffectState& s, int, int function) { return slow(s, function); }
 double drift_in_force(const EffectState& s, int i, int function) { return slow(s, function) * s.force[i]; }
 double drift_in_rate(const EffectState& s, int i, int function) { return slow(s, function) * s.rate[i]; }
+double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
 double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }
 
@@ -222,6 +222,26 @@ constexpr std::array table{
            .words = "the gyros' scales drifted",
            .advice = "repeat the first turns at the end",
            .each = Effect::Each::recording},
+    Effect{.name = "accel.offset_temperature",
+           .needs = need_accel | Effect::by_thermometer,
+           .basis = 3,
+           .phi = of_accels<warming>,
+           .unit = ug,
+           .unit_name = "ug/K",
+           .prior = {0.5, 2, 20, 200},
+           .declared = "accel_offset_temperature_sigma_ug_per_K",
+           .words = "the accelerometers' offsets follow the temperature",
+           .advice = "keep the temperature, or use a chamber"},
+    Effect{.name = "gyro.offset_temperature",
+           .needs = need_gyro | Effect::by_thermometer,
+           .basis = 3,
+           .phi = of_gyros<warming>,
+           .unit = deg_per_h,
+           .unit_name = "deg/h/K",
+           .prior = {0.0002, 0.001, 0.2, 40},
+           .declared = "gyro_offset_temperature_sigma_deg_per_h_per_K",
+           .words = "the gyros' offsets follow the temperature",
+           .advice = "keep the temperature, or use a chamber"},
     Effect{.name = "accel.scale_temperature",
            .needs = need_accel | Effect::by_thermometer,
            .basis = 3,
@@ -318,30 +338,5 @@ constexpr std::array table{
 }  // namespace
 
 std::span<const Effect> effects() { return table; }
-
-int Effect::columns(const EffectSetting& setting) const {
-  const unsigned has = (setting.accel ? of_accel : 0u) | (setting.gyro ? of_gyro : 0u) | (setting.thermometer ? by_thermometer : 0u) |
-                       (setting.recordings > 1 ? by_recordings : 0u) | (setting.mount ? by_mount : 0u) | (setting.centrifuge ? by_centrifuge : 0u) |
-                       (setting.latitude ? by_latitude : 0u) | (setting.moved ? by_move : 0u);
-  constexpr unsigned triads = of_accel | of_gyro;
-  if ((needs & triads & has) == 0 || (needs & ~triads & ~has) != 0) return 0;
-  if ((needs & by_recordings) != 0) return basis * (setting.recordings - 1);
-  return basis * (each == Each::recording ? setting.recordings : each == Each::machine ? setting.machines : 1);
-}
-
-std::string_view Effect::simulated() const {
-  static const std::map<std::string_view, std::string> keys = [] {
-    constexpr std::string_view sigma = "_sigma";
-    std::map<std::string_view, std::string> out;
-    for (const Effect& effect : table) out[effect.name] = std::string(effect.declared).erase(effect.declared.find(sigma), sigma.size());
-    return out;
-  }();
-  return keys.at(name);
-}
-
-const Effect* find_effect(std::string_view name) {
-  const auto at = std::find_if(table.begin(), table.end(), [&](const Effect& e) { return e.name == name; });
-  return at == table.end() ? nullptr : &*at;
-}
 
 }  // namespace imulab

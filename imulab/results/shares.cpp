@@ -89,7 +89,7 @@ std::array<std::string, 2> column_head(const std::string& source) {
       {"effects", "eff."},      {"elastic", "elas"},        {"fourth_order", "4th"},  {"g_sensitivity", "g"},         {"g_squared", "g^2"},
       {"gravity", "g"},         {"higher_orders", "5th"},   {"hysteresis", "hyst."},  {"latitude", "lat."},           {"orthogonality", "orth."},
       {"quadratic", "quad."},   {"rectification", "rect."}, {"scale_drift", "sc.d."}, {"scale_temperature", "sc./K"}, {"terms", "term"},
-      {"timing", "time"},       {"turn-on", "on"},          {"turn_on", "on"},        {"undetermined", "not"}};
+      {"timing", "time"},       {"turn-on", "on"},          {"turn_on", "on"},        {"offset_temperature", "b./K"}, {"undetermined", "not"}};
   const auto short_for = [](const std::string& word) {
     const auto found = narrow.find(word);
     return found == narrow.end() ? word : found->second;

@@ -6,6 +6,7 @@
 #include "imulab/recording/rest_means.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -163,18 +164,16 @@ void add_shaking(TableObservations& seen, const Recording& recording, const std:
     }
 }
 
-void add_warming(TableObservations& seen, const Recording& recording) {
-  const std::vector<double>& thermometer = recording.accel_temperature[0];
-  if (thermometer.empty()) return;
-  const auto mean = [&](const Range& range) {
-    double sum = 0;
-    for (std::size_t n = range.begin; n < range.end; ++n) sum += thermometer[n] / static_cast<double>(range.size());
-    return sum;
-  };
-  const double all = mean({0, recording.size()});
+void add_warming(TableObservations& seen, const Recording& recording, const Session& session) {
+  const std::optional<Thermometer> thermometer = thermometer_of(recording, session.source_of(recording.name));
+  if (!thermometer) return;
   for (std::vector<TablePart>* parts : {&seen.parts.holds, &seen.parts.turns})
-    for (TablePart& part : *parts)
-      if (const Range range = recording.samples_in(part.begin, part.end); range.size() > 0) part.warming = mean(range) - all;
+    for (TablePart& part : *parts) {
+      const Range range = recording.samples_in(part.begin, part.end);
+      if (range.size() == 0) continue;
+      part.warming = 0;
+      for (std::size_t n = range.begin; n < range.end; ++n) *part.warming += thermometer->warming(n) / static_cast<double>(range.size());
+    }
 }
 
 }  // namespace
@@ -221,7 +220,7 @@ TableObservations observe(const Recording& recording, const Session& session) {
 
   measure_densities(seen, recording, rests);
   if (recording.accel_unit != "count" && seen.noise_measured) add_shaking(seen, recording, rests, session.imu.accel_noise_density);
-  add_warming(seen, recording);
+  add_warming(seen, recording, session);
   seen.accel_unit = recording.accel_unit;
   seen.gyro_unit = recording.gyro_unit;
   seen.interval_s = recording.interval_s;

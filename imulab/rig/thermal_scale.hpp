@@ -3,9 +3,13 @@
 //   thermal_scale("K").reading(25)   // 298.15
 #pragma once
 
+#include "imulab/recording.hpp"
 #include "imulab/session.hpp"
 
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace imulab {
 
@@ -21,5 +25,13 @@ struct ThermalScale {
 ThermalScale thermal_scale(const ThermalSource& source);
 /// The scale of readings in degC or K.
 ThermalScale thermal_scale(const std::string& unit);
+
+/// The first thermal sensor of a recording, which must outlive it, whose readings say something in K.
+struct Thermometer {
+  const std::vector<double>* readings;
+  double per_K, mean;                                                                        ///< of the readings
+  double warming(std::size_t sample) const { return ((*readings)[sample] - mean) / per_K; }  ///< K from the recording's mean
+};
+std::optional<Thermometer> thermometer_of(const Recording& recording, const RecordingSource& source);
 
 }  // namespace imulab

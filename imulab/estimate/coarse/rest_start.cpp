@@ -138,10 +138,6 @@ void use_declared_gyro_noise(RestStart& start, const Recording& recording, const
                                                               recording.interval_s, start.noise.gyro, start.findings);
 }
 
-namespace {
-
-/// The part of gravity's turning in the IMU from rest to rest that the gyros explain: 1 all, 0 as little as gyros that read nothing. Turns of less
-/// than 10 deg, with a gap or with saturated samples do not count; empty where fewer than three others are. `gyro`: the matrix of scaled readings.
 std::optional<double> explained_turning(const Recording& recording, const RestStart& start, const Matrix3d& gyro) {
   constexpr std::size_t fewest = 3;
   constexpr double least_turn = 10 * unit::deg;
@@ -163,8 +159,6 @@ std::optional<double> explained_turning(const Recording& recording, const RestSt
   if (turns < fewest) return std::nullopt;
   return 1 - missed / turned;
 }
-
-}  // namespace
 
 std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, const RestStart& start) {
   const std::optional<Matrix3d> coarse = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);

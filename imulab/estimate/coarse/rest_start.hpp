@@ -51,6 +51,10 @@ void use_declared_gyro_noise(RestStart& start, const Recording& recording, const
 /// A stuck or coarsely quantized axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
 void limit_noise(RestStart& start);
 
+/// The part of gravity's turning in the IMU from rest to rest that the gyros explain: 1 all, 0 as little as gyros that read nothing. Turns of less
+/// than 10 deg, with a gap or with saturated samples do not count; empty where fewer than three others are. `gyro`: the matrix of scaled readings.
+std::optional<double> explained_turning(const Recording& recording, const RestStart& start, const Matrix3d& gyro);
+
 /// The gyros' coarse matrix in motion (coarse.hpp); nothing where it is not that of the declared IMU and the declared unit explains the turns better
 /// (gyros that are late by part of a turn make any), or where the turns that would tell were lost. Throws Unsupported where the gyros explain less
 /// than half, with the coarse matrix and, where their unit is declared, as they are.

@@ -1,5 +1,6 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid/turns.hpp"
 #include "imulab/recording/compensated_readings.hpp"
@@ -82,10 +83,11 @@ void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
                   correlation));
 }
 
-/// Mean force and rate at a rest, in the body.
+/// Mean force and rate at a rest, in the body, and what the effects change: of the force along up (first row), and of the rate about it.
 struct RestMotion {
   Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
   double duration = 0;  // s
+  Eigen::Matrix<double, 2, Eigen::Dynamic> by_effect = {};
 };
 
 std::vector<RestMotion> rests_of(const Data& data, const Iterate& last) {
@@ -98,28 +100,43 @@ std::vector<RestMotion> rests_of(const Data& data, const Iterate& last) {
     const Block& block = data.blocks[k];
     new_rest = new_rest || !block.at_rest || block.lost;
     if (!block.at_rest || !block.observed) continue;
-    if (std::exchange(new_rest, false)) rests.emplace_back();
+    if (std::exchange(new_rest, false)) rests.emplace_back().by_effect.setZero(2, effects.size());
     RestMotion& rest = rests.back();
     const double dt = data.recording.interval_s;
     for (std::size_t i = block.samples.begin; i < block.samples.end; ++i)
       rest.force += dt * readings.force(i), rest.rate += dt * readings.rate(i), rest.duration += dt;
     if (effects.size() == 0) continue;
-    const OutputChange change = effects.output(last.pass.states[k]);
+    const EffectState& state = last.pass.states[k];
+    const OutputChange change = effects.output(state);
     const double duration = dt * static_cast<double>(block.samples.size());
     rest.force -= duration * change.force, rest.rate -= duration * change.rate;
+    const Vector3d up = state.force.normalized();
+    for (Index c = 0; c < effects.size(); ++c) {
+      const OutputChange by = effects.columns()[static_cast<std::size_t>(c)].at(state);
+      rest.by_effect.col(c) += duration * Eigen::Vector2d(up.dot(by.force), up.dot(by.rate));
+    }
   }
-  for (RestMotion& rest : rests) rest.force /= rest.duration, rest.rate /= rest.duration;
+  for (RestMotion& rest : rests) rest.force /= rest.duration, rest.rate /= rest.duration, rest.by_effect /= rest.duration;
   return rests;
 }
 
-/// By how much this value of the rests scatters about its mean, over what white noise of this density explains.
+/// By how much this value of the rests scatters about its mean, over what white noise of this density explains, and what is not known of the effects
+/// that were taken out of it (`row` of RestMotion::by_effect).
 template <class Value>
-double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& density, Value value) {
-  double mean = 0, all = 0, chi2 = 0;
-  for (const RestMotion& rest : rests) mean += rest.duration * value(rest), all += rest.duration;
-  mean /= all;
-  for (const RestMotion& rest : rests) chi2 += rest.duration * std::pow(value(rest) - mean, 2) / density.cwiseAbs2().mean();
-  return kernel::excess(chi2, static_cast<double>(rests.size()) - 1);
+double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& density, const MatrixXd& of_effects, Index row, Value value) {
+  const Index n = std::ssize(rests);
+  if (n < 2) return 1;
+  VectorXd values(n), noise(n);
+  MatrixXd by_effect(n, of_effects.cols());
+  for (Index k = 0; k < n; ++k) {
+    const RestMotion& rest = rests[static_cast<std::size_t>(k)];
+    values[k] = value(rest), noise[k] = density.cwiseAbs2().mean() / rest.duration, by_effect.row(k) = rest.by_effect.row(row);
+  }
+  MatrixXd covariance = by_effect * of_effects * by_effect.transpose();
+  covariance.diagonal() += noise;
+  const VectorXd weight = solve_semidefinite(covariance, VectorXd(VectorXd::Ones(n)));
+  values.array() -= weight.dot(values) / weight.sum();
+  return kernel::excess(squared_norm_in(covariance, values), static_cast<double>(n) - 1);
 }
 
 /// Names the velocities that scatter, and their excess over the noise.
@@ -134,8 +151,10 @@ Scatter drift_between_rests(const Data& data, const Iterate& last) {
   const std::vector<RestMotion> rests = rests_of(data, last);
   const auto force = [](const RestMotion& r) { return r.force.norm(); };
   const auto rate = [](const RestMotion& r) { return r.force.normalized().dot(r.rate); };
-  const Scatter forces{"the rests' mean forces", data.noise.accel_slow.any() ? 1 : scatter_of_rests(rests, data.noise.accel, force)};
-  const Scatter rates{"the rests' mean rates about the vertical", data.noise.gyro_slow.any() ? 1 : scatter_of_rests(rests, data.noise.gyro, rate)};
+  const MatrixXd& C = last.pass.effects.covariance;
+  const Scatter forces{"the rests' mean forces", data.noise.accel_slow.any() ? 1 : scatter_of_rests(rests, data.noise.accel, C, 0, force)};
+  const Scatter rates{"the rests' mean rates about the vertical",
+                      data.noise.gyro_slow.any() ? 1 : scatter_of_rests(rests, data.noise.gyro, C, 1, rate)};
   return forces.factor > rates.factor ? forces : rates;
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace imulab::hybrid {
@@ -22,9 +21,9 @@ Unmodeled unmodeled_of(const Session& session, const Recording& recording, const
   const auto calibrates = [&](Triad triad) {
     return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
   };
-  Unmodeled out{
-      kernel::Effects(kernel::effect_sizes(session, coarse.accel.offset),
-                      {.accel = calibrates(Triad::accel), .gyro = calibrates(Triad::gyro), .thermometer = !recording.accel_temperature[0].empty()})};
+  const std::optional<Thermometer> thermometer = thermometer_of(recording, session.source_of(recording.name));
+  const EffectSetting setting{.accel = calibrates(Triad::accel), .gyro = calibrates(Triad::gyro), .thermometer = thermometer.has_value()};
+  Unmodeled out{.effects = kernel::Effects(kernel::effect_sizes(session, coarse.accel.offset), setting), .thermometer = thermometer};
   for (const Block& block : blocks)
     if (!block.at_rest)
       out.full_rate = std::max(
@@ -35,14 +34,13 @@ Unmodeled unmodeled_of(const Session& session, const Recording& recording, const
 EffectStates::EffectStates(const Recording& recording, const Unmodeled& unmodeled, const Noise& noise, double gravity)
     : recording_(recording),
       effects_(unmodeled.effects),
+      thermometer_(unmodeled.thermometer),
       variance_(noise.accel.cwiseAbs2() / recording.interval_s),
       begin_s_(recording.time_s(0)),
       span_s_(std::max(recording.time_s(recording.size() - 1) - begin_s_, 1e-9)),
       play_(gravity) {
   state_.gravity = state_.full_force = gravity;
   state_.full_rate = unmodeled.full_rate;
-  if (const std::vector<double>& t = recording.accel_temperature[0]; !t.empty())
-    temperature_ = std::accumulate(t.begin(), t.end(), 0.0) / static_cast<double>(t.size());
 }
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> EffectStates::columns(const Block& block, const BlockSums& sums) {
@@ -50,7 +48,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> EffectStates::columns(const Block& bloc
   const double begin_s = recording_.time_s(block.samples.begin) - begin_s_;
   double elapsed = 0;
   state_.shaking = block.at_rest ? Vector3d(sums.shaking - variance_) : Vector3d::Zero();
-  if (temperature_) state_.warming = recording_.accel_temperature[0][block.samples.begin] - *temperature_;
+  if (thermometer_) state_.warming = thermometer_->warming(block.samples.begin);
   for (const in_place::BlockPart& part : sums.parts) {
     state_.rate = part.rate / part.duration;
     state_.force = part.force / part.duration;

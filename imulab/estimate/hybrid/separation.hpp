@@ -10,6 +10,7 @@
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -25,6 +26,7 @@ namespace imulab::hybrid {
 struct Unmodeled {
   kernel::Effects effects = {};  ///< values are zero: each pass estimates them anew
   double full_rate = 1;          ///< rad/s: the largest of the session, but no gyro's range is less than this
+  std::optional<Thermometer> thermometer = {};
   Eigen::Index size() const { return effects.size(); }
 };
 
@@ -44,9 +46,9 @@ class EffectStates {
  private:
   const Recording& recording_;
   const kernel::Effects& effects_;
+  std::optional<Thermometer> thermometer_;
   Vector3d variance_;  // of the accelerometers' samples by their noise
   double begin_s_, span_s_;
-  std::optional<double> temperature_;  // mean
   PlayOperator play_;
   EffectState state_;
 };

@@ -4,6 +4,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/model/conclusion.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -134,6 +135,11 @@ std::optional<EqualPart> equal_g_sensitivity(const Calibration& c) {
 }
 
 }  // namespace
+
+bool is_of_session(std::string_view doubt) {
+  if (doubt == wrong_latitude || doubt == not_earth_rate || doubt == wrong_turn) return true;
+  return doubt.starts_with(find_effect("site.latitude")->words) || doubt.starts_with(find_effect("site.north")->words);
+}
 
 void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity) {
   const auto equal = equal_g_sensitivity(calibration);

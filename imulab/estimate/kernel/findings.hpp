@@ -24,6 +24,11 @@ struct Findings {
 };
 
 inline constexpr const char* wrong_latitude = "the latitude seems to be wrong";
+inline constexpr const char* not_earth_rate = "the gyros' readings at rest are not the Earth's rate at this latitude";
+inline constexpr const char* wrong_turn = "a turn does not fit its declared angle";
+/// What is wrong with the session's declarations, not with the estimate: the latitude, north, the steps.
+bool is_of_session(std::string_view doubt);
+
 /// Doubts the latitude where the g-sensitivity is the same on all axes: up is along the force at every rest, so an error of the Earth's vertical rate
 /// looks just like it. Notes the sign of the latitude as assumed where the IMU's own g-sensitivity would hide a wrong one.
 void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity);

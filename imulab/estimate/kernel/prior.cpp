@@ -3,6 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -16,14 +17,16 @@ namespace imulab::kernel {
 namespace {
 
 /// By the offsets. The least are those of a navigation-grade IMU; MEMS sensors with 30 mg and 1 deg/s get 300 ug/g^2, 2 ppm/(deg/s) and 0.1 deg/s/g.
+/// A firmware may have set the gyros' offsets to zero: their terms are no smaller than those of IMUs with such accelerometers.
 TermSizes sizes_of_offsets(double accel, double gyro) {
   using namespace unit;
   const double a = accel / g, w = gyro / deg;  // g, deg/s
+  const TermSizes& alike = grade(grade_of_offset(accel)).terms;
   return {.accel_quadratic = std::max(30 * ug, 0.01 * a * g) / (g * g),
           .accel_cubic = std::max(10 * ug, 0.003 * a * g) / (g * g * g),
-          .gyro_quadratic = std::max(1e-3, 2 * w) * ppm / deg,
-          .gyro_cubic = std::max(1e-3, 2 * w) * 1e-9 / (deg * deg),
-          .g_sensitivity = std::max(0.01 * deg_per_h, 0.1 * gyro) / g};
+          .gyro_quadratic = std::max(alike.gyro_quadratic, std::max(1e-3, 2 * w) * ppm / deg),
+          .gyro_cubic = std::max(alike.gyro_cubic, std::max(1e-3, 2 * w) * 1e-9 / (deg * deg)),
+          .g_sensitivity = std::max(alike.g_sensitivity, std::max(0.01 * deg_per_h, 0.1 * gyro) / g)};
 }
 
 /// The size that the prior of an optional term is proportional to; null for other terms.

@@ -1,5 +1,8 @@
 #include "imulab/estimate/kernel/prior.hpp"
 
+#include "imulab/grade.hpp"
+#include "imulab/units.hpp"
+
 #include <gtest/gtest.h>
 
 namespace imulab::kernel {
@@ -27,6 +30,15 @@ TEST(OptionalTerms, OnlyTheContradictedTermIsWidened) {
   EXPECT_EQ(widened, std::vector<std::string>{"gyro.quadratic"});
   EXPECT_EQ(sizes.accel.quadratic, 1);
   EXPECT_GT(sizes.gyro.quadratic, 100);
+}
+
+TEST(OptionalTerms, GyrosSetToZeroAreNoBetterThanTheAccelerometers) {
+  const auto of_offsets = [](double accel, double gyro) { return optional_priors({}, Vector3d::Constant(accel), Vector3d::Constant(gyro)); };
+  const TermSizes &mems = grade("mems").terms, &navigation = grade("navigation").terms;
+  EXPECT_EQ(of_offsets(30e-3 * unit::g, 0).g_sensitivity, mems.g_sensitivity);
+  EXPECT_EQ(of_offsets(30e-3 * unit::g, 0).gyro.quadratic, mems.gyro_quadratic);
+  EXPECT_EQ(of_offsets(70 * unit::ug, 0).g_sensitivity, navigation.g_sensitivity);
+  EXPECT_GT(of_offsets(70 * unit::ug, 1 * unit::deg).g_sensitivity, mems.g_sensitivity) << "a gyro whose zero is far off";
 }
 
 }  // namespace

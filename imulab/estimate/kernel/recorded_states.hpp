@@ -4,10 +4,11 @@
 #include "imulab/model/effects.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/scaling.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 #include "imulab/session.hpp"
 
 #include <cstddef>
-#include <vector>
+#include <optional>
 
 namespace imulab::kernel {
 
@@ -20,13 +21,12 @@ class RecordedStates {
   /// Without force and rate.
   EffectState at(std::size_t sample) const;
   int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
-  bool thermometer() const { return temperature_ != nullptr; }
+  bool thermometer() const { return thermometer_.has_value(); }
 
  private:
   const Recording* recording_;
   EffectState common_;
-  const std::vector<double>* temperature_ = nullptr;
-  double mean_ = 0, per_K_ = 1;  ///< of its readings
+  std::optional<Thermometer> thermometer_;
 };
 
 }  // namespace imulab::kernel

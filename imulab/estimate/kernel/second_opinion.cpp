@@ -43,12 +43,23 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
 
 void add_second_opinion(Calibration& calibration, const Calibration& other) {
   constexpr double most = 3.7;
+  Quality& quality = calibration.quality;
+  if (other.quality.verdict != "good") {
+    if (other.quality.cause && quality.cause == other.quality.cause) return;
+    const bool first = !quality.cause;
+    for (const std::string& doubt : other.quality.because) {
+      if (!is_of_session(doubt)) continue;
+      add_doubt(quality, fmt::format("{}, by the method {} from the same data", doubt, other.method));
+      if (first) quality.cause = other.quality.cause;
+    }
+    return;
+  }
   const std::optional<SecondOpinion> opinion = second_opinion(calibration, other);
   if (!opinion) return;
-  calibration.quality.second_opinion = opinion;
+  quality.second_opinion = opinion;
   if (std::abs(opinion->sigmas) > most)
-    add_doubt(calibration.quality, fmt::format("the method {} finds {} {:.1f} standard deviations away, from the same data", opinion->method,
-                                               opinion->coefficient, std::abs(opinion->sigmas)));
+    add_doubt(quality, fmt::format("the method {} finds {} {:.1f} standard deviations away, from the same data", opinion->method,
+                                   opinion->coefficient, std::abs(opinion->sigmas)));
 }
 
 }  // namespace imulab::kernel

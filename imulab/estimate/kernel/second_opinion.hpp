@@ -15,7 +15,8 @@ namespace imulab::kernel {
 /// Variances that hardly differ (by less than a tenth) tell nothing and are left out. None where no coefficient is left.
 std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const Calibration& other);
 
-/// Adds it to the result: beyond 3.7 sigma (one in some 200 among 24 coefficients by chance) as a doubt.
+/// Adds it to the result: beyond 3.7 sigma (one in some 200 among 24 coefficients by chance) as a doubt. Where the other method doubts its own
+/// estimate it has none; what it doubts of the session holds for any method.
 void add_second_opinion(Calibration& calibration, const Calibration& other);
 
 }  // namespace imulab::kernel

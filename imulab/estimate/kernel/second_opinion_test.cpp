@@ -3,10 +3,13 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/estimate/kernel/findings.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace imulab::kernel {
 namespace {
@@ -44,6 +47,21 @@ TEST(SecondOpinion, BecomesADoubtBeyondChance) {
   add_second_opinion(c, offsets(5, {0, 16, 0}));
   EXPECT_EQ(c.quality.verdict, "doubtful");
   EXPECT_EQ(c.quality.because.size(), 1u);
+}
+
+TEST(SecondOpinion, OfOneThatDoubtsItselfCountsForTheSessionAlone) {
+  Calibration c = offsets(3, {0, 0, 0}), doubtful = offsets(5, {0, 16, 0});
+  c.quality.verdict = "good";
+  add_doubt(doubtful.quality, "the fit did not converge");
+  add_second_opinion(c, doubtful);
+  EXPECT_EQ(c.quality.verdict, "good");
+  for (const char* of_session : {wrong_latitude, wrong_turn}) {
+    Calibration other = doubtful, mine = c;
+    add_doubt(other.quality, of_session);
+    add_second_opinion(mine, other);
+    EXPECT_EQ(mine.quality.because, std::vector<std::string>{std::string(of_session) + ", by the method some from the same data"});
+    EXPECT_EQ(mine.quality.cause, other.quality.cause);
+  }
 }
 
 // The mean of n readings and that of n / 4 of them: the difference has the variance of the latter less that of the former.

@@ -200,7 +200,21 @@ void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const
   if (usable < turns.size())
     findings.warn(fmt::format("{} of {} turns have no rest of their own before and after them, or a gap: their angle is not used",
                               turns.size() - usable, turns.size()));
-  if (problem.turns(true) > 0) findings.doubt("a turn does not fit its declared angle");
+  if (problem.turns(true) > 0) findings.doubt(kernel::wrong_turn);
+}
+
+/// The other hemisphere is another minimum, which no step reaches. Of two latitudes the wrong one is as much more probable in at most one of 140
+/// sessions, whatever the gyros resolve: in P(Z > sqrt(2 x)).
+void doubt_hemisphere(kernel::Findings& findings, const HandheldProblem& problem, const Fit& fit) {
+  constexpr double more_likely = 3;  // logarithm
+  if (problem.effects().size() == 0 || std::ranges::find(findings.doubts, kernel::wrong_latitude) != findings.doubts.end()) return;
+  HandheldProblem mirrored = problem;
+  mirrored.mirror_latitude();
+  const Fit there = converge(mirrored, fit.spreads);
+  const auto log_probability = [](const Fit& f) { return kernel::log_probability(f.conditions.information(), f.parameters, "the rests"); };
+  if (!there.converged || !(log_probability(there) - log_probability(fit) > more_likely)) return;
+  findings.warn("the gyros show a latitude of the other sign; check the site's latitude");
+  findings.doubt(kernel::wrong_latitude);
 }
 
 }  // namespace
@@ -244,6 +258,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   }
   if (!session.site.latitude) findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
   add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, parts);
+  if (session.site.latitude) doubt_hemisphere(findings, problem, fit);
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));

@@ -32,6 +32,9 @@ class HandheldProblem : public RestProblem {
   void leave_out_rotations();
   void release();
 
+  /// To the same latitude on the other side of the equator.
+  void mirror_latitude() { latitude_ = -*latitude_, earth_up_ = -earth_up_; }
+
   /// As if the unit were turned further, about `axis` (body axes) by `angle` [rad], and then rested for `rest_s`, with the noise of the others. For
   /// the information of a rest to come: not to be corrected or dropped from after this.
   void extend(const Vector3d& axis, double angle, double rest_s);

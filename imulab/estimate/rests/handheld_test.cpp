@@ -37,6 +37,58 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
   }
 }
 
+TEST(Handheld, GyrosThatTheirFirmwareSetToZeroAreGood) {
+  SimulatedSession s = simulate_session(short_hand_held(), 3);
+  const RestMeans first = summarize_rests(s.recording, {s.rests.front()}).front();
+  for (std::size_t j = 0; j < 3; ++j)
+    for (double& v : s.recording.gyro[j]) v -= first.gyro[static_cast<Eigen::Index>(j)];
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+}
+
+TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) {
+  const SimulatedSession s = simulate_session(short_hand_held(), 4, [](Truth& t) { t.model.g_sensitivity.setZero(); });
+  ImuDeclaration imu;
+  imu.grade = "mems";
+  imu.term_sigmas.g_sensitivity = 10 * unit::deg_per_h / unit::g;  // an equal part of 20 deg/h/g, as the wrong sign makes it, is within two sigmas
+  Site south = s.site();
+  south.latitude = -*south.latitude;
+  EXPECT_EQ(calibrated("handheld", s.recording, s.rests, imu, s.site()).quality.verdict, "good");
+  const Calibration c = calibrated("handheld", s.recording, s.rests, imu, south);
+  EXPECT_EQ(c.quality.verdict, "doubtful");
+  EXPECT_EQ(c.quality.cause, "site.latitude");
+}
+
+/// The readings of a unit whose offsets follow a logged temperature: from 5 degC, up by 22 K.
+Recording warming(const SimulatedSession& s, const Vector3d& accel_per_K, const Vector3d& gyro_per_K) {
+  Recording out = s.recording;
+  for (auto& column : out.accel_temperature) column.resize(out.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(out.size()), degC = 5 + 22 * std::sin(1.5 * part);
+    for (std::size_t j = 0; j < 3; ++j) {
+      out.accel_temperature[j][i] = degC;
+      out.accel[j][i] += accel_per_K[static_cast<Eigen::Index>(j)] * (degC - 16),
+          out.gyro[j][i] += gyro_per_K[static_cast<Eigen::Index>(j)] * (degC - 16);
+    }
+  }
+  return out;
+}
+
+TEST(Handheld, OffsetsThatFollowTheThermometerAreNamed) {
+  const SimulatedSession s = simulate_session(short_hand_held(), 5);
+  const Recording recording = warming(s, Vector3d(8, -7, 8) * 1e-3, Vector3d(0.05, 0.05, -0.04) * unit::deg);
+  Session session;
+  session.imu.grade = "mems";
+  session.site = s.site();
+  RecordingSource source = s.session.recordings.front();
+  source.accel_temperature = ThermalSource{.unit = "degC"};
+  session.recordings = {source};
+  const Calibration c = calibrate("handheld", input_of(session, recording, s.rests)).calibration;
+  ASSERT_TRUE(c.quality.cause);
+  EXPECT_THAT(*c.quality.cause, HasSubstr("gyro.offset_temperature"));
+  EXPECT_THAT(*c.quality.cause, testing::Not(HasSubstr("drift")));
+}
+
 TEST(Handheld, CountsGiveTheSameUnitAsSi) {
   SimulatedSession s = simulate_session(short_hand_held(), 2);
   // Counts far from their zero have no nonlinearity of their own, and no offset that says how large the g-sensitivity may be.

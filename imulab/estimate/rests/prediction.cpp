@@ -67,6 +67,7 @@ Prediction prediction(std::string_view method, const Foreseen& of, const Predict
   const Fit fit = foreseen(problem);
   Prediction out = prediction_of(calibration_of(method, problem, fit, of.session));
   out.notes = of.start.findings.notes;
+  out.notes.insert(out.notes.end(), of.start.findings.warnings.begin(), of.start.findings.warnings.end());
   out.missed = shortfalls(out, options.requirements);
   return out;
 }

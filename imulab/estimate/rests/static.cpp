@@ -1,3 +1,4 @@
+#include "imulab/core/decomposition.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -19,6 +20,8 @@ namespace {
 
 using coarse::RestStart;
 
+constexpr const char* gyros_change = "the gyros' output changes between the rests";
+
 /// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
 constexpr double resolvable_part = 0.1;
 
@@ -26,6 +29,7 @@ constexpr double resolvable_part = 0.1;
 struct GyroStart {
   std::optional<coarse::CoarseGyro> coarse;
   std::string reason;
+  std::string doubt = {};  ///< gyros that resolve it contradict it
 };
 
 /// The error of the rests' means from the samples' noise [rad/s], with a matrix of scaled readings.
@@ -37,47 +41,98 @@ double mean_noise(const RestStart& start, const Matrix3d& matrix) {
   return worst;
 }
 
-GyroStart start_gyro(const RestStart& start, const Recording& recording, const Site& site) {
+/// How far the offsets of such gyros drift in a session [rad/s], one sigma.
+double expected_drift(const RestStart& start, const Session& session) {
+  const kernel::EffectSizes sizes = kernel::effect_sizes(session, to_raw(start.model, start.scaling).accel.offset);
+  return effect_sigma(*find_effect("gyro.drift"), sizes.declared, sizes.grade, sizes.accel_offset);
+}
+
+GyroStart start_gyro(const RestStart& start, const Recording& recording, const Session& session, const std::optional<Matrix3d>& unit) {
+  const Site& site = session.site;
   const auto not_resolved = [](double error) {
-    return GyroStart{
-        {},
-        fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h)};
+    return GyroStart{{},
+                     fmt::format("they do not resolve Earth's rate: noise and drift shift the rests' means by {:.2g} deg/h, more than a tenth of it",
+                                 error / unit::deg_per_h)};
   };
   const auto is_silent = [](const std::vector<double>& column) { return std::all_of(column.begin(), column.end(), [](double v) { return v == 0; }); };
   if (std::all_of(recording.gyro.begin(), recording.gyro.end(), is_silent)) return {{}, "the recording has none"};
   const bool counts = recording.gyro_unit == "count";
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
-  if (const double noise = mean_noise(start, Matrix3d::Identity()); !counts && noise > resolvable_part * earth_rate) return not_resolved(noise);
+  constexpr double limit = resolvable_part * earth_rate;
+  const double noise = unit ? mean_noise(start, *unit) : 0, drift = expected_drift(start, session);
+  if (noise > limit) return not_resolved(noise);
   // The headings are found from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
   const auto coarse = coarse::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
-  if (!counts && !coarse::near_identity(coarse->matrix))
-    return {{}, "their readings at rest do not agree with the Earth's rate in rad/s; check the latitude (and its sign), the axes and the unit"};
   double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
   for (const RestMeans& rest : start.rests)
     misfit += std::pow((coarse->offset + coarse->matrix * start.gyro(rest)).norm() - earth_rate, 2) / static_cast<double>(start.rests.size());
-  const double error = std::max(mean_noise(start, coarse->matrix), std::sqrt(misfit));
-  return error > resolvable_part * earth_rate ? not_resolved(error) : GyroStart{coarse, {}};
+  const double by_noise = mean_noise(start, coarse->matrix), error = std::max(by_noise, std::sqrt(misfit));
+  const bool resolve = unit && drift <= limit;
+  constexpr double many = 3;  // sigmas
+  if (error > limit && !(resolve && error > many * std::hypot(noise, drift))) return not_resolved(std::max(by_noise, drift));
+  if (error > limit)
+    return {{},
+            fmt::format("the rests' means miss Earth's rate by {:.2g} deg/h, where their noise explains {:.2g}", error / unit::deg_per_h,
+                        noise / unit::deg_per_h),
+            gyros_change};
+  if (!counts && !coarse::near_identity(coarse->matrix))
+    return {{},
+            "their readings at rest do not agree with the Earth's rate in rad/s; check the latitude (and its sign), the axes and the unit",
+            resolve ? kernel::not_earth_rate : ""};
+  return {coarse, {}};
+}
+
+/// Do the rests' means of gyros that nothing else judges have a step that force, noise and drift do not explain? They were set to zero again, or to
+/// another range. `unit`: the matrix of scaled readings.
+bool output_steps(const RestStart& start, const Matrix3d& unit, double drift) {
+  constexpr double many = 5, most_left = 1.0 / 9;  // sigmas; of the squares: a hand that moves, and warming, make no step
+  constexpr Eigen::Index enough = 4;               // rests on either side: as many as unknowns
+  const auto n = std::ssize(start.rests);
+  Eigen::MatrixXd by_force(n, 4), means(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const RestMeans& rest = start.rests[static_cast<std::size_t>(k)];
+    by_force.row(k) << 1, start.up(rest).transpose();
+    means.row(k) = (unit * start.gyro(rest)).transpose();
+  }
+  if (n < 2 * enough) return false;
+  const Eigen::MatrixXd Q = orthogonal_triangular(by_force).Q, left = means - Q * (Q.transpose() * means);
+  const double squares = left.squaredNorm(), scatter = std::sqrt(squares / (3.0 * static_cast<double>(n - 4)));
+  if (!(scatter > many * std::hypot(mean_noise(start, unit), drift, earth_rate))) return false;
+  double explained = 0;
+  for (Eigen::Index k = enough; k + enough <= n; ++k) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    step.tail(n - k).setOnes();
+    step -= Q * (Q.transpose() * step);
+    explained = std::max(explained, (step.transpose() * left).squaredNorm() / step.squaredNorm());
+  }
+  return squares - explained < most_left * squares;
 }
 
 }  // namespace
 
 bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Session& session) {
-  const GyroStart gyro = start_gyro(start, recording, session.site);
+  const std::optional<Matrix3d> unit = recording.gyro_unit != "count"
+                                           ? Matrix3d(Matrix3d::Identity())
+                                           : coarse::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  GyroStart gyro = start_gyro(start, recording, session, unit);
   if (gyro.coarse) {
     start.model.gyro.offset = gyro.coarse->offset;
     start.model.gyro.matrix = gyro.coarse->matrix;
     if (recording.gyro_unit == "count") start.prior.gyro = start.model.gyro;
     coarse::use_declared_gyro_noise(start, recording, session.imu);
-  } else {
-    // The scaled model must give back the starting value, one, when it returns to raw readings.
-    SensorModel unit;
-    unit.gyro.raw_unit = recording.gyro_unit;
-    start.model.gyro = to_scaled(unit, start.scaling).gyro;
-    start.findings.note("the gyros were not calibrated: " + gyro.reason);
+    return true;
   }
-  return gyro.coarse.has_value();
+  // The scaled model must give back the starting value, one, when it returns to raw readings.
+  SensorModel as_read;
+  as_read.gyro.raw_unit = recording.gyro_unit;
+  start.model.gyro = to_scaled(as_read, start.scaling).gyro;
+  if (recording.gyro_unit == "count") gyro.reason += "; they stay in counts";
+  start.findings.warn("the gyros were not calibrated: " + gyro.reason);
+  if (gyro.doubt.empty() && unit && output_steps(start, *unit, expected_drift(start, session))) gyro.doubt = gyros_change;
+  if (!gyro.doubt.empty()) start.findings.doubt(gyro.doubt);
+  return false;
 }
 
 namespace {
@@ -88,6 +143,18 @@ void check_axes(RestStart& start, const Recording& recording) {
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0) || kernel::is_oblique(*in_motion)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     start.findings.doubt(wrong + ", as gravity turns in the IMU; check the order and the signs of both triads' columns");
+}
+
+/// At rest gyros that are all reversed measure the Earth's rate of the other hemisphere. Between the rests they turn against gravity.
+void check_turns(RestStart& start, const Recording& recording, const Matrix3d& gyro) {
+  constexpr double least = 0.5;  // as of gyros that turn with the accelerometers at all; calibrated ones explain nearly everything
+  const auto explained = coarse::explained_turning(recording, start, gyro);
+  if (!explained || *explained > least) return;
+  const bool reversed = coarse::explained_turning(recording, start, -gyro).value_or(0) > least;
+  start.findings.warn(reversed
+                          ? "between the rests gravity turns against the calibrated gyros, as a latitude of the wrong sign makes it; check its sign"
+                          : "the calibrated gyros do not carry gravity from rest to rest; check the latitude, and the columns of both triads");
+  start.findings.doubt(reversed ? kernel::wrong_latitude : "the gyros do not turn as gravity does");
 }
 
 }  // namespace
@@ -104,6 +171,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   StaticProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem);
+  if (with_gyros) check_turns(start, recording, problem.model().gyro.matrix);
 
   CalibrationResult result{.calibration = calibration_of("static", problem, fit, session)};
   add_parts(result.calibration.quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);

@@ -47,7 +47,7 @@ TEST(Static, AccelerometersFromRestsAlone) {
   const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
   EXPECT_EQ(c.estimated.size(), 15u);
   expect_within(c, s.truth.model, 4.3);  // 15 coefficients: once in 4000
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
   EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity());
   EXPECT_EQ(c.model.gyro.offset, Vector3d::Zero());
   EXPECT_EQ(c.quality.verdict, "good");
@@ -117,7 +117,7 @@ TEST(Static, GyrosFromEarthRate) {
   nowhere.latitude.reset();
   const Calibration without = calibrated("static", s.recording, s.rests, {}, nowhere);
   EXPECT_EQ(without.estimated.size(), 15u);
-  EXPECT_THAT(without.quality.notes, Contains(HasSubstr("the site gives no latitude")));
+  EXPECT_THAT(without.quality.warnings, Contains(HasSubstr("the site gives no latitude")));
 }
 
 TEST(Static, ABadRestIsDroppedAndNamed) {
@@ -178,9 +178,49 @@ TEST(Static, TheOtherHemisphereIsNoticed) {
   const SimulatedSession s = simulate_session(options, 6);
   Site south = s.site();
   south.latitude = -*south.latitude;
-  const Calibration c = calibrated("static", s.recording, s.rests, {}, south);
-  EXPECT_EQ(c.estimated.size(), 15u);
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("check the latitude (and its sign), the axes and the unit")));
+  Recording counts = s.recording;
+  counts.gyro_unit = "count";
+  for (auto& column : counts.gyro)
+    for (double& v : column) v *= 1e9;
+  for (const Recording& recording : {s.recording, counts}) {
+    const Calibration c = calibrated("static", recording, s.rests, {}, south);
+    EXPECT_EQ(c.quality.verdict, "doubtful");
+    EXPECT_EQ(c.quality.cause, "site.latitude");
+    EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("nothing contradicts the data; check its sign")));
+    EXPECT_EQ(c.estimated.size(), 36u) << "calibrated where the gyros are";
+    EXPECT_GT(c.model.gyro.matrix.diagonal().minCoeff(), 0);
+  }
+}
+
+/// Navigation-grade gyros whose readings from half of the recording on are others.
+template <class Change>
+Calibration changed_midway(Change change) {
+  HandHeldOptions options = mems(24);
+  options.first_rest = options.rest = 30;
+  options.grade = "navigation";
+  SimulatedSession s = simulate_session(options, 9);
+  for (auto& column : s.recording.gyro)
+    for (std::size_t i = column.size() / 2; i < column.size(); ++i) column[i] = change(column[i]);
+  return calibrated("static", s.recording, s.rests, {}, s.site());
+}
+
+TEST(Static, GyrosThatChangeMidwayAreDoubted) {
+  const auto is_said = [](const Calibration& c) {
+    EXPECT_THAT(verdict_text(c.quality), HasSubstr("the gyros' output changes between the rests"));
+    EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("do not resolve"))));
+  };
+  is_said(changed_midway([](double rate) { return rate - 5 * unit::deg_per_h; }));  // set to zero again
+  is_said(changed_midway([](double rate) { return -rate; }));
+  is_said(changed_midway([](double rate) { return 2 * rate; }));
+  EXPECT_EQ(changed_midway([](double rate) { return rate; }).quality.verdict, "good");
+}
+
+TEST(Static, GyrosThatDoNotResolveTheEarthAndChangeMidwayAreDoubted) {
+  SimulatedSession s = simulate_session(mems(20), 1);
+  for (auto& column : s.recording.gyro)
+    for (std::size_t i = column.size() / 2; i < column.size(); ++i) column[i] -= 1 * unit::deg;
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("the gyros' output changes between the rests"));
 }
 
 TEST(Static, TermsThatAreNotAskedForKeepTheDeclaredUnit) {

@@ -5,6 +5,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/session.hpp"
 #include "imulab/stop.hpp"
 #include "imulab/units.hpp"
@@ -98,6 +99,12 @@ RawNoise raw_noise(const TableProblem& problem, const SensorModel& model) {
 }
 
 bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
+
+/// How the gyros' readings are not about the axes of the accelerometers' readings; of counts, which may fall where the quantity rises, nothing.
+std::string wrong_axes_of(const TableProblem& problem, const SensorModel& model) {
+  if (problem.seen.accel_unit == "count" || problem.seen.gyro_unit == "count") return {};
+  return wrong_axes(model.accel.matrix.inverse() * model.gyro.matrix);
+}
 
 /// True if no stated coefficient changed by more than its uncertainty.
 bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
@@ -196,19 +203,24 @@ Fit enlarged(const Fit& declared, double most) {
 std::string reversed_axis(const Fit& declared) {
   const bool mirrored = left_handed(declared.model);
   if (!mirrored && declared.log_probability() > std::log(unlikely)) return {};
+  constexpr double obvious = 30;  // of chi-square: five sigma
   std::string found;
-  double best = declared.chi2 + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
+  double best = declared.chi2 + (mirrored ? obvious : -obvious);  // a doubt where handedness speaks for it, against it where not
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {
     const TableProblem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
     EstimatorOptions options = declared.options;
     options.effects = on_motion(std::move(options.effects), problem.motion, problem.seen.parts, problem.site);
     const Fit other = fit(problem, options);
     if (left_handed(other.model) || other.chi2 >= best) continue;
+    // In a mirror the axes of both triads turn into each other; a sensor that is reversed stays so.
+    if (mirrored && !wrong_axes_of(problem, other.model).empty()) continue;
     best = other.chi2;
-    const std::string falls = other.chi2 < declared.chi2 ? fmt::format("chi-square falls from {:.4g} to {:.4g}", declared.chi2, other.chi2) : "";
+    const bool by_chi2 = other.chi2 + obvious < declared.chi2;
+    const std::string falls = by_chi2 ? fmt::format("chi-square falls from {:.4g} to {:.4g}", declared.chi2, other.chi2) : "";
     found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed {}{}{}", to_string(axis), falls,
                         mirrored && !falls.empty() ? ", and " : "", mirrored ? "the sensors' axes become right-handed" : "");
   }
+  if (found.empty() && mirrored) found = wrong_axes_of(*declared.problem, declared.model);
   if (found.empty() && mirrored) found = "a triad is left-handed in the table's axes: a sensor's or a table axis's sign is reversed";
   return found;
 }

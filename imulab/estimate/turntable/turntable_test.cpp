@@ -160,6 +160,18 @@ TEST(Turntable, AReversedAxisIsNamed) {
   }
 }
 
+TEST(Turntable, AReversedSensorIsNoReversedAxisOfTheTable) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec);
+  for (const Eigen::Index axis : {0, 1, 2}) {
+    TableRun run = run_of(zhang_steps(), rig, 12, 1);
+    for (Eigen::Index k = 0; k < std::ssize(run.seen.parts.holds); ++k) run.seen.readings[6 * k + axis] *= -1;
+    const Calibration c = calibrate(run.seen, rig, table_imu(), table_site());
+    EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(fmt::format("accelerometer {} (or the gyros", "xyz"[axis]))));
+    EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("axis seems to turn against"))));
+    EXPECT_THAT(verdict_text(c.quality), HasSubstr("sign of an axis"));
+  }
+}
+
 TEST(Turntable, GSensitivityIsEstimatedWhereItIs) {
   const RigDeclaration rig = table_of(2 * unit::arcsec);
   TableRun run = run_of(zhang_steps(), rig, 13, 1);

@@ -104,14 +104,16 @@ void PointProblem::set_place() {
 
 void PointProblem::add_effects(const Vector3d& accel_offset) {
   const Reached all = reached(*this);
-  effects = kernel::Effects(kernel::effect_sizes(*session, accel_offset), {.accel = true,
-                                                                           .gyro = true,
-                                                                           .thermometer = points.thermal[points.thermometer()].known,
-                                                                           .mount = true,
-                                                                           .centrifuge = all.full_arm_rate > 0,
-                                                                           .latitude = session->site.latitude.has_value(),
-                                                                           .recordings = static_cast<int>(session->recordings.size()),
-                                                                           .machines = static_cast<int>(all.rigs.size())});
+  kernel::EffectSizes sizes = kernel::effect_sizes(*session, accel_offset);
+  for (const char* name : {"accel.offset_temperature", "gyro.offset_temperature"}) sizes.declared[name] = 0;  // coefficients of their own
+  effects = kernel::Effects(sizes, {.accel = true,
+                                    .gyro = true,
+                                    .thermometer = points.thermal[points.thermometer()].known,
+                                    .mount = true,
+                                    .centrifuge = all.full_arm_rate > 0,
+                                    .latitude = session->site.latitude.has_value(),
+                                    .recordings = static_cast<int>(session->recordings.size()),
+                                    .machines = static_cast<int>(all.rigs.size())});
   for (const kernel::EffectGroup& group : effects.groups())
     if (group.effect->name == "site.latitude") latitude_ = group.first;
   set_undeclared_levels(common, *session);
