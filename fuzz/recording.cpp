@@ -51,7 +51,7 @@ void binary_rows(std::string_view bytes) { read_all("rows", bytes); }
 void ulog(std::string_view bytes) { read_all("ULog", bytes); }
 void dataflash(std::string_view bytes) { read_all("DataFlash", bytes); }
 void novatel(std::string_view bytes) { read_all("NovAtel", bytes); }
-void archive(std::string_view bytes) { read_all("zip archive", bytes); }
+void archive(std::string_view bytes) { read_all("archive of texts", bytes); }
 void workbook(std::string_view bytes) { read_all("Excel", bytes); }
 void ros1(std::string_view bytes) { read_all("ROS 1", bytes); }
 void mcap(std::string_view bytes) { read_all("MCAP", bytes); }

@@ -15,7 +15,7 @@ const std::vector<Target>& targets() {
       {"ulog", ulog, ".ulg"},
       {"dataflash", dataflash, "ardupilot.bin"},
       {"novatel", novatel},
-      {"archive", archive},
+      {"archive", archive, ".gz .bz2 .xz .zst .lz4 .zip"},
       {"workbook", workbook},
       {"ros1", ros1, ".bag"},
       {"mcap", mcap, ".mcap"},

@@ -137,7 +137,7 @@ TEST(Package, TheTutorialNamesItsDependencies) {
   EXPECT_EQ(found, needed);
   const std::map<std::string, std::string> optional{{"TBB", "libtbb-dev"},     {"LZ4", "liblz4-dev"},        {"ZSTD", "libzstd-dev"},
                                                     {"BZIP2", "libbz2-dev"},   {"SQLITE", "libsqlite3-dev"}, {"HDF5", "libhdf5-dev"},
-                                                    {"MATIO", "libmatio-dev"}, {"SECCOMP", "libseccomp-dev"}};
+                                                    {"MATIO", "libmatio-dev"}, {"SECCOMP", "libseccomp-dev"}, {"ARCHIVE", "libarchive-dev"}};
   const std::string optional_list = read_text(IMULAB_SOURCE "/cmake/optional_dependencies.cmake");
   const std::regex row("\"(\\w+)[|]");
   std::size_t rows = 0;

@@ -8,6 +8,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/inspection.hpp"
+#include "imulab/tasks/given_files.hpp"
 
 #include <fmt/format.h>
 
@@ -33,6 +34,7 @@ Session placed(Session session, const InspectOptions& o) {
     for (auto* triad : {&source.gyro, &source.accel})
       if (triad->file) rename(*triad->file);
   }
+  for (Aid& aid : session.aids) rename(aid.file);
   return session;
 }
 
@@ -40,6 +42,9 @@ void run(const InspectOptions& o) {
   expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");
+  const std::string opened = given_files(o.files).session;
+  if (!opened.empty() && !o.output.empty())
+    throw Error(fmt::format("-o: {} is a session already; expected its recordings alone, for another one", opened));
   const InspectionTask task{.files = o.files, .topics = o.topics, .declared = parse_declarations(o.declarations), .longest_s = o.longest_s};
   auto answer = [&] {
     const Progress progress("inspecting");
@@ -56,7 +61,7 @@ void run(const InspectOptions& o) {
   const std::string closing = "\n" + written_text(o.output, "not saved: no -o session.toml was given") + "\n";
   if (o.json && o.output == "-") print_json(answer.document());
   if (!o.output.empty() && complete) write_whole(o.output, inspected_session_text(inspection, placed(answer.data->session, o)));
-  show(answer, o, complete ? closing : "");
+  show(answer, o, complete && opened.empty() ? closing : "");
 }
 
 }  // namespace

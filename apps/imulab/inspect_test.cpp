@@ -126,7 +126,8 @@ TEST(InspectCommand, RefusesWhatIsNoRecording) {
     EXPECT_EQ(result.exit_code, 2) << file << result.output;
     EXPECT_THAT(result.errors, HasSubstr(file)) << file;
   }
-  EXPECT_THAT(run_imulab(folder, "inspect session/session.toml").errors, HasSubstr("session/session.toml: is a session or other settings"));
+  folder.write("other.toml", "a = 1\n");
+  EXPECT_THAT(run_imulab(folder, "inspect other.toml").errors, HasSubstr("other.toml: is no session, and no recording: settings"));
   EXPECT_THAT(run_imulab(folder, "inspect log.csv --set gyro.unit").errors, HasSubstr("--set gyro.unit: has no value; expected KEY=VALUE"));
   EXPECT_THAT(run_imulab(folder, "inspect log.csv -o log.csv --force").errors, HasSubstr("would overwrite log.csv"));
   EXPECT_THAT(run_imulab(folder, "calibrate session --method handheld --set rate_hz=100").errors, HasSubstr("--set: declares a recording"));

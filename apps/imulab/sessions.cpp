@@ -9,6 +9,7 @@
 #include "imulab/formats/text/several_files.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/tasks/given_files.hpp"
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/usable.hpp"
 
@@ -22,24 +23,6 @@
 
 namespace imulab::command {
 namespace {
-
-/// True where a text is a session and no recording: a line of its first 64 KiB begins with format = "imulab.session/, which no row of numbers does.
-bool is_session_text(std::string_view text) {
-  text = text.substr(0, std::size_t{1} << 16);
-  if (text.find('\0') != std::string_view::npos) return false;
-  const auto takes = [](std::string_view& line, std::string_view word) {
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    if (!line.starts_with(word)) return false;
-    line.remove_prefix(word.size());
-    return true;
-  };
-  for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
-    end = text.find('\n', begin);
-    std::string_view line = text.substr(begin, end - begin);
-    if (takes(line, "format") && takes(line, "=") && (takes(line, "\"imulab.session/") || takes(line, "'imulab.session/"))) return true;
-  }
-  return false;
-}
 
 /// A session says so in its first lines; a folder has one, or is a recording.
 bool is_session(const std::filesystem::path& path) {
@@ -61,7 +44,10 @@ void keep_for_noise(Inspection& found) {
   std::erase_if(found.evidence, [](const std::string& line) { return is_about(line, {"axes:", "up at", "rests:", "gyros explain"}); });
   std::erase_if(found.ambiguous, [](const std::string& line) { return is_about(line, {"gyro.axes:", "accel.axes:"}); });
   for (std::string& line : found.ambiguous)
-    if (is_about(line, {"gyro.unit:"})) line = "gyro.unit: a log at rest does not show it; declare --set gyro.unit=deg/s, rad/s or another, or count";
+    if (is_about(line, {"gyro.unit:"})) {
+      const std::size_t noise = std::min(line.find("; by the noise"), line.size());
+      line = "gyro.unit: a log at rest does not show it; declare --set gyro.unit=deg/s, rad/s or another, or count" + line.substr(noise);
+    }
 }
 
 std::string triad_text(const Inspection& found, std::string_view name, const TriadSource& triad) {

@@ -75,8 +75,11 @@ TEST(Aids, AreNamedAndRefused) {
   folder.write("a.pos", "% program   : RTKPOST ver.2.4.3\n%  GPST          latitude(deg) longitude(deg)\n2024/01/01 00:00:00.000 47.1 8.1 400 1 8\n");
   folder.write("b.nmea", "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n$GPRMC,123519,A,4807.038,N\r\n");
   EXPECT_THAT(on_one_line(run_imulab(folder, "inspect a.pos").errors),
-              HasSubstr("a.pos: is a GNSS solution (RTKLIB's .pos), an aid of a navigation and no recording"));
-  EXPECT_THAT(on_one_line(run_imulab(folder, "inspect b.nmea").errors), HasSubstr("b.nmea: is a GNSS solution (NMEA 0183), an aid"));
+              HasSubstr("a.pos: is an aid of kind gnss and no recording; expected the readings of an IMU, and this file beside them"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "inspect b.nmea").errors), HasSubstr("b.nmea: is an aid of kind gnss and no recording"));
+  folder.write("session.toml",
+               "format = \"imulab.session/1\"\n[[recording]]\nfile = \"b.nmea\"\ngyro = { columns = [1, 2, 3] }\naccel = { columns = [1, 2, 3] }\n");
+  EXPECT_THAT(on_one_line(run_imulab(folder, "inspect session.toml").errors), HasSubstr("b.nmea: is a GNSS solution (NMEA 0183), an aid"));
 }
 
 }  // namespace

@@ -211,12 +211,37 @@ std::vector<NumberArray> arrays_of(const std::vector<Dataset>& datasets) {
   return arrays;
 }
 
+/// Where the numbers are, and by what they are packed. Throws Error for all that is not known to be read as it was written: the library gives zeros,
+/// or fails without a reason, for numbers that are in other files, or nowhere.
+void expect_known_storage(hid_t dataset, const std::string& place) {
+  const auto fail = [&](const std::string& what) { throw Error(fmt::format("{}: {}; expected the numbers themselves in this file", place, what)); };
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const H5D_layout_t layout = properties.good() ? H5Pget_layout(properties) : H5D_LAYOUT_ERROR;
+  if (layout == H5D_VIRTUAL) fail("is a virtual dataset, whose numbers are in other files");
+  if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED) fail("has a layout that is not known here");
+  if (H5Pget_external_count(properties) != 0) fail("has its numbers in other files");
+  static constexpr std::array<H5Z_filter_t, 6> known{H5Z_FILTER_DEFLATE, H5Z_FILTER_SHUFFLE, H5Z_FILTER_FLETCHER32,
+                                                     H5Z_FILTER_SZIP,    H5Z_FILTER_NBIT,    H5Z_FILTER_SCALEOFFSET};
+  for (unsigned i = 0; i < static_cast<unsigned>(std::max(0, H5Pget_nfilters(properties))); ++i) {
+    std::array<char, 64> name{};
+    std::size_t values = 0;
+    unsigned flags = 0, config = 0;
+    const H5Z_filter_t filter = H5Pget_filter2(properties, i, &flags, &values, nullptr, name.size() - 1, name.data(), &config);
+    if (std::find(known.begin(), known.end(), filter) == known.end() || H5Zfilter_avail(filter) <= 0)
+      fail(fmt::format("is packed by the filter {} ({}), which is not known here", static_cast<int>(filter), name.data()));
+  }
+  H5D_space_status_t written = H5D_SPACE_STATUS_ERROR;
+  if (H5Dget_space_status(dataset, &written) < 0 || written != H5D_SPACE_STATUS_ALLOCATED)
+    fail(written == H5D_SPACE_STATUS_PART_ALLOCATED ? "was written in part, and the rest would be read as zeros" : "was never written");
+}
+
 /// Sends some columns of a dataset, some rows at a time.
 void send_dataset(const OpenedFile& file, const Dataset& dataset, const std::vector<std::size_t>& wanted, const SendRows& send) {
   const auto fail = [&] { throw Error(fmt::format("{}: {}: cannot be read; expected a whole dataset", file.name, dataset.array.name)); };
   const Handle id(H5Dopen2(file.file, dataset.path.c_str(), H5P_DEFAULT), H5Dclose);
   const Handle type(H5Dget_type(id), H5Tclose), native(H5Tget_native_type(type, H5T_DIR_ASCEND), H5Tclose), space(H5Dget_space(id), H5Sclose);
   if (!native.good() || !space.good()) fail();
+  expect_known_storage(id, fmt::format("{}: {}", file.name, dataset.array.name));
   const bool plane = dataset.dimensions.size() == 2;
   const auto [least, most] = std::minmax_element(wanted.begin(), wanted.end());
   const hsize_t first = plane ? *least : 0, columns = plane ? *most - *least + 1 : 1, rows = dataset.array.rows;

@@ -6,6 +6,7 @@
 #include "imulab/inspection/evidence.hpp"
 #include "imulab/inspection/holes.hpp"
 #include "imulab/inspection/names.hpp"
+#include "imulab/inspection/purpose.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/recording/clock.hpp"
@@ -135,6 +136,8 @@ UnitGuess gyro_guess(const SignalTable& table, const TriadEvidence& triads, cons
   else if (stated.empty())
     guess.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it"
                               : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
+  if (const std::string noise = time.rate_hz && guess.open.starts_with("gyro.unit") ? noise_by_unit(table, triads, interval_s) : ""; !noise.empty())
+    guess.open += "; by the noise at rest " + noise;
   return guess;
 }
 
@@ -293,6 +296,7 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
     if (!axes.empty()) result.evidence.push_back(axes);
     settle_temperature(table, result);
     add_support(table, *result.triads, result);
+    add_purpose(table, *result.triads, result);
   }
   if (time.rate_hz) {
     add_clock(clock, result);

@@ -30,3 +30,16 @@ with h5py.File("compound.h5", "w", libver="latest") as f:
 
 with h5py.File("external.h5", "w") as f:  # numbers that are not in the file, but in another
     f.create_dataset("t", (SAMPLES,), "i1", external=[("/etc/passwd", 0, SAMPLES)])
+
+with h5py.File("elsewhere.h5", "w") as f:  # what the library would give as zeros, or not at all
+    for n, name in ((SAMPLES, "virtual"), (SAMPLES + 1, "partial"), (SAMPLES + 2, "unwritten"), (SAMPLES + 3, "packed")):
+        if name == "virtual":
+            layout = h5py.VirtualLayout(shape=(n,), dtype="f8")
+            layout[:] = h5py.VirtualSource("groups.h5", "imu/t", shape=(n,))
+            f.create_virtual_dataset(name, layout)
+        elif name == "partial":
+            f.create_dataset(name, (n,), "f8", chunks=(8,))[:8] = 1
+        elif name == "unwritten":
+            f.create_dataset(name, (n,), "f8")
+        else:
+            f.create_dataset(name, data=np.arange(float(n)), compression="lzf")

@@ -55,7 +55,7 @@ export interface VerbOptions extends CallOptions {
 }
 export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-unit" | "drive";
 
-/** What a recording holds, with the evidence; files["session.toml"] where nothing is open. */
+/** What a recording holds, with the evidence; files["session.toml"] where nothing is open. A session among the input is opened with its files. */
 export function inspect(input: Input, options?: VerbOptions): Promise<Answer<Inspection>>;
 /** A calibration with its uncertainties; files["calibration.json"]. The site: set.latitude_deg or set.gravity_mps2, or a session.toml among the input. */
 export function calibrate(input: Input, options: VerbOptions & { method: Method }): Promise<Answer>;

@@ -116,7 +116,8 @@ const withPage = ["--json", "--report", "page.html"];
 /** @type {import("./imulab.js").inspect} */
 export function inspect(input, options = {}) {
   const files = named(input, "recording.csv");
-  return answer("inspect", [...fileWords(files), ...withPage, "-o", "session.toml"], files, options);
+  const written = sessionName(files) ? [] : ["-o", "session.toml"]; // a session that is given is opened
+  return answer("inspect", [...fileWords(files), ...withPage, ...written], files, options);
 }
 
 /** @type {import("./imulab.js").calibrate} */
@@ -144,9 +145,15 @@ export async function report(result, options = {}) {
   return done.page;
 }
 
+/** The session among files. @param {Record<string, any>} files @returns {string | undefined} */
+function sessionName(files) {
+  return "session.toml" in files ? "session.toml" : Object.keys(files).find((name) => name.endsWith(".toml"));
+}
+
 /** The files to name: a session names its recordings itself. @param {Record<string, any>} files */
 function sessionWords(files) {
-  return "session.toml" in files ? ["session.toml"] : fileWords(files);
+  const session = sessionName(files);
+  return session ? [session] : fileWords(files);
 }
 
 /** @param {any} result a document, its text or its bytes */

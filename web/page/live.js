@@ -1,7 +1,7 @@
 // Live: rows of a phone's sensors or of a serial port; the verb `live` says again and again which turns are missing.
 import { command, inspect } from "./module/imulab.js";
 import { turnPicture } from "./picture.js";
-import { questionField } from "./questions.js";
+import { keysOf, questionFields } from "./questions.js";
 import { saveButton } from "./save.js";
 
 /** @param {string} id @returns {any} */
@@ -109,16 +109,17 @@ const rowsInspected = 1500;
 /** The session of a serial port's rows, once enough of them are here and the questions are answered. @param {Stream} own */
 async function sessionOf(own) {
   if (own.rows.length < rowsInspected && !own.ended) return say(`Reading: ${own.rows.length} of ${rowsInspected} rows; turn the unit meanwhile.`);
-  const fields = [...at("live-questions").querySelectorAll("input")];
-  if (fields.some((field) => field.value === "")) return;
+  const asked = [...at("live-questions").children].map((question) => [...question.querySelectorAll("input")]);
+  if (asked.some((fields) => fields.every((field) => field.value === ""))) return;
+  const fields = asked.flat().filter((field) => field.value !== "");
   const set = { latitude_deg: at("live-latitude").value, ...Object.fromEntries(fields.map((field) => [field.name, field.value])) };
   const answer = await inspect({ "live.csv": own.text() }, { set });
   own.session = answer.files["session.toml"] ?? null;
   if (own.session) return at("live-questions").replaceChildren();
   say(answer.data.headline);
-  const asked = new Set(fields.map((field) => field.name));
-  const open = answer.data.ambiguous.filter((/** @type {string} */ text) => !asked.has(text.slice(0, text.indexOf(":"))));
-  at("live-questions").append(...open.map((/** @type {string} */ text) => questionField(text, "")));
+  const keys = new Set(asked.flat().map((field) => field.name));
+  const open = answer.data.ambiguous.filter((/** @type {string} */ text) => !keysOf(text).every((key) => keys.has(key)));
+  at("live-questions").append(...open.map((/** @type {string} */ text) => questionFields(text, {}, [])));
 }
 
 // What is missing

@@ -1,10 +1,11 @@
 // The page: a log is inspected, its questions are answered, and a verb of the command computes. All text about the data is the command's own.
 import { calibrate, command, compensate, inspect, noise, prepare } from "./module/imulab.js";
-import { questionField } from "./questions.js";
+import { describeCalibration, otherUnit, readCalibration, textOf } from "./calibration.js";
+import { questionFields } from "./questions.js";
 import { showReport } from "./report.js";
 import { saveButton } from "./save.js";
 
-/** @typedef {import("./module/imulab.js").Answer} Answer @typedef {import("./module/imulab.js").Content} Content */
+/** @typedef {import("./module/imulab.js").Answer} Answer @typedef {import("./module/imulab.js").Content} Content @typedef {import("./calibration.js").Chosen} Chosen */
 
 /** @param {string} id @returns {any} */
 const at = (id) => document.getElementById(id);
@@ -17,8 +18,9 @@ const state = {
   /** @type {Record<string, string>} */ declared: {},
   /** @type {Answer | null} */ inspection: null,
   inspected: "", // with which declarations
+  /** @type {string | null} */ given: null, // the session that was opened
   /** @type {string | null} */ session: null, // of the last result
-  /** @type {Content | null} */ calibration: null,
+  /** @type {Chosen | null} */ calibration: null, // of an IMU: it outlasts the log, is shown, and may be changed
   /** @type {AbortController | null} */ running: null,
 };
 
@@ -64,14 +66,33 @@ function showProblem(text) {
 
 /** @param {Record<string, Content>} files @param {Record<string, string>} [declared] */
 async function open(files, declared = {}) {
+  const logs = await withoutCalibrations(files);
+  if (Object.keys(logs).length === 0) return;
   forget();
-  Object.assign(state, { files, declared });
+  Object.assign(state, { files: logs, declared });
+  const session = Object.keys(logs).find((name) => name.endsWith(".toml"));
+  if (session) state.given = await textOf(logs[session]);
   await inspectAgain();
 }
 
+/** What belongs to a log goes with it. */
 function forget() {
-  Object.assign(state, { files: {}, declared: {}, inspection: null });
+  Object.assign(state, { files: {}, declared: {}, inspection: null, inspected: "", given: null, session: null });
+  at("work-form").reset();
   for (const id of ["inspection", "work", "result"]) at(id).hidden = true;
+}
+
+/** A calibration among the files is taken to be applied. @param {Record<string, Content>} files */
+async function withoutCalibrations(files) {
+  const logs = { ...files };
+  for (const name of Object.keys(files).filter((each) => each.endsWith(".json"))) {
+    const chosen = await readCalibration(files[name], name);
+    if (!chosen) continue;
+    delete logs[name];
+    takeCalibration(chosen);
+    at("progress").textContent = `${describeCalibration(chosen)}: choose a log to apply it to.`;
+  }
+  return logs;
 }
 
 /** @param {Iterable<File>} list */
@@ -118,7 +139,7 @@ function showInspection(answer) {
   at("columns").replaceChildren(head, ...rows);
   at("evidence").replaceChildren(...evidence.map((/** @type {string} */ text) => made("li", text)));
   at("question-fields").replaceChildren(
-    ...ambiguous.map((/** @type {string} */ text) => questionField(text, state.declared[text.slice(0, text.indexOf(":"))] ?? "")));
+    ...ambiguous.map((/** @type {string} */ text) => questionFields(text, state.declared, columns.map((/** @type {any} */ column) => column.name))));
   at("questions").hidden = ambiguous.length === 0;
   showReport(at("recording-page"), answer.page, { lazy: true });
   at("inspection").hidden = false;
@@ -138,39 +159,61 @@ function offerWork(methods, understood) {
     return outer;
   });
   at("works").replaceChildren(...radios);
-  for (const key of ["latitude_deg", "height_m", "gravity_mps2"])
-    if (state.declared[key]) at("work-form").elements[key].value = state.declared[key];
+  at("site").hidden = state.given !== null; // a session declares it
+  for (const key of siteKeys) at("work-form").elements[key].value = state.declared[key] ?? "";
   chooseWork();
   at("work").hidden = !understood;
 }
 
+const siteKeys = ["latitude_deg", "height_m", "gravity_mps2"];
+
 function chooseWork() {
-  at("calibration-file").hidden = at("work-form").elements.work.value !== "compensate" || state.calibration !== null;
+  at("calibration").hidden = at("work-form").elements.work.value !== "compensate";
+  at("calibration-shown").textContent = state.calibration ? describeCalibration(state.calibration) : "none chosen";
+  const question = otherUnit(state.calibration, state.given);
+  at("other-unit").hidden = question === "";
+  at("other-unit-question").textContent = question;
+}
+
+/** @param {Chosen} chosen */
+function takeCalibration(chosen) {
+  state.calibration = chosen;
+  at("work-form").elements.other_unit.checked = false; // asked anew
+  if (!at("work").hidden) chooseWork();
+}
+
+async function chooseCalibration() {
+  const file = at("work-form").elements.calibration.files[0];
+  const chosen = file && (await readCalibration(file, file.name));
+  at("work-form").elements.calibration.value = ""; // what is applied is shown beside it
+  if (chosen) takeCalibration(chosen);
+  else if (file) showProblem(`${file.name}: is no calibration; expected a calibration.json`);
 }
 
 async function compute() {
   const form = at("work-form").elements;
   const set = { ...state.declared };
-  for (const key of ["latitude_deg", "height_m", "gravity_mps2"]) {
+  for (const key of siteKeys) {
     if (form[key].value !== "") set[key] = form[key].value;
     else delete set[key];
   }
   state.declared = set;
   const [verb, method] = form.work.value.split(" ");
-  const calibration = form.calibration.files[0] ?? state.calibration;
-  if (verb === "compensate" && !calibration) return showProblem("Choose the calibration to apply.");
+  if (verb === "compensate" && !state.calibration) return showProblem("Choose the calibration to apply.");
+  if (verb === "compensate" && !at("other-unit").hidden && !form.other_unit.checked) return showProblem(`${at("other-unit-question").textContent}?`);
+  const calibration = state.calibration?.content ?? "";
   at("result").hidden = true;
   const answer = await runs("Computing", async (options) => {
     const all = { ...options, set };
     if (state.inspected !== JSON.stringify(set)) takeInspection(await inspect(state.files, all), set);
     state.session = graded(state.inspection?.files["session.toml"], form.grade.value);
     const session = form.grade.value || Object.keys(state.files).length > 1 ? state.session : null; // files of one recording belong together there
-    const [files, more] = session ? [{ ...state.files, "session.toml": session }, options] : [state.files, all];
+    const [files, more] = session ? [{ ...state.files, "session.toml": session }, options] : [state.files, state.given ? options : all];
     if (verb === "noise") return noise(files, more);
     if (verb === "compensate") return compensate(calibration, files, more);
     return calibrate(files, { ...more, method });
   });
-  if (answer) showResult(answer);
+  if (answer) await showResult(answer);
 }
 
 /** A session that declares the grade. @param {Uint8Array | undefined} session @param {string} grade @returns {string | null} */
@@ -183,13 +226,14 @@ function graded(session, grade) {
 // 4. The result
 
 /** @param {Answer} answer */
-function showResult(answer) {
+async function showResult(answer) {
   const { data, page, files, messages } = answer;
   at("result-headline").textContent = [data?.verdict ?? data?.quality?.verdict, data?.headline].filter(Boolean).join(": ");
   at("result-messages").replaceChildren(...messages.map((text) => made("li", text)));
   const saved = { ...(page ? { "report.html": page } : {}), ...files, ...(state.session ? { "session.toml": state.session } : {}) };
   at("saves").replaceChildren(...Object.entries(saved).map(([name, content]) => saveButton(name, content)));
-  state.calibration = files["calibration.json"] ?? state.calibration;
+  const computed = files["calibration.json"] && (await readCalibration(files["calibration.json"], Object.keys(state.files).join(", ")));
+  if (computed) takeCalibration(computed);
   at("export-form").hidden = !("calibration.json" in files);
   if ("calibration.json" in files && at("export-target").length === 0) offerChoices("export", /\[(c-header,[^\]]*)\]/, at("export-target"));
   showReport(at("result-page"), page);
@@ -207,7 +251,7 @@ async function offerChoices(verb, list, select) {
 async function saveExport() {
   const target = at("export-target").value;
   const words = ["export", "calibration.json", "--to", target];
-  const done = await runs("Exporting", (options) => command(words, { "calibration.json": state.calibration ?? "" }, options));
+  const done = await runs("Exporting", (options) => command(words, { "calibration.json": state.calibration?.content ?? "" }, options));
   if (!done) return;
   if (done.code > 1) return showProblem(done.messages);
   saveButton(`${target}.txt`, done.output).click();
@@ -231,10 +275,13 @@ function listen() {
     button.addEventListener("click", () => openExample(/** @type {HTMLElement} */ (button).dataset.example ?? ""));
   at("questions").addEventListener("submit", (/** @type {Event} */ event) => {
     event.preventDefault();
-    for (const field of at("question-fields").querySelectorAll("input")) state.declared[field.name] = field.value;
+    for (const { name, value } of at("question-fields").querySelectorAll("input"))
+      if (value.trim() !== "") state.declared[name] = value;
+      else delete state.declared[name];
     inspectAgain();
   });
   at("works").addEventListener("change", chooseWork);
+  at("work-form").elements.calibration.addEventListener("change", chooseCalibration);
   at("work-form").addEventListener("submit", (/** @type {Event} */ event) => {
     event.preventDefault();
     compute();

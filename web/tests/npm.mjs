@@ -39,6 +39,8 @@ try {
   assert.ok("session.toml" in seen.files);
 
   const files = { "recording.csv": log, "session.toml": fs.readFileSync("session/session.toml") };
+  const opened = await inspect(files);
+  assert.deepEqual([opened.data.methods, Object.keys(opened.files)], [["static", "handheld"], []], "a session is opened");
   const calibrated = await calibrate(files, { method: "handheld" });
   assert.equal(calibrated.data.quality.verdict, JSON.parse(fs.readFileSync("by-command.json", "utf8")).quality.verdict);
   assert.deepEqual(calibrated.data.model, JSON.parse(fs.readFileSync("by-command.json", "utf8")).model);

@@ -119,6 +119,44 @@ async function wrongFiles() {
   }
 }
 
+/** What belongs to a log goes with it; a calibration stays, is shown, and is asked about where a session has another serial number. */
+async function anotherUnit() {
+  await tab.choose("#files", [recording]);
+  await tab.until("document.getElementById('result').hidden");
+  await shown("work");
+  assert.deepEqual(await tab.value("['latitude_deg', 'gravity_mps2', 'grade'].map((name) => document.querySelector(`[name=${name}]`).value)"), ["", "", ""]);
+  await tab.value("document.querySelector('[value=compensate]').click()");
+  assert.match(await text("calibration-shown"), /^calibration of recording, no serial number \(handheld, \d{4}-\d\d-\d\d \d\d:\d\d\), from recording\.csv$/);
+  fs.mkdirSync("b");
+  fs.copyFileSync(recording, "b/recording.csv");
+  fs.writeFileSync("b/session.toml", fs.readFileSync("session/session.toml", "utf8").replace("[imu]", '[imu]\nserial = "B"'));
+  fs.writeFileSync("b/A.json", JSON.stringify({ ...JSON.parse(fs.readFileSync("calibration.json", "utf8")), serial: "A" }));
+  await tab.choose("#files", ["b/recording.csv", "b/session.toml", "b/A.json"].map(file));
+  await tab.until("document.getElementById('work').hidden");
+  await shown("work");
+  assert.match(await text("inspection-headline"), /^understood: /);
+  assert.ok(await tab.value("document.getElementById('site').hidden"), "the session declares it");
+  await tab.value("document.querySelector('[value=compensate]').click()");
+  assert.match(await text("calibration-shown"), /serial A \(handheld, .*\), from A\.json$/);
+  await tab.click("#work-form [type=submit]");
+  await shown("problem");
+  assert.match(await text("problem"), /^The log is of serial B, the calibration of A: apply it all the same\?$/);
+  await tab.click("[name=other_unit]");
+  await tab.click("#work-form [type=submit]");
+  await tab.until("document.getElementById('saves').innerText.includes('compensated.csv')");
+}
+
+/** A question about two keys has two fields; choices say what they mean. */
+async function twoKeys() {
+  const rows = Array.from({ length: 300 }, (_, i) => Array.from({ length: 7 }, (_, k) => (k === 0 ? i / 100 : Math.sin(i * (k + 1)))).join(","));
+  fs.writeFileSync(file("bare.csv"), `${rows.join("\n")}\n`);
+  await tab.choose("#files", [file("bare.csv")]);
+  await tab.until("document.getElementById('question-fields').innerText.startsWith('accel.columns, gyro.columns: ')");
+  for (const [key, columns] of [["gyro", "2,3,4"], ["accel", "5,6,7"]]) await set(`[name='${key}.columns']`, columns);
+  await tab.click("#questions [type=submit]");
+  await tab.until("/^gyro.unit: |\\ngyro.unit: /.test(document.getElementById('question-fields').innerText)");
+}
+
 /** A grade changes what is assumed of the noise, and is in the session that can be saved. */
 async function grade() {
   await tab.choose("#files", [recording]);
@@ -312,7 +350,7 @@ function expectOwnRequests() {
 }
 
 try {
-  const flows = [firstVisit, calibrateAFile, exportAndCompensate, noiseOfTheExample, questions, grade, keyboard];
+  const flows = [firstVisit, calibrateAFile, exportAndCompensate, anotherUnit, noiseOfTheExample, questions, twoKeys, grade, keyboard];
   const limits = [wrongFiles, withoutStorage, outOfMemory, large, cancel, speed];
   for (const step of [...flows, records, ...limits, live, serial, offline]) {
     const begin = Date.now();

@@ -12,7 +12,7 @@ const declared = {
   mpu9150_by_hand: { rate_hz: "100", gravity_mps2: "9.80665" },
   imucal_ferraris: { rate_hz: "102.4", latitude_deg: "49.6" },
 };
-const together = ["imu_tk_xsens", "same_names", "zyx"]; // files of one recording
+const together = ["imu_tk_xsens", "same_names", "six_files", "zyx"]; // files of one recording, or of one session
 
 /** Lists of files, each a log. */
 function logsOf(folder) {

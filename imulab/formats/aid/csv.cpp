@@ -6,6 +6,7 @@
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/inspection/names.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -82,14 +83,26 @@ std::string listed_columns(const AidColumns& columns) {
   return text::listed(names);
 }
 
+bool is_among(std::string_view name, const std::vector<std::string>& names) { return std::find(names.begin(), names.end(), name) != names.end(); }
+
+const AidTimeColumn* time_column_in(const std::vector<std::string>& names) {
+  return std::find_if(time_columns.begin(), time_columns.end(), [&](const AidTimeColumn& t) { return is_among(t.name, names); });
+}
+
+std::vector<std::string> names_of_columns(const std::filesystem::path& file) {
+  std::vector<std::string> names;
+  const std::vector<recording_io::TableDescription> tables = recording_io::text_format().describe({file});
+  for (const recording_io::ColumnDescription& column : tables.front().columns) names.push_back(column.name);
+  return names;
+}
+
 /// The columns of the kind that the file has.
 AidColumns columns_there(const std::vector<std::string>& names, AidKind kind, const std::string& file) {
-  const auto has = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   AidColumns there;
   std::string expected;
   bool measures = false;
   for (const AidColumns& group : aid_columns(kind)) {
-    const auto count = std::count_if(group.begin(), group.end(), [&](const AidColumn& c) { return has(c.name); });
+    const auto count = std::count_if(group.begin(), group.end(), [&](const AidColumn& c) { return is_among(c.name, names); });
     if (count > 0 && count < static_cast<std::ptrdiff_t>(group.size()))
       throw Error(fmt::format("{}: has some of the columns {}; expected all of them, or none", file, listed_columns(group)));
     if (count > 0) there.insert(there.end(), group.begin(), group.end());
@@ -102,12 +115,9 @@ AidColumns columns_there(const std::vector<std::string>& names, AidKind kind, co
 
 AidRows read_aid_csv(const AidRequest& request) {
   const std::string file = input_name(request.file);
-  std::vector<std::string> names;
-  const std::vector<recording_io::TableDescription> tables = recording_io::text_format().describe({request.file});
-  for (const recording_io::ColumnDescription& column : tables.front().columns) names.push_back(column.name);
+  const std::vector<std::string> names = names_of_columns(request.file);
   const AidColumns columns = columns_there(names, request.kind, file);
-  const auto* time = std::find_if(time_columns.begin(), time_columns.end(),
-                                  [&](const AidTimeColumn& t) { return std::find(names.begin(), names.end(), t.name) != names.end(); });
+  const AidTimeColumn* const time = time_column_in(names);
   if (time == time_columns.end())
     throw Error(file + ": has no column of time; expected t (s of the recording's clock), gps_s (s of GPS time since 1980) or utc_s (since 1970)");
   std::vector<Column> wanted;
@@ -156,6 +166,34 @@ std::string aid_csv(const Aid& aid, std::string_view comment) {
     text += '\n';
   }
   return text;
+}
+
+namespace {
+constexpr std::array<std::string_view, 5> measured_columns{"latitude_deg", "vn", "speed_mps", "height_m", "heading_deg"};  // one of each kind
+}
+
+std::optional<AidKind> kind_of_aid(const std::filesystem::path& file) {
+  const MappedFile mapped(file);
+  const std::string_view head = mapped.text().substr(0, 4096);
+  if (!recording_io::solution_kind(head).empty()) return AidKind::gnss;
+  const auto is_named = [&](std::string_view name) { return head.find(name) != std::string_view::npos; };
+  if (!may_be_csv(head) || std::none_of(measured_columns.begin(), measured_columns.end(), is_named)) return std::nullopt;
+  std::vector<std::string> names;
+  try {
+    names = names_of_columns(file);
+  } catch (const Error&) {
+    return std::nullopt;  // what is wrong with it is said where it is read
+  }
+  const auto is_of_imu = [](const std::string& name) {
+    const inspection::NameHint hint = inspection::hint_of(name);
+    return hint.role == inspection::Role::gyro || hint.role == inspection::Role::accel;
+  };
+  if (std::any_of(names.begin(), names.end(), is_of_imu) || time_column_in(names) == time_columns.end()) return std::nullopt;
+  for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading})
+    for (const AidColumns& group : aid_columns(kind))
+      if (!group.front().is_sigma && std::all_of(group.begin(), group.end(), [&](const AidColumn& c) { return is_among(c.name, names); }))
+        return kind;
+  return std::nullopt;
 }
 
 AidFormat aid_csv_format() { return {"CSV", may_be_csv, read_aid_csv}; }

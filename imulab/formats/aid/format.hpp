@@ -5,6 +5,7 @@
 #include "imulab/formats/aid/rows.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +39,9 @@ AidFormat bag_aid_format();
 AidFormat ulog_aid_format();
 AidFormat dataflash_aid_format();
 AidFormat aid_csv_format();
+
+/// The aid that a file is which holds nothing else: a receiver's positions, or a CSV with the columns and the time of an aid and without an IMU's.
+std::optional<AidKind> kind_of_aid(const std::filesystem::path& file);
 
 /// Throws Error unless the aid is a receiver's: `what` has nothing else.
 void expect_gnss(const AidRequest& request, std::string_view what);

@@ -34,35 +34,28 @@ const RecordingFormat& format_of_several(const std::filesystem::path& path, cons
       fmt::format("{}: is a folder without a recording that is known here; expected a session.toml, a bag, or tables of text in it", path.string()));
 }
 
-/// Throws Error that says how to unpack a file that is compressed as a whole, by its first bytes.
-void expect_not_packed(const std::filesystem::path& path, std::string_view head) {
-  struct Packing {
-    std::string_view begin, program;
-  };
-  static constexpr std::array<Packing, 3> packings{{{"\x28\xB5\x2F\xFD", "zstd -d"}, {"\x1F\x8B", "gunzip"}, {"BZh", "bunzip2"}}};
-  for (const auto& [begin, program] : packings)
-    if (head.starts_with(begin))
-      throw Error(
-          fmt::format("{}: is compressed as a whole; expected it unpacked: {}{}", path.string(), program, is_kept(path) ? "" : " " + path.string()));
-}
-
-/// Throws Error for what navigation takes beside an IMU: positions of a GNSS receiver, as NMEA 0183 or RTKLIB's solution.
+/// Throws Error for what navigation takes beside an IMU.
 void expect_no_aid(const std::filesystem::path& path, std::string_view head) {
-  const auto begins_lines = [&](std::string_view text) {
-    return head.starts_with(text) || head.find("\n" + std::string(text)) != std::string_view::npos;
-  };
-  const bool rtklib = head.starts_with('%') && (begins_lines("%  GPST") || begins_lines("%  UTC") || begins_lines("%  JST"));
-  bool nmea = head.starts_with("$G");
-  for (std::size_t at = head.find('\n'); nmea && at != std::string_view::npos; at = head.find('\n', at + 1))
-    nmea = at + 2 >= head.size() || head.substr(at + 1, 2) == "$G" || head[at + 1] == '\r';
-  if (!rtklib && !nmea) return;
-  throw Error(fmt::format(
-      "{}: is a GNSS solution ({}), an aid of a navigation and no recording; expected the readings of an IMU, and this file as [[aid]] of "
-      "their session",
-      input_name(path), rtklib ? "RTKLIB's .pos" : "NMEA 0183"));
+  const std::string_view kind = recording_io::solution_kind(head);
+  if (kind.empty()) return;
+  throw Error(
+      fmt::format("{0}: is a GNSS solution ({1}), an aid of a navigation and no recording; expected the readings of an IMU, and this file beside "
+                  "them: imulab inspect log.csv {0} -o session.toml",
+                  input_name(path), kind));
 }
 
 }  // namespace
+
+std::string_view recording_io::solution_kind(std::string_view head) {
+  const auto begins_lines = [&](std::string_view text) {
+    return head.starts_with(text) || head.find("\n" + std::string(text)) != std::string_view::npos;
+  };
+  if (head.starts_with('%') && (begins_lines("%  GPST") || begins_lines("%  UTC") || begins_lines("%  JST"))) return "RTKLIB's .pos";
+  bool nmea = head.starts_with("$G");
+  for (std::size_t at = head.find('\n'); nmea && at != std::string_view::npos; at = head.find('\n', at + 1))
+    nmea = at + 2 >= head.size() || head.substr(at + 1, 2) == "$G" || head[at + 1] == '\r';
+  return nmea ? "NMEA 0183" : "";
+}
 
 const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats) {
   if (is_several_files(request.file)) return format_of_several(request.file, formats);
@@ -74,11 +67,10 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
     return text ? f.is_text && f.open_text == nullptr : f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
   });
-  if (format != formats.end() && is_kept(request.file) && !format->is_text)
+  if (format != formats.end() && is_kept(request.file) && (!format->is_text || format->open_text != nullptr))
     throw Error(fmt::format("{}: is {}; expected rows of text, or a file on disk", request.file.string(), format->name));
   if (format != formats.end() && format->is_text) expect_no_aid(request.file, head);
   if (format != formats.end()) return *format;
-  expect_not_packed(request.file, head);
   std::vector<std::string_view> names;
   for (const RecordingFormat& f : formats) names.push_back(f.name);
   throw Error(fmt::format("{}: unknown format; expected {}", request.file.string(), text::listed(names)));

@@ -69,6 +69,9 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
 
 namespace recording_io {
 
+/// Of positions of a receiver, by the first bytes of their file: "RTKLIB's .pos", "NMEA 0183"; empty for all else.
+std::string_view solution_kind(std::string_view head);
+
 RecordingFormat ros1_bag_format();
 RecordingFormat mcap_format();
 RecordingFormat ros2_database_format();

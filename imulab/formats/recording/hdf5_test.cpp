@@ -47,7 +47,21 @@ TEST(Hdf5, NoOtherFileIsRead) {
   const TableRequest request{.file = recording_file("external.h5")};
   if (built_without(request)) GTEST_SKIP();
   EXPECT_EQ(format_of(request).describe(request).at(0).rows, fixture_samples);
-  EXPECT_THAT(error_of(request, {1}), HasSubstr("external.h5: /t: cannot be read; expected a whole dataset"));
+  EXPECT_THAT(error_of(request, {1}), HasSubstr("external.h5: /t: has its numbers in other files"));
+}
+
+/// For these the library gives zeros, or an error without a reason.
+TEST(Hdf5, WhatIsNotKnownToBeReadAsWrittenIsAnError) {
+  const std::pair<const char*, const char*> cases[]{{"/virtual", "is a virtual dataset, whose numbers are in other files"},
+                                                    {"/partial", "was written in part, and the rest would be read as zeros"},
+                                                    {"/unwritten", "was never written"},
+                                                    {"/packed", "is packed by the filter 32000 (lzf), which is not known here"}};
+  for (const auto& [name, says] : cases) {
+    const TableRequest request{.file = recording_file("elsewhere.h5"), .topic = name};
+    if (built_without(request)) GTEST_SKIP();
+    EXPECT_THAT(error_of(request, {1}),
+                HasSubstr(std::string("elsewhere.h5: ") + name + ": " + says + "; expected the numbers themselves in this file"));
+  }
 }
 
 TEST(Hdf5, DamageIsSurvived) {

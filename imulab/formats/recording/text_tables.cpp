@@ -3,10 +3,11 @@
 #include "imulab/core/memory.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
+#include "imulab/formats/recording/archive.hpp"
 #include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/text/several_files.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -48,17 +49,19 @@ std::optional<TableDescription> describe_text_member(const std::vector<TextMembe
   }
 }
 
+constexpr std::array<std::string_view, 5> text_endings{".csv", ".tsv", ".txt", ".dat", ".log"};
+
+}  // namespace
+
 void expect_few(const std::vector<TextMember>& members, const fs::path& path) {
   if (members.size() > most_texts)
     throw Error(fmt::format("{}: holds {} texts; expected those of one recording: at most {}", path.string(), members.size(), most_texts));
 }
 
-}  // namespace
-
 TextTable::TextTable(fs::path name, std::string text)
     : path_(std::move(name)), bytes_(text.size()), kept_(std::make_unique<KeptFile>(path_, std::move(text))) {}
 
-constexpr std::array<std::string_view, 5> text_endings{".csv", ".tsv", ".txt", ".dat", ".log"};
+std::string text_endings_listed() { return fmt::format("{}", fmt::join(text_endings, ", ")); }
 
 bool is_text_name(const fs::path& file) {
   const std::string extension = lowered(file.extension().string());
@@ -110,39 +113,6 @@ bool is_folder_of_texts(const fs::path& path) {
   return std::any_of(files.begin(), files.end(), is_text_name);
 }
 
-// ---- an archive
-
-/// As much of a member as is asked for, in whole lines.
-std::string unpacked_text(const ZipMember& member, const std::string& place, std::uint64_t most) {
-  if (most >= member.bytes && member.bytes > longest_stream)
-    throw Error(fmt::format("{}: is longer than {} MiB; expected the archive unpacked: its folder is read as well", place, longest_stream >> 20));
-  std::string text = unpacked(member, place, most);
-  if (text.size() < member.bytes) text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
-  return text;
-}
-
-std::vector<TextMember> texts_of_archive(const fs::path& path) {
-  const auto archive = std::make_shared<const MappedFile>(path);
-  std::vector<TextMember> members;
-  for (ZipMember& member : zip_members(archive->text(), path.string())) {
-    if (!is_text_name(member.name) || member.name.starts_with("__MACOSX/")) continue;
-    const fs::path place = path / fs::path(member.name).relative_path();
-    const std::string name = member.name;
-    const std::uint64_t bytes = member.bytes;
-    members.push_back({name, bytes, [archive, place, zipped = std::move(member)](std::uint64_t most) {
-                         return TextTable(most < zipped.bytes ? fs::path(place.string() + " (its beginning)") : place,
-                                          unpacked_text(zipped, place.string(), most));
-                       }});
-  }
-  std::sort(members.begin(), members.end(), [](const TextMember& a, const TextMember& b) { return in_natural_order(a.name, b.name); });
-  expect_few(members, path);
-  if (members.empty())
-    throw Error(
-        fmt::format("{}: is a zip archive without texts; expected {} files in it, or the archive unpacked: bags and other logs are read as files",
-                    path.string(), fmt::join(text_endings, ", ")));
-  return members;
-}
-
 }  // namespace
 
 RecordingFormat text_folder_format() {
@@ -152,11 +122,8 @@ RecordingFormat text_folder_format() {
 }
 
 RecordingFormat text_archive_format() {
-  RecordingFormat row = text_tables_row<texts_of_archive>("zip archive of texts");
-  row.recognizes = [](std::string_view head) {  // NumPy's archives are zip, too
-    const std::string_view name = first_member(head);
-    return !name.empty() && !name.ends_with(".npy");
-  };
+  RecordingFormat row = text_tables_row<texts_of_archive>("compressed text, or archive of texts");
+  row.recognizes = [](std::string_view head) { return is_packed(head) && !first_member(head).ends_with(".npy"); };  // NumPy's archives are zip, too
   return row;
 }
 

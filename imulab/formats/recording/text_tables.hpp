@@ -43,6 +43,10 @@ inline constexpr std::uint64_t whole_text = std::numeric_limits<std::uint64_t>::
 
 /// True for the name of a file that may be a table of text.
 bool is_text_name(const std::filesystem::path& file);
+/// The endings of those names: ".csv, .tsv".
+std::string text_endings_listed();
+/// Throws Error for more texts than a recording has.
+void expect_few(const std::vector<TextMember>& members, const std::filesystem::path& path);
 
 std::vector<TableDescription> describe_texts(const TableRequest& request, const std::vector<TextMember>& members);
 /// The member that a topic names; without one the only table. Throws Error that lists the tables.

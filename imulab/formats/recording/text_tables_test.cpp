@@ -97,7 +97,7 @@ TEST_F(TextTables, SayWhatIsWrong) {
       [&] {
         read_tables(folder.write("a.zip", zip_file({{"a.png", "x"}})));
       },
-      ThrowsMessage<Error>(HasSubstr("is a zip archive without texts; expected .csv, .tsv, .txt, .dat, .log files in it")));
+      ThrowsMessage<Error>(HasSubstr("is an archive without texts; expected .csv, .tsv, .txt, .dat, .log files in it")));
   EXPECT_THAT(
       [&] {
         read_tables(folder.write("a.zip", zip_file({{"a.csv", "only words\n"}, {"b.txt", "and more\n"}})));

@@ -145,9 +145,9 @@ void ZipReader::expect_intact() const {
   if (member_.deflated && check_ != member_.check) fail_zip(place_, "its check sum is wrong: the data are damaged");
 }
 
-std::string unpacked(const ZipMember& member, const std::string& place, std::uint64_t most) {
+std::string unpacked(const ZipMember& member, const std::string& place) {
   constexpr std::size_t piece = 1 << 20;
-  const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(most, member.bytes));
+  const std::size_t size = member.bytes;
   expect_memory(2 * static_cast<double>(size), place + ": unpacking it");
   ZipReader reader(member, place);
   std::string text;
@@ -155,7 +155,7 @@ std::string unpacked(const ZipMember& member, const std::string& place, std::uin
     text.resize(std::min(size, done + piece));
     reader.read(text.data() + done, text.size() - done);
   }
-  if (size == member.bytes) reader.expect_intact();
+  reader.expect_intact();
   return text;
 }
 

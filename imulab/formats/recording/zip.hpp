@@ -49,8 +49,8 @@ class ZipReader {
   std::unique_ptr<Inflater> inflater_;
 };
 
-/// A member, or its first `most` bytes, unpacked into memory, which grows with what is found.
-std::string unpacked(const ZipMember& member, const std::string& place, std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
+/// A member unpacked into memory, which grows with what is found.
+std::string unpacked(const ZipMember& member, const std::string& place);
 
 /// Writes an archive of members that are stored. Sizes and places that do not fit 32 bits are in the fields of Zip64, so it may be of any size.
 class ZipWriter {
