@@ -44,7 +44,7 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
 void add_second_opinion(Calibration& calibration, const Calibration& other) {
   constexpr double most = 3.7;
   Quality& quality = calibration.quality;
-  if (other.quality.verdict != "good") {
+  if (other.quality.verdict == "doubtful") {
     if (other.quality.cause && quality.cause == other.quality.cause) return;
     const bool first = !quality.cause;
     for (const std::string& doubt : other.quality.because) {

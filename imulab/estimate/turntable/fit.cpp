@@ -103,7 +103,8 @@ bool left_handed(const SensorModel& model) { return model.accel.matrix.determina
 /// How the gyros' readings are not about the axes of the accelerometers' readings; of counts, which may fall where the quantity rises, nothing.
 std::string wrong_axes_of(const TableProblem& problem, const SensorModel& model) {
   if (problem.seen.accel_unit == "count" || problem.seen.gyro_unit == "count") return {};
-  return wrong_axes(model.accel.matrix.inverse() * model.gyro.matrix);
+  const double mirror = model.accel.matrix.determinant() < 0 ? -1 : 1;  // which a rate follows as an axial vector
+  return wrong_axes(mirror * model.accel.matrix.inverse() * model.gyro.matrix);
 }
 
 /// True if no stated coefficient changed by more than its uncertainty.
