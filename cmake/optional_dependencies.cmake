@@ -6,7 +6,7 @@ set(IMULAB_OPTIONAL_DEPENDENCIES
     "LZ4|liblz4|PkgConfig::IMULAB_LZ4|bags compressed with LZ4|liblz4-dev|liblz4|files"
     "ZSTD|libzstd|PkgConfig::IMULAB_ZSTD|bags compressed with Zstandard|libzstd-dev|libzstd|files"
     "BZIP2|BZip2|BZip2::BZip2|bags compressed with bzip2|libbz2-dev|-lbz2|files"
-    "ARCHIVE|libarchive|PkgConfig::IMULAB_ARCHIVE|archives of texts, and texts compressed otherwise than by gzip|libarchive-dev|libarchive|files"
+    "ARCHIVE|libarchive|PkgConfig::IMULAB_ARCHIVE|archives other than zip, and texts compressed otherwise than by gzip|libarchive-dev|libarchive|files"
     "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite, fleet stores|libsqlite3-dev|sqlite3|files"
     "HDF5|hdf5|PkgConfig::IMULAB_HDF5|recordings in HDF5|libhdf5-dev|hdf5|imulab-read"
     "MATIO|matio|PkgConfig::IMULAB_MATIO|recordings in MATLAB files|libmatio-dev|matio|imulab-read"

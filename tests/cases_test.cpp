@@ -113,6 +113,11 @@ TEST_F(Cases, CalibrationsHaveTheirOffsets) {
     EXPECT_NEAR(offset.at(0).get<double>() / mg, 34.28, four_sigma) << name;
     EXPECT_NEAR(offset.at(2).get<double>() / mg, 11.33, four_sigma) << name;
   }
+  const CommandResult faces = run("inspect cases/six_files/*.csv --set gyro.unit=rad/s");
+  EXPECT_EQ(faces.exit_code, 0) << faces.errors;
+  EXPECT_THAT(faces.output, HasSubstr("static     no   6 rests, 6 of 9 parameters"));
+  EXPECT_THAT(run("inspect cases/one_attitude_sweep/warm.csv --set time.unit=s --set gyro.unit=rad/s").output,
+              HasSubstr("good for: how the zeros follow the temperature in this one attitude: from -10"));
   const CommandResult six = run("calibrate cases/six_files/*.csv --method static --set gyro.unit=rad/s");
   EXPECT_EQ(six.exit_code, 1) << "six directions determine no misalignments";
   EXPECT_THAT(six.output, HasSubstr("accel.offset.x"));

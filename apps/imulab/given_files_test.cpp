@@ -71,7 +71,7 @@ TEST(GivenFiles, OneFaceEachAreOneSession) {
 TEST(GivenFiles, ALogAndItsReceiverAreASessionWithTheAid) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_imulab(folder, "trajectory '" IMULAB_SOURCE "/tests/portable/drive.toml' --errors -o drive").exit_code, 0);
-  const std::string given = "inspect drive/recording.csv drive/gnss_1.csv --set gyro.unit=rad/s";
+  const std::string given = "inspect drive/recording.csv drive/gnss_1.csv --set gyro.unit=rad --set gyro.output=increment";
   const CommandResult found = run_imulab(folder, given + " -o drive/found.toml");
   ASSERT_EQ(found.exit_code, 0) << found.errors << found.output;
   EXPECT_THAT(on_one_line(found.output), AllOf(HasSubstr("--method drive"), HasSubstr("aid: gnss_1.csv: gnss, "), HasSubstr("navigate --aided")));

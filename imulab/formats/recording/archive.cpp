@@ -4,6 +4,7 @@
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/encoding.hpp"
+#include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/text/several_files.hpp"
 
 #include <fmt/format.h>
@@ -142,25 +143,46 @@ class Unpacking {
 
 #else
 
+/// Without libarchive: gzip and zip.
 class Unpacking {
  public:
-  explicit Unpacking(const fs::path& path) : gunzip_(path) {
-    if (!gunzip_.gunzips())
-      throw Error(path.string() +
-                  ": is compressed or an archive; expected it unpacked: this imulab was built without libarchive, and reads .gz alone");
+  explicit Unpacking(const fs::path& path) : path_(path.string()), gunzip_(path), file_(path) {
+    if (gunzip_.gunzips()) return;
+    if (!file_.text().starts_with("PK"))
+      throw Error(path_ +
+                  ": is compressed or an archive; expected it unpacked: this imulab was built without libarchive, and reads .gz and .zip alone");
+    members_ = zip_members(file_.text(), path_);
   }
-  std::optional<PackedMember> next() { return std::exchange(left_, false) ? std::optional(PackedMember{}) : std::nullopt; }
+  std::optional<PackedMember> next() {
+    if (gunzip_.gunzips()) return std::exchange(at_, 1) == 0 ? std::optional(PackedMember{}) : std::nullopt;
+    if (at_ == members_.size()) return std::nullopt;
+    const ZipMember& member = members_[at_++];
+    zipped_ = std::make_unique<ZipReader>(member, path_ + "/" + member.name);
+    left_ = member.bytes;
+    return PackedMember{member.name, member.bytes};
+  }
   bool is_file() const { return true; }
   bool is_encrypted() const { return false; }
   std::size_t read(char* to, std::size_t size, const std::string& place) {
-    const auto got = gunzip_.read(to, size);
-    if (!got) fail_packed(place, gunzip_.why());
-    return *got;
+    if (!zipped_) {
+      const auto got = gunzip_.read(to, size);
+      if (!got) fail_packed(place, gunzip_.why());
+      return *got;
+    }
+    const std::size_t part = std::min(size, left_);
+    zipped_->read(to, part);
+    left_ -= part;
+    if (left_ == 0) zipped_->expect_intact();
+    return part;
   }
 
  private:
+  std::string path_;
   Gunzip gunzip_;
-  bool left_ = true;
+  MappedFile file_;
+  std::vector<ZipMember> members_;
+  std::size_t at_ = 0, left_ = 0;
+  std::unique_ptr<ZipReader> zipped_;
 };
 
 #endif

@@ -123,7 +123,10 @@ RecordingFormat text_folder_format() {
 
 RecordingFormat text_archive_format() {
   RecordingFormat row = text_tables_row<texts_of_archive>("compressed text, or archive of texts");
-  row.recognizes = [](std::string_view head) { return is_packed(head) && !first_member(head).ends_with(".npy"); };  // NumPy's archives are zip, too
+  row.recognizes = [](std::string_view head) {  // NumPy's archives are zip, too
+    const std::string_view name = first_member(head);
+    return is_packed(head) && !(head.starts_with("PK\3\4") && (name.empty() || name.ends_with(".npy")));
+  };
   return row;
 }
 
