@@ -33,14 +33,18 @@ std::optional<std::size_t> from_environment(const char* name) {
   return text == nullptr ? std::nullopt : whole_number(text);
 }
 
-/// The task of a Slurm array, renumbered from 1 on.
-std::optional<PartNumber> of_array() {
+/// The task of a Slurm array: where the number of parts is stated, its index is the part, as of an array that repeats lost tasks; otherwise it is
+/// numbered from 1 on.
+std::optional<PartNumber> of_array(std::optional<std::size_t> stated) {
   const auto id = from_environment("SLURM_ARRAY_TASK_ID"), count = from_environment("SLURM_ARRAY_TASK_COUNT"),
              least = from_environment("SLURM_ARRAY_TASK_MIN"), most = from_environment("SLURM_ARRAY_TASK_MAX");
   if (!id) return std::nullopt;
+  if (stated && (*id < 1 || *id > *stated))
+    throw Error(fmt::format("auto: {} is the index of the Slurm array, and no part; expected --array with indices from 1 to {}", *id, *stated));
+  if (stated) return PartNumber{*id, *stated};
   const std::size_t step = std::max<std::size_t>(1, from_environment("SLURM_ARRAY_TASK_STEP").value_or(1));
   if (!count || !least || !most || *id < *least || *most < *least || (*id - *least) % step != 0 || (*most - *least) / step + 1 != *count)
-    throw Error("auto: the indices of the Slurm array are not evenly spaced; expected --array=1-N, or --part K/N");
+    throw Error("auto: the indices of the Slurm array are not evenly spaced; expected --array=1-N, or auto/N, where each index is a part");
   return PartNumber{(*id - *least) / step + 1, *count};
 }
 
@@ -54,7 +58,8 @@ std::optional<PartNumber> of_tasks() {
 }
 
 PartNumber by_environment(std::optional<std::size_t> of) {
-  const std::optional<PartNumber> array = of_array(), tasks = of_tasks();
+  const std::optional<PartNumber> tasks = of_tasks();
+  const std::optional<PartNumber> array = of_array(of ? std::optional(*of / (tasks ? tasks->of : 1)) : std::nullopt);
   const auto index = from_environment("JOB_COMPLETION_INDEX");
   PartNumber part;
   if (array || tasks) {

@@ -302,6 +302,14 @@ TEST(PartNumber, ComesFromTheEnvironment) {
       << "a batch script is no step";
   EXPECT_EQ((Environment({{"PMI_RANK", "0"}, {"PMI_SIZE", "3"}}), named("auto")), "1/3");
   EXPECT_EQ((Environment({{"JOB_COMPLETION_INDEX", "4"}}), named("auto/5")), "5/5");
+  Array lost{{"SLURM_ARRAY_TASK_ID", "16"}, {"SLURM_ARRAY_TASK_COUNT", "2"}, {"SLURM_ARRAY_TASK_MIN", "15"}, {"SLURM_ARRAY_TASK_MAX", "16"}};
+  EXPECT_EQ((Environment(lost), named("auto/20")), "16/20") << "--array=15,16 repeats two of 20 tasks";
+  EXPECT_EQ((Environment(lost), named("auto")), "2/2");
+  lost[1].second = "3", lost[2].second = "2";  // --array=2,3,16
+  EXPECT_EQ((Environment(lost), named("auto/20")), "16/20");
+  Array lost_of_steps = lost;
+  lost_of_steps.insert(lost_of_steps.end(), step.begin(), step.end());
+  EXPECT_EQ((Environment(lost_of_steps), named("auto/80")), "63/80") << "20 tasks of an array, of 4 processes each";
   const auto refused = [](const Array& variables, const std::string& text) {
     return [=] {
       const Environment environment(variables);
@@ -313,6 +321,9 @@ TEST(PartNumber, ComesFromTheEnvironment) {
   EXPECT_THAT(refused(uneven, "auto"), ThrowsMessage<Error>(HasSubstr("not evenly spaced")));
   EXPECT_THAT(refused({{"JOB_COMPLETION_INDEX", "4"}}, "auto"), ThrowsMessage<Error>(HasSubstr("expected auto/N")));
   EXPECT_THAT(refused({{"JOB_COMPLETION_INDEX", "5"}}, "auto/5"), ThrowsMessage<Error>(HasSubstr("auto/5")));
+  EXPECT_THAT(refused(lost, "auto/15"), ThrowsMessage<Error>(HasSubstr("expected --array with indices from 1 to 15")));
+  EXPECT_THAT(refused({{"SLURM_ARRAY_TASK_ID", "0"}}, "auto/4"), ThrowsMessage<Error>(HasSubstr("0 is the index")));
+  EXPECT_THAT(refused(lost_of_steps, "auto/78"), ThrowsMessage<Error>(HasSubstr("the environment has 76 parts")));
   EXPECT_THAT(refused(step, "auto/8"), ThrowsMessage<Error>(HasSubstr("the environment has 4 parts")));
   EXPECT_THAT(refused({}, "auto"), ThrowsMessage<Error>(HasSubstr("expected K/N")));
 }
