@@ -1,5 +1,6 @@
 // A table for spreadsheets and scripts: imulab's own coefficients, one a row, with their standard uncertainties.
 #include "imulab/coefficient.hpp"
+#include "imulab/core/text.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
@@ -73,14 +74,15 @@ std::string temperature_rows(const TriadModel& m, const char* triad) {
                      exact_number(m.temperature->reference), exact_number(m.temperature->range[0]), exact_number(m.temperature->range[1]), unit);
 }
 
-/// Spreadsheets split comments, too: names in them open no cell that is run.
+/// Spreadsheets split comments, too: names in them open no cell that is run, and no quoted one, in which a formula or the next line would be hidden.
 std::string with_plain_cells(const std::string& text) {
   std::string out;
   bool comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (i == 0 || text[i - 1] == '\n') comment = text[i] == '#';
     const bool opens = comment && i > 0 && (text[i - 1] == ',' || text[i - 1] == ';');
-    if (opens && text::would_run(std::string_view(text).substr(i, text.find_first_of(",;\n", i) - i))) out += '\'';
+    const std::string_view cell = opens ? std::string_view(text).substr(i, text.find_first_of(",;\n", i) - i) : std::string_view();
+    if (text::would_run(cell) || trimmed(cell).starts_with('"')) out += '\'';
     out += text[i];
   }
   return out;

@@ -231,6 +231,8 @@ TEST(ExportRefusal, ASpreadsheetRunsNoCommentOfATable) {
   c.imu = "a, =cmd; @cmd,+cmd";
   const std::string table = exported("csv", {c});
   for (const char* shown : {",' =cmd;", ";' @cmd,", ",'+cmd"}) EXPECT_THAT(table, HasSubstr(shown));
+  c.imu = "a\",\"=1+1";  // a cell in quotes
+  EXPECT_THAT(exported("csv", {c}), HasSubstr("Calibration of \"a\",'\"=1+1\","));
 }
 
 }  // namespace
