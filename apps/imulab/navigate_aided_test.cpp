@@ -51,7 +51,7 @@ TEST(NavigateAidedCommand, SmoothsComparesAndWrites) {
   }
   // Titled by the session, and not by its path; withheld times are no gaps; constants in the units of the terminal.
   EXPECT_THAT(page, AllOf(HasSubstr("<h1>session</h1>"), HasSubstr("</i>aids withheld</span>"), Not(HasSubstr("</i>gap</span>"))));
-  EXPECT_THAT(page, AllOf(HasSubstr("<td>accel.offset.x</td>"), HasSubstr("<td>mg</td>"), HasSubstr("<td>deg/h</td>"), Not(HasSubstr("(SI)"))));
+  EXPECT_THAT(page, AllOf(HasSubstr("<th>accel.offset.x</th>"), HasSubstr("<td>mg</td>"), HasSubstr("<td>deg/h</td>"), Not(HasSubstr("(SI)"))));
   Json lasting = json;
   lasting["noise"]["gnss.velocity"]["lasting"] = 7.5;
   folder.write("lasting.json", lasting.dump());
@@ -74,8 +74,15 @@ TEST(NavigateAidedCommand, ThePageSaysEachWarningOnce) {
     for (std::size_t at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++count;
     return count;
   };
-  EXPECT_EQ(times("<li>gnss lever arm: comes out"), 1u);
-  EXPECT_EQ(times("recording.csv: gnss lever arm: comes out"), 0u);
+  std::size_t said = 0;
+  for (const Json& warning : json["warnings"]) {
+    std::string text = warning;
+    if (text.find_first_of("\"'<>&") != std::string::npos) continue;  // is written otherwise in a page
+    if (text.starts_with("recording.csv: ")) text.erase(0, 15);
+    EXPECT_EQ(times(text), 1u) << text;
+    ++said;
+  }
+  EXPECT_GE(said, 1u);
 }
 
 TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {
