@@ -99,7 +99,7 @@ TEST(Advice, OfTheNearestNameWorks) {
               {"calibrate log.csv --method static --out c.json", "--out is not an option of imulab calibrate; did you mean --output?"},
               {"noise log.csv --set latitude=45", "--set: latitude is not a key; did you mean latitude_deg?"},
               {"procedure zhang", "zhang is not a procedure; did you mean zhang-24?"},
-              {"calibrate --method static", "session is required; usage: imulab calibrate session"},
+              {"calibrate --method static", "session is required; usage: imulab calibrate SESSION"},
               {"fleet", "usage: imulab fleet COMMAND"},
               {"export c.json --to kalbr", "did you mean kalibr?"}};
   for (const auto& row : rows) {

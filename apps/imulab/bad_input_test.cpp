@@ -110,7 +110,7 @@ TEST(BadInput, ACommandThatIsWrong) {
   folder.write("file", "");
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
            {"calibarte session", "calibarte is not a command; did you mean calibrate?"},
-           {"calibrate", "session is required; usage: imulab calibrate session"},
+           {"calibrate", "session is required; usage: imulab calibrate SESSION"},
            {"calibrate session", "--method is required"},
            {"calibrate session --method magic",
             "--method: magic is not allowed; expected one of drive, handheld, hybrid, static, turntable, whole-unit"},

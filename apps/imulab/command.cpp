@@ -319,7 +319,8 @@ int parse_and_do(std::vector<std::string> arguments, const std::vector<std::stri
     app.parse(std::move(arguments));
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
-      const std::string otherwise = fmt::format("{}; usage: {}", e.what(), usage(verb));
+      const bool lacks = dynamic_cast<const CLI::RequiredError*>(&e) != nullptr;
+      const std::string otherwise = e.what() + (lacks ? "; usage: " + usage(verb) : "");
       throw Error(unknown_option(verb, given).value_or(otherwise) + " (--help explains the command)");
     }
     app.exit(e);  // help and version
@@ -377,7 +378,7 @@ int run(std::vector<std::string> arguments, const std::string& program) {
     return 2;
   } catch (const std::filesystem::filesystem_error& e) {
     std::error_code gone;
-    std::filesystem::current_path(gone);
+    static_cast<void>(std::filesystem::current_path(gone));
     complain(gone ? "the current folder is not there any more; expected one that is: cd to it"
                   : fmt::format("{}: {}", e.path1().string(), e.code().message()));
     return 2;
