@@ -24,7 +24,8 @@ std::vector<std::string> words_of(std::string_view name) {
   for (std::size_t i = 0; i < name.size(); ++i) {
     const char c = name[i], before = i > 0 ? name[i - 1] : ' ';
     if (kind(c) == 0) continue;
-    const bool camel = std::isupper(static_cast<unsigned char>(c)) && std::islower(static_cast<unsigned char>(before));
+    const bool behind_axis = !words.empty() && words.back().size() == 1 && before >= 'X' && before <= 'Z';  // "AccelXMps2"
+    const bool camel = std::isupper(static_cast<unsigned char>(c)) && (std::islower(static_cast<unsigned char>(before)) || behind_axis);
     if (words.empty() || kind(before) != kind(c) || camel) words.emplace_back();
     words.back() += lower(c);
   }
