@@ -30,13 +30,8 @@ Prediction prediction_of(const Calibration& calibration) {
   return out;
 }
 
-namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 StatedSigma predicted(const Prediction& p, CoefficientIndex index) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
   const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
   if (at < std::ssize(p.coefficients)) return {p.sigma[at], p.degrees_of_freedom.size() > 0 ? p.degrees_of_freedom[at] : infinite};
   return {p.frame == "accelerometers" && zero_by_frame(index) ? 0 : infinite};

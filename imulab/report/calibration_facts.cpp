@@ -164,7 +164,7 @@ std::string latitude_text(const Site& site) {
 namespace {
 
 /// By what the recorder's clock is read. Without the session by the uncertainty that a nominal rate alone has.
-std::string time_text(const CalibrationReport& report) {
+std::string clock_origin(const CalibrationReport& report) {
   const auto has_stamps = [](const RecordingSource& r) { return r.time.column.has_value(); };
   if (report.session) return std::ranges::all_of(report.session->recordings, has_stamps) ? ", as its stamps say" : ", as its nominal rate says";
   constexpr double nominal = 0.01;  // half of what state_clock allows a clock without stamps
@@ -197,7 +197,7 @@ std::vector<Origin> origins_of(const CalibrationReport& report) {
       {"acceleration", "acceleration", g.empty() ? "gravity at the site" : "gravity at the site: " + g,
        computed ? "not used: gravity was not declared but computed" : ""},
       {"rotation", "angle and rate", std::string(method_of(c).angle_source), machine ? "" : "not used: the method takes no angle from an instrument"},
-      {"time", "time", "the recorder's clock" + time_text(report), ""}};
+      {"time", "time", "the recorder's clock" + clock_origin(report), ""}};
   if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
   return out;
 }

@@ -1,6 +1,7 @@
 #include "imulab/results/summary.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/estimate/prediction.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json_fields.hpp"
