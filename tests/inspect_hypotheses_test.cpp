@@ -122,16 +122,6 @@ TEST(InspectHypotheses, TurnsWithGapsDoNotCount) {
   EXPECT_THAT(found_in(moved_log(plain_head, hundredths, {}, cut)).ambiguous, IsEmpty());
 }
 
-TEST(InspectHypotheses, OfTwoClocksTheEvenerIsTaken) {
-  const auto both = [](std::size_t i) {  // received 0 to 7 ms later
-    const auto ns = 1'600'000'000'000'000'000 + 10'000'000 * i;
-    return fmt::format("{},{}", ns + 1'000'000 * (i * 5 % 8), ns);
-  };
-  const Inspection found = found_in(moved_log("%time,field.header.stamp,ax,ay,az,gx,gy,gz", both));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
-  EXPECT_EQ(found.source.time.column, Column("field.header.stamp"));
-}
-
 TEST(InspectHypotheses, AnOffsetAsLargeAsGravityIsTakenOut) {
   const Recording& r = moved_by_hand();
   for (const double offset : {0.4, 1.0, 2.5}) {  // g

@@ -244,7 +244,7 @@ TEST(BadInput, MessagesShowWhatWouldSteerATerminalAndQuoteInShort) {
   }
   expect_refused(folder, "$(printf 'x\\033[31m')", R"(x\x1b[31m is not a command)");
   expect_refused(folder, "compare \"$(printf '\\033]0;title\\007')\" c.json", R"(\x1b]0;title\x07: cannot be opened)");
-  expect_refused(folder, "calibrate session --method \"$(printf '\\033[31m')\"", R"(--method: \x1b[31m not in)");
+  expect_refused(folder, "calibrate session --method \"$(printf '\\033[31m')\"", R"(--method: \x1b[31m is not allowed; expected one of)");
 }
 
 TEST(BadInput, NamesOfAnyBytes) {

@@ -159,7 +159,7 @@ TEST(BudgetCommand, RefusesWhatIsWrong) {
   };
   for (const Case& c : std::vector<Case>{
            {"grade = \"perfect\"\n", "grade = \"perfect\": unknown; expected one of strategic, navigation, tactical, mems, mems-30g"},
-           {"system = \"LTN-72\"\n", "expected one of LTN-90, LTN-101, Laseref"},
+           {"system = \"LTN-72\"\n", "did you mean LTN-90?"},
            {"grade = \"navigation\"\nsystem = \"LTN-90\"\n", "expected at most one"},
            {"gyro = { bias_deg = 1 }\n", "m.toml:12: errors.gyro.bias_deg: is not a known key"},
            {"gyro = { bias_deg_per_h = -1 }\n", "errors.gyro.bias_deg_per_h: -1 is out of range"},

@@ -174,7 +174,7 @@ TEST(CompensateStream, SaysWhereTheInputIsWrongAndLeavesTheRowsBefore) {
         Case{"- -o - < text", "the columns of standard input are not known; expected --session", 0},
         Case{". --session . -o out", "--session and --recording belong to standard input", 0},
         Case{"- --session several.toml -o - < text", "--recording: several.toml: has several recordings; expected one of a.csv, b.csv", 0},
-        Case{"- --session several.toml --recording c.csv -o - < text", "--recording: several.toml: has no recording c.csv; expected one of", 0},
+        Case{"- --session several.toml --recording c.csv -o - < text", "--recording: several.toml: has no recording c.csv; did you mean a.csv?", 0},
         Case{"- --session apart.toml -o - < text", "standard input: the session has a triad in a file of its own (accel.csv)", 0},
         Case{"- --session . -o out < text", "-o out: expected a .csv file, or - for standard output", 0},
         Case{"- --session . -o calibration.csv/out.csv < text", "-o calibration.csv/out.csv: cannot be written", 0}}) {

@@ -78,7 +78,7 @@ TEST(Aids, AreNamedAndRefused) {
               HasSubstr("a.pos: is an aid of kind gnss and no recording; expected the readings of an IMU, and this file beside them"));
   EXPECT_THAT(on_one_line(run_imulab(folder, "inspect b.nmea").errors), HasSubstr("b.nmea: is an aid of kind gnss and no recording"));
   folder.write("session.toml",
-               "format = \"imulab.session/1\"\n[[recording]]\nfile = \"b.nmea\"\n"
+               "format = \"imulab.session/1\"\n[[recording]]\nfile = \"b.nmea\"\ntime = { column = 1, unit = \"s\" }\n"
                "gyro = { columns = [1, 2, 3], output = \"rate\", unit = \"rad/s\" }\n"
                "accel = { columns = [1, 2, 3], output = \"rate\", unit = \"g\" }\n");
   EXPECT_THAT(on_one_line(run_imulab(folder, "inspect session.toml").errors), HasSubstr("b.nmea: is a GNSS solution (NMEA 0183), an aid"));

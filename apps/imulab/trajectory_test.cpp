@@ -232,7 +232,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
            {at_80("kind = \"turn\"\nangle_deg = 0\nrate_dps = 3"), "m.toml:9: segment.angle_deg: is 0; expected a turn"},
            {at_80("kind = \"accelerate\"\nto_mps = 70\nduration_s = 5"), "m.toml:8: segment.kind: accelerate from 80 to 70 m/s"},
            {at_80("kind = \"brake\"\nto_mps = 90\nduration_s = 5"), "m.toml:8: segment.kind: brake from 80 to 90 m/s"},
-           {at_80("kind = \"climb\"\nangle_deg = 95\nduration_s = 5"), "m.toml:9: segment.angle_deg: 95 is out of range; expected 0 to 80"},
+           {at_80("kind = \"climb\"\nangle_deg = 95\nduration_s = 5"), "m.toml:9: segment.angle_deg: 95 is out of range; expected more than 0, at most 80"},
            {at_80("kind = \"rotate\"\naxis = \"w\"\nangle_deg = 5\nrate_dps = 5"), "m.toml:9: segment.axis: \"w\" is not allowed"},
            {at_80("kind = \"repeat\"\nlast = 1\ntimes = 2"), "m.toml:9: segment.last: 1 segments, but there are 0 before this one"},
            {mission(segment("kind = \"turn\"\nangle_deg = 90\nradius_m = 50")), "m.toml:7: segment.kind: turn of radius 50 m at no speed"},

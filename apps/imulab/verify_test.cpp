@@ -55,7 +55,7 @@ TEST(VerifyCommand, ADoubtfulCalibrationStaysDoubtful) {
       0);
   const CommandResult verified = run_imulab(folder, "verify c.json");
   EXPECT_EQ(verified.exit_code, 0) << "the files are unchanged";
-  EXPECT_THAT(verified.output, testing::StartsWith("doubtful: 2 of 2 files are unchanged; the calibration itself is doubtful: a reason"));
+  EXPECT_THAT(on_one_line(verified.output), testing::StartsWith("doubtful: 2 of 2 files are unchanged; the calibration itself is doubtful: a reason"));
 }
 
 TEST(CalibrateCommand, ReplacesACalibrationOnlyByForce) {

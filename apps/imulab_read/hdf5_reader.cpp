@@ -219,7 +219,7 @@ void expect_all_chunks(hid_t dataset, hid_t properties, const std::string& place
   const int rank = H5Sget_simple_extent_ndims(space);
   hsize_t written = 0, all = 1;
   if (rank < 1 || rank > most || H5Sget_simple_extent_dims(space, size.data(), nullptr) != rank ||
-      H5Pget_chunk(properties, most, chunk.data()) != rank || H5Dget_num_chunks(dataset, H5S_ALL, &written) < 0)
+      H5Pget_chunk(properties, most, chunk.data()) != rank || H5Dget_num_chunks(dataset, space, &written) < 0)
     throw Error(place + ": cannot be read; expected a whole dataset");
   for (std::size_t k = 0; k < static_cast<std::size_t>(rank); ++k) all *= (size[k] + chunk[k] - 1) / std::max<hsize_t>(1, chunk[k]);
   if (written < all)

@@ -36,7 +36,7 @@ TEST(Requirement, BadTextIsRefused) {
            {"accel.offset", "\"accel.offset\": expected COEFFICIENTS <= NUMBER UNIT"},
            {"accel.offset < 1 ug", "\"accel.offset < 1 ug\": expected COEFFICIENTS <= NUMBER UNIT"},
            {"accel.offset <= 1 ug,", "\"\": expected COEFFICIENTS <= NUMBER UNIT"},
-           {"accel.ofset <= 1 ug", "unknown coefficient \"accel.ofset\": expected triad.term.element"},
+           {"accel.ofset <= 1 ug", "unknown coefficient \"accel.ofset\"; did you mean accel.offset?"},
            {" <= 1 ug", "unknown coefficient \"\""},
            {"accel.offset <= ", "accel.offset <= : expected a number above 0"},
            {"accel.offset <= ug", "accel.offset <= ug: expected a number above 0"},

@@ -45,34 +45,6 @@ TEST(RestDetection, DoesNotDependOnUnitsOrZeros) {
   EXPECT_EQ(detect_rests(counts).rests, s.rests);
 }
 
-TEST(RestDetection, FindsPausesInATremblingHandBehindADesk) {
-  SimulatedSession s = session_of(8);
-  const std::size_t desk = s.rests[0].end;
-  for (std::size_t j = 0; j < 3; ++j) {
-    const RandomStream hand(8, 900 + j);
-    for (std::size_t i = desk; i < s.recording.size(); ++i) {
-      s.recording.accel[j][i] += 0.1 * hand.normal(2 * i);
-      s.recording.gyro[j][i] += 0.03 * hand.normal(2 * i + 1);
-    }
-  }
-  const RestDetection found = detect_rests(s.recording);
-  EXPECT_EQ(found.rests.size(), s.rests.size());
-  EXPECT_NEAR(found.accel_noise[0], 0.1, 0.01) << "that of the pauses";
-}
-
-TEST(RestDetection, AVehicleBehindADeskHasNoPauses) {
-  SimulatedSession s = session_of(9);  // rests level, then runs level and shakes
-  const std::size_t desk = s.rests[0].end;
-  for (std::size_t j = 0; j < 3; ++j) {
-    const RandomStream road(9, 900 + j);
-    for (std::size_t i = desk; i < s.recording.size(); ++i) {
-      s.recording.accel[j][i] = s.recording.accel[j][desk - 1 - i % 500] + 0.1 * road.normal(2 * i);
-      s.recording.gyro[j][i] = s.recording.gyro[j][desk - 1 - i % 500] + (i % 700 < 200 ? 0.5 : 0.03) * road.normal(2 * i + 1);
-    }
-  }
-  EXPECT_EQ(detect_rests(s.recording).rests.size(), 1u);
-}
-
 TEST(RestDetection, DoesNotLeanOnAnInitialRest) {
   const SimulatedSession s = session_of(7);
   const std::size_t cut = s.rests[0].end + 50;  // begin in motion

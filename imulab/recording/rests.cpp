@@ -116,8 +116,7 @@ struct Quietness {
   std::vector<char> quiet;
 };
 
-/// The windows of `without`, by number, are not looked at for the thresholds.
-Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas, const std::vector<char>& without) {
+Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
   Quietness result;
   if (!triad.recording.has(triad.first_column)) {
     result.quiet.assign(triad.recording.size() / triad.stride + 1 - strides_per_window, 1);
@@ -125,7 +124,7 @@ Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas, cons
   }
   std::vector<std::array<double, 3>> apart;  // windows that do not overlap
   for_each_window(triad, [&](std::size_t k, const std::array<double, 3>& variances) {
-    if (k % strides_per_window == 0 && (without.empty() || !without[k])) apart.push_back(variances);
+    if (k % strides_per_window == 0) apart.push_back(variances);
   });
   std::vector<double> logs(apart.size());
   for (std::size_t j = 0; j < 3; ++j) {
@@ -241,12 +240,11 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-/// By the quietest windows that are not among `without`.
-RestDetection rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride, const std::vector<char>& without) {
+RestDetection rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride) {
   RestDetection found;
   const std::size_t length = strides_per_window * stride;
-  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas, without);
-  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas, without);
+  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas);
+  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
@@ -288,30 +286,6 @@ RestDetection rests_by_windows(const RecordingView& recording, const RestOptions
   return found;
 }
 
-/// True if these stretches show gravity in several directions far from the first: a hand's pauses. A vehicle that runs smoothly stays level.
-bool are_pauses(const RecordingView& recording, const std::vector<Range>& rests) {
-  constexpr std::size_t several = 5;
-  constexpr double far_away = 0.5;  // of the length: half a radian
-  const auto force = [&](const Range& rest) {
-    return Vector3d(mean_of(recording, accel_columns, rest), mean_of(recording, accel_columns + 1, rest),
-                    mean_of(recording, accel_columns + 2, rest));
-  };
-  if (rests.empty()) return false;
-  const Vector3d first = force(rests.front());
-  const auto away = [&](const Range& rest) { return (force(rest) - first).norm() > far_away * first.norm(); };
-  return static_cast<std::size_t>(std::count_if(rests.begin(), rests.end(), away)) >= several;
-}
-
-/// The windows that overlap a rest.
-std::vector<char> windows_in(const std::vector<Range>& rests, std::size_t windows, std::size_t stride) {
-  std::vector<char> inside(windows, 0);
-  for (const Range& rest : rests)
-    for (std::size_t k = rest.begin / stride < strides_per_window ? 0 : rest.begin / stride - strides_per_window + 1;
-         k < windows && k * stride < rest.end; ++k)
-      inside[k] = 1;
-  return inside;
-}
-
 }  // namespace
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
@@ -324,19 +298,7 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
     if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   if (recording.size() < 2 * strides_per_window * stride) return {};
-  RestDetection found = rests_by_windows(recording, options, stride, {});
-  // A rest on a desk is stiller than pauses in a hand: where it is nearly all that was found, thresholds come from the rest of the recording, too.
-  constexpr std::size_t few = 3, several = 20;
-  if (found.rests.empty() || found.rests.size() > few || !recording.has(accel_columns)) return found;
-  const std::vector<char> still = windows_in(found.rests, recording.size() / stride + 1 - strides_per_window, stride);
-  std::size_t left = 0;  // windows that do not overlap
-  for (std::size_t k = 0; k < still.size(); k += strides_per_window) left += !still[k];
-  if (left < several) return found;
-  RestDetection pauses = rests_by_windows(recording, options, stride, still);
-  if (!are_pauses(recording, pauses.rests)) return found;
-  pauses.notes.push_back(
-      fmt::format("{} of them are stiller than the others, whose noise is that of a hand: thresholds are those of its pauses", found.rests.size()));
-  return pauses;
+  return rests_by_windows(recording, options, stride);
 }
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 """Data and calibrations that are well formed and do not fit what is asked of them: said, or refused."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -47,6 +48,7 @@ def test_calibrations_of_two_imus(calibration, tmp_path):
 
 def test_assumed_gravity_is_said(hand_session, tmp_path):
     inspected = imulab.inspect(hand_session / "recording.csv", declare={"grade": "mems"}).session
+    shutil.copy(hand_session / "recording.csv", tmp_path)
     inspected.save(tmp_path / "session.toml")
     for data in (hand_session / "recording.csv", inspected, imulab.read_session(tmp_path / "session.toml")):
         with pytest.warns(imulab.DataWarning, match="assumed: gravity"):

@@ -47,6 +47,11 @@ double expected_drift(const RestStart& start, const Session& session) {
   return effect_sigma(*find_effect("gyro.drift"), sizes.declared, sizes.grade, sizes.accel_offset);
 }
 
+bool has_no_gyros(const Recording& recording) {
+  const auto is_silent = [](const std::vector<double>& column) { return std::all_of(column.begin(), column.end(), [](double v) { return v == 0; }); };
+  return std::all_of(recording.gyro.begin(), recording.gyro.end(), is_silent);
+}
+
 GyroStart start_gyro(const RestStart& start, const Recording& recording, const Session& session, const std::optional<Matrix3d>& unit) {
   const Site& site = session.site;
   const auto not_resolved = [](double error) {
@@ -54,8 +59,7 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
                      fmt::format("they do not resolve Earth's rate: noise and drift shift the rests' means by {:.2g} deg/h, more than a tenth of it",
                                  error / unit::deg_per_h)};
   };
-  const auto is_silent = [](const std::vector<double>& column) { return std::all_of(column.begin(), column.end(), [](double v) { return v == 0; }); };
-  if (std::all_of(recording.gyro.begin(), recording.gyro.end(), is_silent)) return {{}, "the recording has none"};
+  if (has_no_gyros(recording)) return {{}, "the recording has none"};
   const bool counts = recording.gyro_unit == "count";
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
   constexpr double limit = resolvable_part * earth_rate;
@@ -128,6 +132,10 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
   SensorModel as_read;
   as_read.gyro.raw_unit = recording.gyro_unit;
   start.model.gyro = to_scaled(as_read, start.scaling).gyro;
+  if (has_no_gyros(recording)) {
+    start.findings.note("the gyros were not calibrated: " + gyro.reason);
+    return false;
+  }
   if (recording.gyro_unit == "count") gyro.reason += "; they stay in counts";
   start.findings.warn("the gyros were not calibrated: " + gyro.reason);
   if (gyro.doubt.empty() && unit && output_steps(start, *unit, expected_drift(start, session))) gyro.doubt = gyros_change;

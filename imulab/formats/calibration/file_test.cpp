@@ -275,7 +275,7 @@ TEST(CalibrationFile, AllProblemsAreReportedAtOnce) {
             "c.json: model.accel.offset[1]: expected a number, found \"0\"\n"
             "c.json: model.accel.matrix: expected 3 rows of 3 numbers\n"
             "c.json: model.gyro.matrix: is missing\n"
-            "c.json: covariance.coefficients[0]: unknown coefficient \"x\": expected triad.term.element such as gyro.matrix.xy, a term such as "
+            "c.json: covariance.coefficients[0]: unknown coefficient \"x\"; expected triad.term.element such as gyro.matrix.xy, a term such as "
             "accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal\n"
             "c.json: quality.verdict: expected a text, found 1");
   EXPECT_EQ(problems_of(R"({"format": "imulab.calibration/1", "model": 3})"), "c.json: model: expected an object, found 3");

@@ -95,8 +95,7 @@ std::string listed_excerpts(const std::vector<std::string>& names) {
 }
 
 std::string expected_excerpt(std::string_view name, const std::vector<std::string>& names) {
-  const std::string meant = did_you_mean(excerpt(name), names);
-  return meant.empty() ? "; expected one of " + listed_excerpts(names) : meant;
+  return "; expected one of " + listed_excerpts(names) + did_you_mean(excerpt(name), names);
 }
 
 }  // namespace imulab::text

@@ -32,7 +32,7 @@ std::string listed(const std::vector<std::string_view>& names);
 /// Names from a file in such a list, cut as `excerpt` does; "..." for those after the twentieth.
 std::string listed_excerpts(const std::vector<std::string>& names);
 
-/// What was meant by a name that is none of those of a file: "; did you mean gx?", or "; expected one of gx, gy".
+/// About a name that is none of those of a file: "; expected one of gx, gy; did you mean gx?".
 std::string expected_excerpt(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace imulab::text

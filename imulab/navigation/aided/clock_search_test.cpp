@@ -45,7 +45,7 @@ std::vector<motion::Segment> drive() {
           straight(7),
           accelerate(5, 5),
           straight(9),
-          turn(200 * unit::deg, 0.4, 2),
+          turn(200 * unit::deg, 0.25, 2),
           straight(5),
           accelerate(14, 8),
           straight(13),
