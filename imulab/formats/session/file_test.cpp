@@ -310,7 +310,7 @@ TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
 TEST(SessionFile, EveryEffectMayBeDeclaredAbsent) {
   std::string text = "format = \"imulab.session/1\"\n[imu]\nname = \"unit\"\n";
   for (const Effect& effect : effects()) text += std::string(effect.declared) + " = 0\n";
-  const Session session = parse_session(text, "session.toml");
+  const Session session = parse_session(text + "[site]\ngravity_mps2 = 9.8\n", "session.toml");
   for (const Effect& effect : effects()) EXPECT_EQ(session.imu.effect_sigmas.at(std::string(effect.name)), 0) << effect.name;
   EXPECT_EQ(parse_session(session_text(session), "again.toml").imu.effect_sigmas, session.imu.effect_sigmas);
   const EffectSetting all{

@@ -45,11 +45,11 @@ std::vector<motion::Segment> drive() {
           straight(7),
           accelerate(5, 5),
           straight(9),
-          turn(200 * unit::deg, 0.25, 2),
+          turn(200 * unit::deg, 0.2, 2),
           straight(5),
           accelerate(14, 8),
           straight(13),
-          turn(-120 * unit::deg, 0.25, 2),
+          turn(-120 * unit::deg, 0.13, 2),
           straight(6)};
 }
 
