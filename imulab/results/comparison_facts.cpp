@@ -132,11 +132,11 @@ std::string probability_text(double p) { return p < 1e-99 ? "< 1e-99" : fmt::for
 namespace {
 
 /// Against the stated uncertainties.
-enum class Differences { larger, as_stated, smaller };
-Differences differences_of(const Consistency& c) {
-  return c.p_value < improbable_differences       ? Differences::larger
-         : c.p_value > 1 - improbable_differences ? Differences::smaller
-                                                  : Differences::as_stated;
+enum class SizeOfDifferences { larger, as_stated, smaller };
+SizeOfDifferences differences_of(const Consistency& c) {
+  return c.p_value < improbable_differences       ? SizeOfDifferences::larger
+         : c.p_value > 1 - improbable_differences ? SizeOfDifferences::smaller
+                                                  : SizeOfDifferences::as_stated;
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t described_bytes = 1 << 18;  // of a text that has to be unpacked
+constexpr std::uint64_t bytes_of_member_head = 1 << 18;  // of a text that has to be unpacked
 constexpr std::size_t most_texts = 500;
 
 /// "imu0/data" of "imu0/data.csv".
@@ -34,7 +34,7 @@ std::string table_name(const std::vector<TextMember>& members, const TextMember&
 /// Describes a member, where it is a table.
 std::optional<TableDescription> describe_text_member(const std::vector<TextMember>& members, const TextMember& member) {
   try {
-    const TextTable head = member.open(described_bytes);
+    const TextTable head = member.open(bytes_of_member_head);
     TableDescription table = text_format().describe({head.path()}).front();
     if (head.bytes() > 0)
       table.rows = static_cast<std::size_t>(static_cast<double>(table.rows) * static_cast<double>(member.bytes) / static_cast<double>(head.bytes()));
