@@ -2,6 +2,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
 #include "imulab/model/effects.hpp"
+#include "imulab/recording/rest_means.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/units.hpp"
 
