@@ -97,6 +97,8 @@ TEST_F(Cases, AreTheSameMotion) {
     constexpr double mg = 1e-3 * unit::g, usual = 0.5, right[] = {34.26, 30.34, 11.41};  // as the plain log has them, at any latitude
     for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(offset.at(axis).get<double>() / mg, right[axis], usual) << log.files << axis;
   }
+  EXPECT_EQ(run("inspect cases/trembling_pauses/pauses.csv --set latitude_deg=45 -o pauses.toml").exit_code, 0);
+  EXPECT_THAT(run("calibrate pauses.toml --method static --effects none").output, testing::ContainsRegex("accel.offset.x +34.[1-7]"));
   EXPECT_EQ(run("inspect cases/zero_of_half_a_g/counts.csv -o counts.toml").exit_code, 0);
   EXPECT_EQ(run("inspect cases/no_stamps/accel-0.csv cases/no_stamps/gyro-0.csv --rate 100 --set gyro.unit=rad/s -o rows.toml").exit_code, 0);
 }

@@ -7,6 +7,7 @@
 #include "tests/simulated_session.hpp"
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 namespace imulab {
 namespace {
@@ -43,6 +44,53 @@ TEST(RestDetection, DoesNotDependOnUnitsOrZeros) {
     for (double& v : counts.accel[j]) v = -1024 * v;
   }
   EXPECT_EQ(detect_rests(counts).rests, s.rests);
+}
+
+/// Behind the first rest the readings become those that `moved` makes of them: in a hand, on a road.
+Recording behind_the_desk(std::uint64_t seed, const std::function<double(const SimulatedSession&, std::size_t column, std::size_t i)>& moved) {
+  HandHeldOptions options;
+  options.poses = 20;
+  options.first_rest = 60;
+  SimulatedSession s = simulate_session(options, seed);
+  Recording r = s.recording;
+  for (std::size_t column = 0; column < 6; ++column)
+    for (std::size_t i = s.rests[0].end; i < r.size(); ++i) (column < 3 ? r.gyro : r.accel)[column % 3][i] = moved(s, column, i);
+  return r;
+}
+
+double reading_of(const SimulatedSession& s, std::size_t column, std::size_t i) {
+  return (column < 3 ? s.recording.gyro : s.recording.accel)[column % 3][i];
+}
+
+TEST(RestDetection, FindsPausesInATremblingHandBehindADesk) {
+  const Recording trembling = behind_the_desk(8, [](const SimulatedSession& s, std::size_t column, std::size_t i) {
+    const double t = s.recording.time_s(i), size = 1 + 0.6 * std::sin(0.3 * t);  // 7 Hz: the angle stays within a degree
+    return reading_of(s, column, i) + size * (column < 3 ? 0.04 : 0.01) * std::sin(44 * t + static_cast<double>(column));
+  });
+  const RestDetection found = detect_rests(trembling);
+  EXPECT_EQ(found.rests.size(), session_of(8).rests.size());
+  EXPECT_GT(found.gyro_noise[0], 0.01) << "that of the pauses";
+}
+
+/// A vehicle runs level, turns, and shakes in places; a model aircraft also banks and loops, where other forces act.
+TEST(RestDetection, WhatRunsBehindADeskHasNoPauses) {
+  const auto driven = [](double loops) {
+    return behind_the_desk(9, [=](const SimulatedSession& s, std::size_t column, std::size_t i) {
+      const std::size_t desk = s.rests[0].end - 1 - i % 500;
+      const double t = s.recording.time_s(i), rough = i % 700 < 300 ? 1 : 0.1, angle = loops * t;
+      const double shake = rough * (column < 3 ? 0.05 : 0.5) * std::sin((31 + 5 * static_cast<double>(column)) * t);
+      const double turn = column == 2 ? 0.2 * std::sin(0.4 * t) : column == 0 ? loops : 0;
+      const double force = column == 3   ? 1.5 * std::sin(0.25 * t)
+                           : column == 4 ? (loops > 0 ? 12 * std::sin(angle) : std::sin(0.4 * t))
+                           : column == 5 ? (loops > 0 ? 12 * std::cos(angle) - 9.8 : 0)
+                                         : turn;
+      return reading_of(s, column, desk) + shake + force;
+    });
+  };
+  for (const double loops : {0.0, 0.2}) {
+    const Recording run = driven(loops);
+    for (const Range& rest : detect_rests(run).rests) EXPECT_LT(run.time_s(rest.begin), 60) << loops;
+  }
 }
 
 TEST(RestDetection, DoesNotLeanOnAnInitialRest) {

@@ -116,7 +116,8 @@ struct Quietness {
   std::vector<char> quiet;
 };
 
-Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
+/// The windows of `without`, by number, are not looked at for the thresholds.
+Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas, const std::vector<char>& without) {
   Quietness result;
   if (!triad.recording.has(triad.first_column)) {
     result.quiet.assign(triad.recording.size() / triad.stride + 1 - strides_per_window, 1);
@@ -124,7 +125,7 @@ Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
   }
   std::vector<std::array<double, 3>> apart;  // windows that do not overlap
   for_each_window(triad, [&](std::size_t k, const std::array<double, 3>& variances) {
-    if (k % strides_per_window == 0) apart.push_back(variances);
+    if (k % strides_per_window == 0 && (without.empty() || !without[k])) apart.push_back(variances);
   });
   std::vector<double> logs(apart.size());
   for (std::size_t j = 0; j < 3; ++j) {
@@ -240,11 +241,12 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-RestDetection rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride) {
+/// By the quietest windows that are not among `without`.
+RestDetection rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride, const std::vector<char>& without) {
   RestDetection found;
   const std::size_t length = strides_per_window * stride;
-  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas);
-  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas);
+  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas, without);
+  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas, without);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
@@ -286,6 +288,39 @@ RestDetection rests_by_windows(const RecordingView& recording, const RestOptions
   return found;
 }
 
+/// True if these stretches show gravity: of one length, unchanged within each, and in several directions far from the first. Those of a hand's pauses
+/// do. A vehicle that runs smoothly stays level, and where it does not, other forces than gravity act.
+bool are_pauses(const RecordingView& recording, const std::vector<Range>& rests) {
+  constexpr std::size_t several = 5;
+  constexpr double far_away = 0.5;  // of the length: half a radian
+  constexpr double alike = 0.15;    // lengths, with the zeros and scales of an uncalibrated sensor
+  constexpr double steady = 0.05;   // between halves: 3 degrees, which a hand drifts by in seconds
+  const auto force = [&](const Range& part) {
+    return Vector3d(mean_of(recording, accel_columns, part), mean_of(recording, accel_columns + 1, part),
+                    mean_of(recording, accel_columns + 2, part));
+  };
+  if (rests.empty()) return false;
+  const Vector3d first = force(rests.front());
+  std::size_t away = 0, moving = 0;
+  for (const Range& rest : rests) {
+    const std::size_t middle = rest.begin + rest.size() / 2;
+    const Vector3d before = force({rest.begin, middle}), behind = force({middle, rest.end}), mean = 0.5 * (before + behind);
+    const bool moves = std::abs(mean.norm() - first.norm()) > alike * first.norm() || (behind - before).norm() > steady * first.norm();
+    moving += moves;
+    away += !moves && (mean - first).norm() > far_away * first.norm();
+  }
+  return away >= several && 4 * moving <= rests.size();
+}
+
+/// The windows that overlap a rest.
+std::vector<char> windows_in(const std::vector<Range>& rests, std::size_t windows, std::size_t stride) {
+  std::vector<char> inside(windows, 0);
+  for (const Range& rest : rests)
+    for (std::size_t k = 0; k < windows; ++k)
+      if ((k + strides_per_window) * stride > rest.begin && k * stride < rest.end) inside[k] = 1;
+  return inside;
+}
+
 }  // namespace
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
@@ -298,7 +333,17 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
     if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   if (recording.size() < 2 * strides_per_window * stride) return {};
-  return rests_by_windows(recording, options, stride);
+  RestDetection found = rests_by_windows(recording, options, stride, {});
+  // A rest on a desk is stiller than pauses in a hand: where it is nearly all that was found, thresholds come from the rest of the recording, too.
+  constexpr std::size_t few = 3, several = 20 * strides_per_window;
+  if (found.rests.empty() || found.rests.size() > few || !recording.has(accel_columns)) return found;
+  const std::vector<char> still = windows_in(found.rests, recording.size() / stride + 1 - strides_per_window, stride);
+  if (std::count(still.begin(), still.end(), 0) < static_cast<std::ptrdiff_t>(several)) return found;
+  RestDetection pauses = rests_by_windows(recording, options, stride, still);
+  if (!are_pauses(recording, pauses.rests)) return found;
+  pauses.notes.push_back(
+      fmt::format("{} of them are stiller than the others, whose noise is that of a hand: thresholds are those of its pauses", found.rests.size()));
+  return pauses;
 }
 
 }  // namespace imulab
