@@ -40,9 +40,11 @@ HandheldProblem::HandheldProblem(const Recording& recording, const coarse::RestS
   turning_sigma_ = (noise_.sample.gyro.cwiseAbs2() + noise_.rounding.gyro.cwiseAbs2()).cwiseSqrt();
   common_rounding_ = rounding_in_common();
   stillness_ = stillness_of(recording, start.rests, model_, scaling_, turning_sigma_, noise_.rounding.gyro);
-  std::vector<RestMeans> leveled = start.rests;
-  level_at_middle(recording, leveled, stillness_.weight(), model_, scaling_);
-  for (std::size_t k = 0; k < rests_.size(); ++k) rests_[k].accel = leveled[k].accel;
+  if (stillness_.moves) {
+    std::vector<RestMeans> leveled = start.rests;
+    level_at_middle(recording, leveled, model_, scaling_);
+    for (std::size_t k = 0; k < rests_.size(); ++k) rests_[k].accel = leveled[k].accel;
+  }
   relink();
   add_turns(turns);
 }

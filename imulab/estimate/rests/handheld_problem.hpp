@@ -84,8 +84,6 @@ class HandheldProblem : public RestProblem {
   Eigen::Index earth_column(std::size_t stretch) const;
   Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
   IntegratedRotation integrated(const Recording& recording, Range range, const Vector3d& sigma) const;
-  /// From the middle of a rest to that of the next.
-  IntegratedRotation between_middles(std::size_t rest) const;
   /// The rotation at the present model, turned by a small angle and by what the effects make of it.
   Matrix3d corrected(const IntegratedRotation& rotation, const Vector3d& angle) const;
   Eigen::Index nuisances() const { return rounding_column() + 3 - std::ssize(indices_); }

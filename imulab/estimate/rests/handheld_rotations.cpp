@@ -58,21 +58,6 @@ IntegratedRotation HandheldProblem::integrated(const Recording& recording, Range
   return integrate_rotation(recording, range, model_, scaling_, sigma, effects);
 }
 
-IntegratedRotation HandheldProblem::between_middles(std::size_t rest) const {
-  const Rest &from = rests_[rest], &to = rests_[rest + 1];
-  IntegratedRotation turn = integrated(*recording_, {from.range.end, to.range.begin}, turning_sigma_);
-  const double weight = stillness_.weight();
-  if (!(weight > 0)) return turn;
-  for (const bool after : {false, true}) {
-    const Range half = after ? first_half(to) : second_half(from);
-    if (recording_->gaps_in({half.begin, half.end + 1}) > 0) continue;
-    const IntegratedRotation small = integrated(*recording_, half, turning_sigma_).part(weight);
-    turn = after ? turn.then(small) : small.then(turn);
-  }
-  turn.covariance.diagonal().array() += 2 * std::pow((1 - weight) * stillness_.wander, 2);
-  return turn;
-}
-
 Matrix3d HandheldProblem::corrected(const IntegratedRotation& rotation, const Vector3d& angle) const {
   Vector3d all = angle;
   Index gyro = 0;
@@ -93,7 +78,7 @@ void HandheldProblem::integrate() {
         continue;
       }
     }
-    link.rotation = link.now = between_middles(k);
+    link.rotation = link.now = integrated(*recording_, turn_between(*recording_, rests_[k].range, rests_[k + 1].range, stillness_), turning_sigma_);
     link.now.C = corrected(link.rotation, Vector3d::Zero());
     link.at = model_;
   }

@@ -47,20 +47,42 @@ Still rests(int count, const std::function<double(double)>& turned) {
 
 Stillness judged(const Still& s) { return stillness_of(s.recording, s.rests, SensorModel{}, Scaling{}, Vector3d::Constant(noise), Vector3d::Zero()); }
 
-TEST(Stillness, OfRestsThatAreStillNoWeightOfTheGyros) {
-  const Stillness s = judged(rests(30, [](double) { return 0.0; }));
+TEST(Stillness, OfRestsThatAreStillOnlyTheirEndsCount) {
+  const Still still = rests(30, [](double) { return 0.0; });
+  const Stillness s = judged(still);
+  EXPECT_FALSE(s.moves);
   EXPECT_EQ(s.wander, 0);
-  EXPECT_EQ(s.weight(), 0);
-  const double half = 0.5 * samples * interval;  // s
-  EXPECT_NEAR(s.noise, std::hypot(noise * std::sqrt(half * interval), earth_rate * half / std::sqrt(3.0)), 1e-9);
+  EXPECT_EQ(s.end, 50U);
+  const Range turn = turn_between(still.recording, {0, 400}, {450, 850}, s);
+  EXPECT_EQ(turn.begin, 350U);
+  EXPECT_EQ(turn.end, 500U);
+  EXPECT_EQ(turn_between(still.recording, {0, 60}, {100, 200}, s).begin, 30U) << "not beyond the middle";
 }
 
-TEST(Stillness, OfAHandThatSwaysIsItsAngleFromTheMiddleToTheEdges) {
-  // 0.6 deg to either side about one axis: 0.35 deg over three axes.
+TEST(Stillness, OfAHandThatSwaysIsItsAngleFromTheMiddleToTheEnds) {
+  // 0.6 deg to either side about one axis: 0.35 deg over three axes. Half a second before the edge it is 0.92 of that.
   const double size = 0.6 * unit::deg;
-  const Stillness s = judged(rests(30, [&](double t) { return size * std::sin(t * 0.5 * 3.14159265358979 / 2); }));
-  EXPECT_NEAR(s.wander, size / std::sqrt(3.0), 0.05 * size);
-  EXPECT_GT(s.weight(), 0.99);
+  const Still still = rests(30, [&](double t) { return size * std::sin(t * 0.5 * 3.14159265358979 / 2); });
+  const Stillness s = judged(still);
+  EXPECT_NEAR(s.wander, 0.92 * size / std::sqrt(3.0), 0.05 * size);
+  EXPECT_TRUE(s.moves);
+  EXPECT_EQ(turn_between(still.recording, {0, 400}, {450, 850}, s).begin, 200U);
+}
+
+TEST(Stillness, TailsOfTurnsAreKnownByTheirDirectionsWhateverTheNoise) {
+  // Turns of 0.1 rad, of either sign, with slow ends within the rests: 1 s each, a tenth of a degree. By their size they are taken for noise.
+  for (const bool along : {true, false}) {
+    Still s = rests(16, [](double) { return 0.0; });
+    for (std::size_t k = 0; k < s.rests.size(); ++k) {
+      const double turn = k % 3 == 0 ? 1 : -1, tail = along || k % 2 == 0 ? turn : -turn;
+      Range& range = s.rests[k].range;
+      range.end -= 20;
+      for (std::size_t i = range.end; i < range.end + 20; ++i) s.recording.gyro[0][i] += 0.5 * turn;
+      for (std::size_t i = range.end - 100; i < range.end; ++i) s.recording.gyro[0][i] += 0.1 * unit::deg * tail;
+    }
+    const Stillness found = stillness_of(s.recording, s.rests, SensorModel{}, Scaling{}, Vector3d::Constant(10 * noise), Vector3d::Zero());
+    EXPECT_EQ(found.moves, along);
+  }
 }
 
 TEST(Stillness, TheForceIsThatAtTheMiddle) {
@@ -68,7 +90,7 @@ TEST(Stillness, TheForceIsThatAtTheMiddle) {
   const double size = 0.6 * unit::deg;
   Still s = rests(3, [&](double t) { return size * (t / 2) * (t / 2); });
   EXPECT_GT(std::abs(s.rests[1].accel.y()), 0.2 * size * 9.8);
-  level_at_middle(s.recording, s.rests, 1, SensorModel{}, Scaling{});
+  level_at_middle(s.recording, s.rests, SensorModel{}, Scaling{});
   for (const RestMeans& rest : s.rests) EXPECT_LT(std::abs(rest.accel.y()), 0.05 * size * 9.8);
 }
 

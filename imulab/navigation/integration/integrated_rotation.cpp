@@ -15,28 +15,6 @@ Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from
   return dphi + phi[7] * (to.quadratic - from.quadratic) + phi[8] * (to.cubic - from.cubic);
 }
 
-IntegratedRotation IntegratedRotation::then(const IntegratedRotation& next) const {
-  IntegratedRotation both = *this;
-  both.C = C * next.C;
-  for (std::size_t k = 0; k < phi.size(); ++k) both.phi[k] += C * next.phi[k];
-  both.by_effect += C * next.by_effect;
-  both.covariance += C * next.covariance * C.transpose();
-  both.reading += next.reading;
-  both.duration_s += next.duration_s;
-  return both;
-}
-
-IntegratedRotation IntegratedRotation::part(double factor) const {
-  IntegratedRotation out = *this;
-  out.C = rotation_exp(factor * rotation_log(C));
-  for (Matrix3d& each : out.phi) each *= factor;
-  out.by_effect *= factor;
-  out.covariance *= factor * factor;
-  out.reading *= factor;
-  out.duration_s *= factor;
-  return out;
-}
-
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma, const RateEffects& effects) {
   IntegratedRotation sum;

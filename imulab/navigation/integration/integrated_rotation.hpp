@@ -26,10 +26,6 @@ struct IntegratedRotation {
 
   /// dphi from one gyro model to another.
   Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
-  /// This rotation and then another.
-  IntegratedRotation then(const IntegratedRotation& next) const;
-  /// A part of this small rotation.
-  IntegratedRotation part(double factor) const;
 };
 
 /// Columns of effects on the gyros, and the state at a sample without its force and rate.
