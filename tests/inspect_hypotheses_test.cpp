@@ -112,6 +112,37 @@ TEST(InspectHypotheses, StampsThatAreEvenOnAverageGiveTheRate) {
   EXPECT_THAT(found_in(text, {{"gyro.unit", "rad/s"}, {"rate_hz", "100.5"}}).ambiguous, IsEmpty());
 }
 
+/// Received 0 to 7 ms late, so that most rows are 7 ms apart.
+std::string received(std::size_t i) { return fmt::format("{}", 1'600'000'000'000'000'000 + 10'000'000 * i + 1'000'000 * (i * 5 % 8)); }
+
+TEST(InspectHypotheses, OfTwoClocksTheEvenerIsTaken) {
+  const auto both = [](std::size_t i) { return fmt::format("{},{}", received(i), 1'600'000'000'000'000'000 + 10'000'000 * i); };
+  const Inspection found = found_in(moved_log("%time,field.header.stamp,ax,ay,az,gx,gy,gz", both));
+  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_EQ(found.source.time.column, Column("field.header.stamp"));
+  const Inspection alone = found_in(moved_log("%time,ax,ay,az,gx,gy,gz", received));
+  EXPECT_THAT(alone.ambiguous, IsEmpty());
+  EXPECT_NEAR(alone.rate_hz.value_or(0), 100, 0.1);
+}
+
+TEST(InspectHypotheses, StampsOfFewDigitsGiveTheMeanRate) {
+  const auto rounded = [](std::size_t i) { return fmt::format("{:.3f}", 100 + static_cast<double>(i) / 300); };  // 3, 3 and 4 ms
+  const Inspection found = found_in(moved_log(",,,,,,", rounded));
+  EXPECT_NEAR(found.rate_hz.value_or(0), 300, 0.3);
+}
+
+TEST(InspectHypotheses, OneRowOutOfOrderHidesNoClockOfTwoColumns) {
+  const auto split = [](std::size_t i) { return fmt::format("{},{}", 1'600'000'000 + (i == 500 ? 2 : i / 100), i % 100 * 10'000'000); };
+  const Inspection found = found_in(moved_log("secs,nsecs,ax,ay,az,gx,gy,gz", split));
+  EXPECT_EQ(found.source.time.column, Column("secs"));
+  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("time runs backwards 1 time")));
+}
+
+TEST(InspectHypotheses, WhereRowsAreLeftOutRegularlyTheStampsStand) {
+  const Inspection found = found_in(moved_log(plain_head, hundredths, {}, [](std::size_t i) { return i % 5 != 0; }));
+  EXPECT_EQ(found.source.time.column, Column("t"));
+}
+
 TEST(InspectHypotheses, TurnsWithGapsDoNotCount) {
   std::size_t left = 0;
   const auto keep = [&](std::size_t i) { return i * 7919 % 331 > 2 || left++ % 5 == 4; };  // up to three rows at once
@@ -216,6 +247,14 @@ TEST(InspectHypotheses, SensorsWhoseColumnsAreInCommentsAreRead) {
   const Inspection found = inspect_files({.files = {folder.write("log.txt", text).string()}});
   EXPECT_THAT(found.ambiguous, IsEmpty());
   EXPECT_EQ(found.source.gyro.unit, "rad/s");
+}
+
+TEST(InspectHypotheses, AFormThatIsNotKnownIsShown) {
+  std::string text;
+  for (std::size_t i = 0; i < 40; ++i) text += fmt::format("imu<{}>{{0.1{};0.2;9.8{};0.4;0.5;0.6}}\n", hundredths(i), i, i);
+  const std::vector<std::string> notes = signals_of_text("log.txt", text).notes;
+  EXPECT_THAT(notes, testing::Contains("log.txt:2: imu<0.01>{0.11;0.2;9.81;0.4;0.5;0.6}"));
+  EXPECT_THAT(notes.back(), HasSubstr("log.txt:3: imu<0.02>{0.12;0.2;9.82;0.4;0.5;0.6}: has numbers in a form that is not known here"));
 }
 
 TEST(InspectHypotheses, TextsOfSeveralTablesAreNamed) {

@@ -161,8 +161,8 @@ Dataset describe_dataset(const OpenedFile& file, hid_t id, const std::string& pa
   const Handle type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
   const int rank = space.good() ? H5Sget_simple_extent_ndims(space) : -1;
   const Handle native(type.good() ? H5Tget_native_type(type, H5T_DIR_ASCEND) : -1, H5Tclose);
-  if ((rank != 1 && rank != 2) || !native.good()) return dataset;
-  dataset.dimensions.resize(static_cast<std::size_t>(rank));
+  if (rank < 0 || rank > 2 || (rank == 0 && H5Sget_simple_extent_npoints(space) != 1) || !native.good()) return dataset;
+  dataset.dimensions.assign(static_cast<std::size_t>(std::max(1, rank)), 1);  // a number alone, as of a rate, is one row
   H5Sget_simple_extent_dims(space, dataset.dimensions.data(), nullptr);
   dataset.element = H5Tget_size(native);
   add_fields(dataset, native, name, 0, 0);
@@ -276,7 +276,8 @@ void send_dataset(const OpenedFile& file, const Dataset& dataset, const std::vec
     const std::array<hsize_t, 2> room = dataset.lying ? std::array{columns, at_once} : std::array{at_once, columns};
     const std::array<hsize_t, 2> zero{0, 0};
     const Handle memory(H5Screate_simple(plane ? 2 : 1, room.data(), nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(space, H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr) < 0 ||
+    const bool alone = H5Sget_simple_extent_type(space) == H5S_SCALAR;
+    if ((!alone && H5Sselect_hyperslab(space, H5S_SELECT_SET, begin.data(), nullptr, size.data(), nullptr) < 0) ||
         H5Sselect_hyperslab(memory, H5S_SELECT_SET, zero.data(), nullptr, size.data(), nullptr) < 0 ||
         H5Dread(id, native, memory, space, H5P_DEFAULT, buffer.data()) < 0)
       fail();

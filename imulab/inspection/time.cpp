@@ -29,7 +29,7 @@ struct Steps {
   double typical = 0;        ///< median of those above 0
   double even = 0;           ///< part of the steps that are within half of it
   bool whole = false;        ///< all numbers are whole
-  double scatter = 0;        ///< median distance of a step from a multiple of the typical one, part of it
+  double scatter = 0;        ///< mean distance of a step from a multiple of the typical one, part of it
   bool on_average = false;   ///< the steps are not even, but sums of sixteen are
   bool ones = false;         ///< nearly every step is exactly 1
   std::optional<int> bits;   ///< the numbers begin again after 2^bits
@@ -37,18 +37,21 @@ struct Steps {
   double first = 0;
 };
 
-constexpr double even_enough = 0.6;  // part of the steps
+constexpr std::size_t rows_a_backward = 100;  // that are out of order
+constexpr double even_enough = 0.6;           // part of the steps
+constexpr double no_multiples = 0.02;         // of the typical step: where rows are lost, steps are multiples of it
 
-/// Takes the mean step of sixteen as the typical one, where these hardly differ.
+/// Takes the mean step of sixteen as the typical one, where these hardly differ while the steps do, or are no multiples of the typical one.
 void take_average(const std::vector<double>& values, Steps& s) {
   constexpr std::size_t several = 16;
   std::vector<double> sums;
   for (std::size_t i = several; i < std::min(values.size(), looked_at); i += several) sums.push_back(values[i] - values[i - several]);
   if (sums.size() < 4) return;
-  const double typical = median(sums);
+  const double typical = median(sums), mean = typical / several;
   const auto even = std::count_if(sums.begin(), sums.end(), [&](double sum) { return std::abs(sum - typical) < 0.1 * typical; });
-  s.on_average = typical > 0 && static_cast<double>(even) > 0.9 * static_cast<double>(sums.size());
-  if (s.on_average) s.typical = typical / several;
+  if (!(typical > 0 && static_cast<double>(even) > 0.9 * static_cast<double>(sums.size()))) return;
+  s.on_average = s.even <= even_enough || (s.scatter > no_multiples && std::abs(mean - s.typical) > 0.05 * mean);
+  if (s.on_average) s.typical = mean;
 }
 
 std::optional<Steps> steps_of(const std::vector<double>& values) {
@@ -83,15 +86,14 @@ std::optional<Steps> steps_of(const std::vector<double>& values) {
     if (fits && !s.bits) s.bits = bits;
   }
   s.backward = s.bits ? 0 : backward.size();
-  std::vector<double> apart;
-  for (const double step : forward) apart.push_back(std::abs(step / s.typical - std::max(1.0, std::round(step / s.typical))));
-  s.scatter = median(apart);
-  if (s.even <= even_enough && backward.empty()) take_average(values, s);
+  for (const double step : forward)
+    s.scatter += std::abs(step / s.typical - std::max(1.0, std::round(step / s.typical))) / static_cast<double>(forward.size());
+  if (backward.empty()) take_average(values, s);
   return s;
 }
 
 /// True if the numbers advance as a clock's do: in even steps, forward but for a few rows out of order.
-bool is_clock(const Steps& s, std::size_t rows) { return (s.even > even_enough || s.on_average) && s.backward * 100 < rows; }
+bool is_clock(const Steps& s, std::size_t rows) { return (s.even > even_enough || s.on_average) && s.backward * rows_a_backward < rows; }
 
 double in_seconds(const char* unit) { return std::pow(10.0, time_exponent(unit) - 9); }
 
@@ -105,14 +107,14 @@ std::optional<std::pair<std::size_t, std::size_t>> split_clock(const SignalTable
   for (std::size_t a = 0; a < table.signals.size(); ++a) {
     const std::vector<double>& seconds = table.signals[a].values;
     const std::size_t n = std::min(seconds.size(), looked_at);
-    std::size_t turns = 0;
+    std::size_t turns = 0, back = 0;
     bool whole = n > 2;
     for (std::size_t i = 1; i < n && whole; ++i) {
       const double step = seconds[i] - seconds[i - 1];
-      whole = step >= 0 && step == std::floor(step) && seconds[i] == std::floor(seconds[i]);
-      turns += step > 0;
+      whole = step == std::floor(step) && seconds[i] == std::floor(seconds[i]);
+      turns += step > 0, back += step < 0;
     }
-    if (!whole || turns == 0 || turns * 4 > n) continue;
+    if (!whole || turns == 0 || turns * 4 > n || back * rows_a_backward >= n) continue;
     for (std::size_t b = 0; b < table.signals.size(); ++b) {
       if (b == a) continue;
       const std::vector<double>& fraction = table.signals[b].values;
@@ -120,7 +122,7 @@ std::optional<std::pair<std::size_t, std::size_t>> split_clock(const SignalTable
       double largest = 0;
       for (std::size_t i = 1; i < n; ++i) {
         const bool falling = fraction[i] < fraction[i - 1];
-        falls += falling;
+        falls += falling && seconds[i] >= seconds[i - 1];
         together += falling && seconds[i] > seconds[i - 1];
         largest = std::max(largest, fraction[i]);
       }
@@ -232,7 +234,7 @@ TimeGuess recognize_time(const SignalTable& table) {
     const Role role = hint_in(table, i).role;
     if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
     const bool time = role == Role::time || !table.signals[i].unit.empty();
-    if (steps->on_average && !time) continue;
+    if (steps->on_average && steps->even <= even_enough && !time) continue;
     const bool ticks = hint_in(table, i).ticks || steps->on_average;
     candidates.push_back({i, *steps, (time ? 4 : 0) + (steps->ones ? 0 : 2) - (ticks ? 1 : 0)});
   }

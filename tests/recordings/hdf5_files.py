@@ -18,6 +18,7 @@ with h5py.File("groups.h5", "w") as f:
     f.create_dataset("imu/counts", data=np.array([counts(i) for i in range(SAMPLES)], dtype="i2").T, chunks=(3, 16))  # 3 x N
     f["imu/names"] = ["x", "y", "z"]
     f["rate"] = 125.0
+    f["imu/sampling_rate"] = 125.0
     f["baro/height"] = np.arange(10.0)
 
 fields = np.zeros(SAMPLES, dtype=[("stamp", "<i8"), ("label", "S3"), ("gyro", ">f4", (3,)), ("imu", [("ax", "f8"), ("ay", "f8"), ("az", "<f4")])])

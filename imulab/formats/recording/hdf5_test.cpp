@@ -1,4 +1,6 @@
 // HDF5 files that h5py wrote (tests/recordings/hdf5_files.py).
+#include "imulab/formats/recording/signals.hpp"
+
 #include <gmock/gmock.h>
 
 #include "tests/recording_files.hpp"
@@ -29,6 +31,13 @@ TEST(Hdf5, DatasetsInGroups) {
   EXPECT_THAT(error_of(request, {"/imu/mag"}), HasSubstr("groups.h5: /imu/accel: column /imu/mag is not there; expected one of /imu/accel.1"));
   request.topic = "/imu";
   EXPECT_THAT(error_of(request, {1}), HasSubstr("topic /imu is not there; expected one of /baro/height, /imu/accel"));
+}
+
+TEST(Hdf5, ANumberAloneMayBeTheRate) {
+  if (built_without({.file = recording_file("groups.h5")})) GTEST_SKIP();
+  const SignalTable table = read_signals(recording_file("groups.h5"), "/imu/accel");
+  EXPECT_EQ(table.rate_hz, 125);
+  EXPECT_EQ(table.rate_name, "/imu/sampling_rate");
 }
 
 TEST(Hdf5, CompoundElements) {

@@ -1,5 +1,6 @@
 #include "imulab/formats/recording/text_signals.hpp"
 
+#include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/csv.hpp"
 #include "imulab/formats/recording/csv_layout.hpp"
@@ -128,6 +129,29 @@ bool begins_another_table(const std::vector<std::string_view>& fields) {
                           excerpt(header)));
 }
 
+/// What of the first rows is no number; where numbers are in it, the rows have a form that is not known here, and are shown.
+void add_unread(const TableLayout& layout, std::string_view text, SignalTable& table) {
+  constexpr std::size_t shown = 3;
+  std::vector<std::string_view> lines;
+  for (std::string_view left = text.substr(layout.offset); lines.size() < shown && !left.empty();
+       left.remove_prefix(std::min(left.find('\n'), left.size() - 1) + 1))
+    lines.push_back(trimmed(left.substr(0, left.find('\n'))));
+  const std::vector<std::string_view> fields = lines.empty() ? std::vector<std::string_view>{} : fields_of(lines.front(), layout);
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  bool known = true;
+  for (std::size_t i = 0; i < std::min(layout.columns, fields.size()) && !table.signals[i].values.empty(); ++i) {
+    if (fields[i].empty() || std::isfinite(number_in(fields[i]))) continue;
+    table.notes.push_back(fmt::format("column {}: \"{}\" is no number: such columns are not used", i + 1, excerpt(fields[i])));
+    const std::size_t point = fields[i].find('.');
+    known = known && !(point != std::string_view::npos && point > 0 && digit(fields[i][point - 1]) && point + 1 < fields[i].size() &&
+                       digit(fields[i][point + 1]));
+  }
+  for (std::size_t k = 0; k < lines.size() && !known; ++k)
+    table.notes.push_back(
+        fmt::format("{}: {}{}", layout.at(layout.line + k), excerpt(lines[k], 100),
+                    k + 1 < lines.size() ? "" : ": has numbers in a form that is not known here; expected them between delimiters"));
+}
+
 /// Fields that are no numbers become NaN; rows of another length and headers among the rows are left out.
 void read_what_there_is(const TableLayout& layout, std::string_view text, SignalTable& table) {
   std::size_t ragged = 0, first_ragged = 0, number = layout.line;
@@ -156,11 +180,7 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
     table.notes.push_back(fmt::format("{} line{} do not have {} fields, the first is line {}; in the middle of the file they are an error", ragged,
                                       ragged == 1 ? "" : "s", layout.columns, first_ragged));
   leave_out_incomplete(table, lines);
-  const std::string_view first = text.substr(layout.offset, std::min(text.find('\n', layout.offset), text.size()) - layout.offset);
-  const std::vector<std::string_view> fields = fields_of(first, layout);
-  for (std::size_t i = 0; i < std::min(layout.columns, fields.size()) && !table.signals[i].values.empty(); ++i)
-    if (!fields[i].empty() && !std::isfinite(number_in(fields[i])))
-      table.notes.push_back(fmt::format("column {}: \"{}\" is no number: such columns are not used", i + 1, excerpt(fields[i])));
+  add_unread(layout, text, table);
 }
 
 /// The columns of a plain text, or of its first lines.
