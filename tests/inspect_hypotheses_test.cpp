@@ -83,6 +83,19 @@ TEST(InspectHypotheses, AFiltersGravityIsNoAccelerometer) {
       << "nor is it where it is declared";
 }
 
+TEST(InspectHypotheses, AccelerometersAreNotTakenForGyrosOfLargeIncrements) {  // as which they fit the turns of a short log by chance
+  HandHeldOptions options;
+  options.poses = 10, options.first_rest = 4, options.rest = 2, options.move = 1, options.rate_hz = 50;
+  const Recording r = simulate_session(options, 62).recording;
+  std::string text = "t,a,gy,gW,,,,,,,,\n";
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const std::string force = fmt::format("{},{},{}", r.accel[0][i], r.accel[1][i], r.accel[2][i]);
+    text += fmt::format("{0},{1},{2},{3},{3},{0},{1},{2}\n", 0.02 * static_cast<double>(i), force, r.gyro[0][i], r.gyro[1][i]);
+  }
+  const Inspection found = found_in(text);
+  EXPECT_THAT(found.ambiguous, testing::Not(IsEmpty()));
+}
+
 TEST(InspectHypotheses, ATriadIsOfOneSensor) {
   const Recording& r = moved_by_hand();
   const auto calibrated = [&](std::size_t i) {

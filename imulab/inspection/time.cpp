@@ -47,11 +47,15 @@ void take_average(const std::vector<double>& values, Steps& s) {
   std::vector<double> sums;
   for (std::size_t i = several; i < std::min(values.size(), looked_at); i += several) sums.push_back(values[i] - values[i - several]);
   if (sums.size() < 4) return;
-  const double typical = median(sums), mean = typical / several;
-  const auto even = std::count_if(sums.begin(), sums.end(), [&](double sum) { return std::abs(sum - typical) < 0.1 * typical; });
-  if (!(typical > 0 && static_cast<double>(even) > 0.9 * static_cast<double>(sums.size()))) return;
-  s.on_average = s.even <= even_enough || (s.scatter > no_multiples && std::abs(mean - s.typical) > 0.05 * mean);
-  if (s.on_average) s.typical = mean;
+  const double typical = median(sums);
+  double even = 0, mean = 0;
+  for (const double sum : sums)
+    if (std::abs(sum - typical) < 0.1 * typical) ++even, mean += sum;
+  if (!(typical > 0 && even > 0.9 * static_cast<double>(sums.size()))) return;
+  mean /= even * several;
+  constexpr double far_apart = 0.25;  // else they are rounded, or jitter, which reading settles
+  s.on_average = s.even <= even_enough || (s.scatter > no_multiples && std::abs(mean - s.typical) > far_apart * mean);
+  if (s.on_average || s.scatter > no_multiples) s.typical = mean;
 }
 
 std::optional<Steps> steps_of(const std::vector<double>& values) {

@@ -127,16 +127,32 @@ bool is_steady(const Recording& recording, const Range& rest) {
   return apart < 0.03 * whole.norm() && spread < noise_of_gravity * whole.norm();
 }
 
-/// Spread of the norm between the rests, part of its mean.
-double norm_spread_in_motion(const Recording& recording, const std::vector<Range>& rests, const Vector3d& center) {
-  std::vector<double> norms;
+/// Calls `each`(i) for every seventh sample between the rests.
+template <class Each>
+void for_each_in_motion(const Recording& recording, const std::vector<Range>& rests, const Each& each) {
   std::size_t next = 0;
   for (std::size_t i = 0; i < recording.size(); i += 7) {
     while (next < rests.size() && rests[next].end <= i) ++next;
-    if (next < rests.size() && i >= rests[next].begin) continue;
-    norms.push_back((reading_at(recording.accel, i) - center).norm());
+    if (next == rests.size() || i < rests[next].begin) each(i);
   }
+}
+
+/// Spread of the norm between the rests, part of its mean.
+double norm_spread_in_motion(const Recording& recording, const std::vector<Range>& rests, const Vector3d& center) {
+  std::vector<double> norms;
+  for_each_in_motion(recording, rests, [&](std::size_t i) { norms.push_back((reading_at(recording.accel, i) - center).norm()); });
   return norms.size() < 10 ? 0 : robust_sigma(norms) / median(norms);
+}
+
+/// False where the readings differ from rest to rest about as much as in motion: gyros read the same at every rest, but for their drift.
+bool read_alike_at_rest(const Recording& recording, const std::vector<Range>& ranges, const std::vector<RestMeans>& rests) {
+  constexpr double about_as_much = 0.5;
+  const Vector3d mean = mean_gyro(rests);
+  std::vector<double> at_rest;
+  double squares = 0, count = 0;
+  for (const RestMeans& rest : rests) at_rest.push_back((rest.gyro - mean).norm());
+  for_each_in_motion(recording, ranges, [&](std::size_t i) { squares += (reading_at(recording.gyro, i) - mean).squaredNorm(), ++count; });
+  return count < 10 || median(at_rest) < about_as_much * std::sqrt(squares / count);
 }
 
 /// The three columns in the order of their names' axes, where these are x, y and z of one sensor: some logs have z first.
@@ -237,7 +253,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   evidence.norm_most = *std::max_element(norms.begin(), norms.end());
   evidence.filtered = !center && has_one_length(recording, rests, least_step(table, accel) / accel_step);
   evidence.norm_in_motion = norm_spread_in_motion(recording, steady, center.value_or(Vector3d::Zero()));
-  if (rests.size() < 2 || !(evidence.norm > 0)) return evidence;
+  if (rests.size() < 2 || !(evidence.norm > 0) || !read_alike_at_rest(recording, steady, rests)) return evidence;
 
   SensorModel model;
   model.accel.matrix = Matrix3d::Identity() * (9.8 * accel_step / evidence.norm);

@@ -59,10 +59,16 @@ AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& an
           analysis};
 }
 
-AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const NoiseVerbOptions& o, bool with_page) {
-  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options_of(o)));
+/// `source`: where it has the accelerometers in a table of their own, their readings are means that reading made of it, as it says: the end of their
+/// spectrum is no finding.
+AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const RecordingSource& source, const NoiseVerbOptions& o) {
+  NoiseAnalysis found = analyze_noise(recording, still, options_of(o));
+  if (source.accel.file || source.accel.topic || source.accel.time)
+    std::erase_if(found.warnings,
+                  [](const std::string& text) { return text.starts_with("accel.") && text.find(": the spectrum above") != text.npos; });
+  const auto analysis = std::make_shared<const NoiseAnalysis>(std::move(found));
   const Conclusion conclusion = conclusion_of(*analysis, o);
-  if (!with_page) return answer_of(analysis, conclusion, {});
+  if (o.report.empty()) return answer_of(analysis, conclusion, {});
   return answer_of(analysis, conclusion, [page = noise_page(*analysis, recording, still.range, conclusion)] { return page; });
 }
 
@@ -116,19 +122,18 @@ AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& 
 }
 
 AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell) {
-  const bool with_page = !o.report.empty();
   std::string why_not;
   if (std::optional<StoredReading> stored = read_stored(session, source, o.most_bytes(), why_not)) {
     for (const std::string& text : stored->warnings) tell(text);
     const std::size_t filled = worth_filling(stored->recording.view()) ? stored->recording.fill_short_gaps() : 0;
     const RecordingView recording = stored->recording.view();
-    return analyzed(recording, still_range(recording, session, filled), o, with_page);
+    return analyzed(recording, still_range(recording, session, filled), source, o);
   }
   if (!why_not.empty()) tell(why_not);
   RecordingReading reading = read_recording(session, source);
   for (const std::string& text : reading.warnings) tell(text);
   const StillPart still = still_part(std::move(reading.recording), session);
-  return analyzed(still.recording, still, o, with_page);
+  return analyzed(still.recording, still, source, o);
 }
 
 AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o) {
