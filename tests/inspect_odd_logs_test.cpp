@@ -54,6 +54,8 @@ TEST(InspectOddLogs, ACounterOfSamplesIsNoClock) {
   const auto lost = [](std::size_t i) { return i != 500; };
   EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, all)).ambiguous, ElementsAre(HasSubstr("rate_hz")));
   EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, lost)).ambiguous, ElementsAre(HasSubstr("rate_hz"))) << "one sample lost";
+  const auto many_lost = [](std::size_t i) { return i % 4 != 0; };
+  EXPECT_THAT(inspected_log(odd_log("Index,gx,gy,gz,ax,ay,az", true, number, many_lost)).ambiguous, ElementsAre(HasSubstr("rate_hz")));
   const auto wrapped = [](std::size_t i) { return fmt::format("{}", (i + 60'000) % 65'536); };
   EXPECT_THAT(inspected_log(odd_log("counter,gx,gy,gz,ax,ay,az", true, wrapped, all)).ambiguous, Contains(HasSubstr("rate_hz")));
   const auto ticks = [](std::size_t i) { return fmt::format("{}", 400 * i); };

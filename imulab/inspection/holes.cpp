@@ -2,11 +2,13 @@
 
 #include "imulab/inspection/declared.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace imulab::inspection {
@@ -33,16 +35,20 @@ std::string merged_rows(const SignalTable& table) {
 
 /// Columns of numbers that some rows have none in: none of them is a reading.
 std::string columns_with_holes(const SignalTable& table) {
-  constexpr double most = 0.5;  // of the rows: else it is no column of numbers
-  std::string text;
+  constexpr double most = 0.5;                                                          // of the rows: else it is no column of numbers
+  std::map<std::pair<std::ptrdiff_t, std::ptrdiff_t>, std::vector<std::string>> holed;  // names by the first row and how many
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const std::vector<double>& values = table.signals[i].values;
     const auto is_hole = [](double v) { return !std::isfinite(v); };
     const auto holes = std::count_if(values.begin(), values.end(), is_hole);
     if (holes == 0 || static_cast<double>(holes) > most * static_cast<double>(values.size())) continue;
-    const auto first = std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1;
-    text += fmt::format("; {} has no finite number in {} {}, first in row {}", column_name(table, i), holes, holes == 1 ? "row" : "rows", first);
+    holed[{std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1, holes}].push_back(column_name(table, i));
   }
+  std::string text;
+  for (const auto& [where, names] : holed)
+    text += fmt::format("; {} {} no finite number in {} {}, first in row {}", fmt::join(names, ", "), names.size() == 1 ? "has" : "have",
+                        where.second, where.second == 1 ? "row" : "rows", where.first);
+  if (!text.empty()) text += ": expected a file of rows with all of them";
   return text;
 }
 

@@ -233,9 +233,10 @@ TimeGuess recognize_time(const SignalTable& table) {
   };
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
-    const auto steps = steps_of(table.signals[i].values);
+    auto steps = steps_of(table.signals[i].values);
     if (!steps || !is_clock(*steps, table.rows())) continue;
     const Role role = hint_in(table, i).role;
+    steps->ones = steps->ones || (steps->whole && steps->typical == 1 && role == Role::sample_number);  // with rows left out
     if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
     const bool time = role == Role::time || !table.signals[i].unit.empty();
     if (steps->on_average && steps->even <= even_enough && !time) continue;
