@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <pybind11/stl.h>
 #include <type_traits>
@@ -159,6 +160,21 @@ void take_keywords(Verb& verb, const py::dict& given) {
   }
 }
 
+std::string in_keywords(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool begins = i == 0 || std::isalnum(static_cast<unsigned char>(text[i - 1])) == 0;
+    if (!begins || text.compare(i, 2, "--") != 0 || i + 2 == text.size() || std::islower(static_cast<unsigned char>(text[i + 2])) == 0) {
+      out += text[i];
+      continue;
+    }
+    for (i += 2; i < text.size() && (std::islower(static_cast<unsigned char>(text[i])) != 0 || text[i] == '-'); ++i)
+      out += text[i] == '-' ? '_' : text[i];
+    --i;
+  }
+  return out;
+}
+
 }  // namespace imulab::python
 
 PYBIND11_MODULE(_imulab, module) {
@@ -166,14 +182,19 @@ PYBIND11_MODULE(_imulab, module) {
   namespace py = pybind11;
   py::register_exception<imulab::Error>(module, "Error", PyExc_ValueError);
   py::register_exception<imulab::Unsupported>(module, "Unsupported", PyExc_RuntimeError);
+  module.def("in_keywords", &python::in_keywords);
   py::register_exception_translator([](std::exception_ptr failure) {
-    const auto raise = [](const std::string& text) { PyErr_SetString(py::module_::import("imulab._imulab").attr("Error").ptr(), text.c_str()); };
+    const auto raise = [](const std::string& text) {
+      PyErr_SetString(py::module_::import("imulab._imulab").attr("Error").ptr(), python::in_keywords(text).c_str());
+    };
     try {
       std::rethrow_exception(failure);
     } catch (const imulab::OptionError& e) {
       std::string keyword = e.option();
       std::replace(keyword.begin(), keyword.end(), '-', '_');
       raise(keyword + ": " + e.what());
+    } catch (const imulab::Error& e) {
+      raise(e.what());
     } catch (const std::filesystem::filesystem_error& e) {  // a name that the system refuses
       raise(e.what());
     }

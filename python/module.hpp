@@ -102,6 +102,9 @@ struct Outcome : Answer {
 /// Error for one that is out of range.
 void take_keywords(Verb& verb, const py::dict& given);
 
+/// Words that name options of the command, with the keywords of Python: heading_sigma for --heading-sigma.
+std::string in_keywords(const std::string& text);
+
 template <class Options>
 Options options_from(const py::dict& keywords) {
   Options o;

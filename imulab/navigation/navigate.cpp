@@ -73,7 +73,7 @@ void check_heading(const FineAlignment& a) {
   if (sigma <= largest_heading_sigma) return;
   throw Unsupported(fmt::format(
       "alignment: gyros with {2:.2g} deg/sqrt(h) and biases of u = {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
-      "the heading would be {0:.3g} deg (limit {1:.0f} deg); give the heading or an initial state",
+      "the heading would be {0:.3g} deg (limit {1:.0f} deg); give the heading (--heading) or an initial state",
       sigma / unit::deg, largest_heading_sigma / unit::deg, a.gyro_noise / unit::deg_per_sqrt_h,
       std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
 }

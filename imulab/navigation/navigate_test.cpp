@@ -204,7 +204,7 @@ TEST(Navigate, PlaceAndHeadingAreAskedForWhereTheyAreMissing) {
     FAIL();
   } catch (const Unsupported& e) {
     EXPECT_THAT(e.what(), HasSubstr("do not resolve the Earth's rate"));
-    EXPECT_THAT(e.what(), HasSubstr("give the heading or an initial state"));
+    EXPECT_THAT(e.what(), HasSubstr("give the heading (--heading) or an initial state"));
   }
   const Navigated n = navigate({}, f.session, f.recording, {.heading = GivenHeading{30 * unit::deg, 0}});
   EXPECT_NEAR(euler_angles(n.solution.states[0].q_nb.toRotationMatrix()).heading, 30 * unit::deg, 1e-7);

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from ._imulab import Error
+from ._imulab import Error, in_keywords
 
 PathLike = str | os.PathLike[str]
 
@@ -24,7 +24,7 @@ def warn(texts: Iterable[str]) -> None:
     while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("imulab."):
         frame, level = frame.f_back, level + 1
     for text in texts:
-        warnings.warn(text, DataWarning, stacklevel=level)
+        warnings.warn(in_keywords(text), DataWarning, stacklevel=level)
 
 
 def path(name: str, value: Any) -> str:

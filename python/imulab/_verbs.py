@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect as _inspect
 import os
-import re as _re
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -28,11 +27,6 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 _KEYWORDS = _imulab.keywords()
 
 
-def _in_keywords(text: str) -> str:
-    """Help that names options of the command, with the keywords of Python."""
-    return _re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
-
-
 def _options(verb: str) -> Callable[[_Function], _Function]:
     """Gives a function the options of a verb as keywords: names, kinds, defaults and help of the table by which the command parses."""
 
@@ -42,7 +36,7 @@ def _options(verb: str) -> Callable[[_Function], _Function]:
         further = [row for row in _KEYWORDS[verb] if row[0] not in own.parameters]
         made = [_inspect.Parameter(name, _inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind) for name, kind, default, _ in further]
         setattr(function, "__signature__", own.replace(parameters=[*kept, *made]))
-        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {_in_keywords(text)}\n" for name, _, _, text in further)
+        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {_imulab.in_keywords(text)}\n" for name, _, _, text in further)
         return function
 
     return given

@@ -3,6 +3,7 @@
 import datetime
 import decimal
 import pathlib
+import re
 
 import numpy as np
 import pytest
@@ -110,6 +111,7 @@ def expect_clear(call):
     with pytest.raises(CLEAR) as raised:
         call()
     assert type(raised.value) in CLEAR and str(raised.value), repr(raised.value)
+    assert not re.search(r"(^|[^\w-])--[a-z]", str(raised.value)), f"an option of the shell: {raised.value}"
 
 
 @pytest.mark.parametrize("place", ["gyro", "accel"])
@@ -314,6 +316,7 @@ def test_sessions(tables):
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", latitude_deg=100),
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", latitude_deg=float("nan")),
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", axes="outer"),
+        lambda c: c.to("csv", noise="none.json"),
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", axes=["diagonal"]),
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", time=1),
         lambda c: imulab.plan("gyro.offset <= 1 deg/h", grade="best"),
