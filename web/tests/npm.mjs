@@ -4,6 +4,7 @@ import { execFileSync, spawnSync } from "node:child_process";
 import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
+import zlib from "node:zlib";
 
 const packed = path.resolve(process.argv[2]);
 const source = process.cwd();
@@ -44,6 +45,8 @@ try {
   const calibrated = await calibrate(files, { method: "handheld" });
   assert.equal(calibrated.data.quality.verdict, JSON.parse(fs.readFileSync("by-command.json", "utf8")).quality.verdict);
   assert.deepEqual(calibrated.data.model, JSON.parse(fs.readFileSync("by-command.json", "utf8")).model);
+  for (const [name, bytes] of Object.entries({ "log.csv.gz": zlib.gzipSync(log), "log.csv.xz": execFileSync("xz", ["-c"], { input: log, maxBuffer: 1e9 }) }))
+    assert.equal((await inspect({ [name]: bytes })).data.rows, 26400, name);
   const hostile = await inspect({ "-o\u001b[2J<img>.csv": log });
   assert.equal(hostile.data.rows, 26400);
 
