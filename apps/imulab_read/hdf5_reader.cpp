@@ -44,7 +44,7 @@ class Handle {
 /// A dataset of numbers.
 struct Dataset {
   NumberArray array;
-  std::string path;
+  std::string path, attribute;      // of the object there: a rate, which is one number
   std::vector<NumberField> fields;  // of an element in memory
   std::vector<hsize_t> dimensions;
   bool lying = false;        // 3 x N
@@ -185,6 +185,35 @@ Dataset describe_dataset(const OpenedFile& file, hid_t id, const std::string& pa
   return dataset;
 }
 
+/// Rates that an object states as attributes: as datasets of one row would.
+void add_rates(hid_t object, const std::string& path, std::vector<Dataset>& datasets) {
+  constexpr hsize_t most = 64;
+  for (hsize_t k = 0; k < most; ++k) {
+    const Handle attribute(H5Aopen_by_idx(object, ".", H5_INDEX_NAME, H5_ITER_INC, k, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    if (!attribute.good()) return;
+    std::array<char, 64> name{};
+    const Handle type(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
+    const Handle native(type.good() ? H5Tget_native_type(type, H5T_DIR_ASCEND) : -1, H5Tclose);
+    if (H5Aget_name(attribute, name.size(), name.data()) <= 0 || !names_rate(name.data()) || !native.good() || !space.good()) continue;
+    const auto number = plain_type(native);
+    if (!number || H5Sget_simple_extent_npoints(space) != 1) continue;
+    Dataset& rate = datasets.emplace_back();
+    rate.path = path.empty() ? "/" : path, rate.attribute = name.data();
+    rate.array.name = path + "/" + rate.attribute, rate.array.rows = 1, rate.array.columns = {{rate.array.name}};
+    rate.fields = {{*number, 0}}, rate.element = H5Tget_size(native);
+  }
+}
+
+/// Sends it.
+void send_rate(const OpenedFile& file, const Dataset& rate, const SendRows& send) {
+  const Handle attribute(H5Aopen_by_name(file.file, rate.path.c_str(), rate.attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Handle type(H5Aget_type(attribute), H5Tclose), native(H5Tget_native_type(type, H5T_DIR_ASCEND), H5Tclose);
+  std::string buffer(rate.element, '\0');
+  if (!native.good() || H5Tget_size(native) != rate.element || H5Aread(attribute, native, buffer.data()) < 0)
+    throw Error(fmt::format("{}: {}: cannot be read; expected a number", file.name, rate.array.name));
+  send_rows(rate.fields, buffer.data(), rate.element, 1, send);
+}
+
 herr_t add_name(hid_t, const char* name, const H5O_info_t* info, void* names) {
   if (info->type == H5O_TYPE_DATASET) static_cast<std::vector<std::string>*>(names)->push_back(name);
   return 0;
@@ -201,7 +230,9 @@ std::vector<Dataset> datasets_of(const OpenedFile& file) {
     if (file.matlab && !is_matlab_matrix(id, "/" + name)) continue;
     Dataset dataset = describe_dataset(file, id, "/" + name);
     if (!dataset.array.columns.empty()) datasets.push_back(std::move(dataset));
+    add_rates(id, "/" + name, datasets);
   }
+  add_rates(file.file, "", datasets);
   return datasets;
 }
 
@@ -295,7 +326,9 @@ void answer_hdf5(const ReadRequest& request, ToParent& to) {
   const SendColumn send = column_sender(to);
   const std::vector<ArrayColumn> places = find_array_columns(arrays_of(datasets), request.topic, request.columns, file.name);
   for_each_array(places, datasets.size(), [&](std::size_t a, const std::vector<std::size_t>& chosen, const std::vector<std::size_t>& own) {
-    send_dataset(file, datasets[a], chosen, {send, own, datasets[a].array.rows});
+    const SendRows rows{send, own, datasets[a].array.rows};
+    if (datasets[a].attribute.empty()) return send_dataset(file, datasets[a], chosen, rows);
+    send_rate(file, datasets[a], rows);
   });
 }
 

@@ -28,6 +28,7 @@ for k, name in enumerate(["ax", "ay", "az"]):
     fields["imu"][name] = accels[:, k]
 with h5py.File("compound.h5", "w", libver="latest") as f:
     f["samples"] = fields
+    f.attrs["fs"] = 125.0
 
 with h5py.File("external.h5", "w") as f:  # numbers that are not in the file, but in another
     f.create_dataset("t", (SAMPLES,), "i1", external=[("/etc/passwd", 0, SAMPLES)])

@@ -38,6 +38,9 @@ TEST(Hdf5, ANumberAloneMayBeTheRate) {
   const SignalTable table = read_signals(recording_file("groups.h5"), "/imu/accel");
   EXPECT_EQ(table.rate_hz, 125);
   EXPECT_EQ(table.rate_name, "/imu/sampling_rate");
+  const SignalTable stated = read_signals(recording_file("compound.h5"));
+  EXPECT_EQ(stated.rate_hz, 125);
+  EXPECT_EQ(stated.rate_name, "/fs") << "an attribute";
 }
 
 TEST(Hdf5, CompoundElements) {
