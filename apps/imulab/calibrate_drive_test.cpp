@@ -106,6 +106,11 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   // What is as uncertain as before is no result: neither in the rows, nor on a card, nor for firmware.
   EXPECT_THAT(on_one_line(result.output), ContainsRegex("not determined, as uncertain as before the data: .*accel.matrix.zz.*gyro.matrix.xx"));
   EXPECT_THAT(page, AllOf(HasSubstr("Not determined, as uncertain as before the data: accel.matrix.z"), Not(HasSubstr("imulab export to firmware"))));
+  EXPECT_THAT(on_one_line(result.output),
+              ContainsRegex("good: nothing contradicts the stated uncertainties; not determined: [0-9]+ of 24 offsets, scales and misalignments"));
+  const CommandResult required = run_imulab(folder, "calibrate drive --method drive --require 'gyro.matrix.xx <= 50000 ppm' -o r.json");
+  EXPECT_EQ(required.exit_code, 1);
+  EXPECT_THAT(on_one_line(required.output), ContainsRegex("gyro.matrix.xx <= 50000 ppm: not met .*not determined"));
   const double gyro_scale = *standard_uncertainty(c, coefficient_index("gyro.matrix.zz")) / unit::ppm;
   EXPECT_THAT(on_one_line(result.output), HasSubstr(fmt::format("gyros scale {:.0f} ppm", 100 * std::round(gyro_scale / 100))));
   EXPECT_EQ(c.imu, "simulated IMU");

@@ -37,9 +37,18 @@ StatedSigma predicted(const Prediction& p, CoefficientIndex index) {
   return {p.frame == "accelerometers" && zero_by_frame(index) ? 0 : infinite};
 }
 
+namespace {
+
+/// What requirements judge: not a prior alone.
+StatedSigma judged_sigma(const Prediction& p, CoefficientIndex index) {
+  return contains(p.considered, index) ? StatedSigma{std::numeric_limits<double>::infinity()} : predicted(p, index);
+}
+
+}  // namespace
+
 std::vector<RequirementResult> assess(const Prediction& p, const std::vector<Requirement>& requirements) {
   std::vector<RequirementResult> out;
-  for (const Requirement& r : requirements) out.push_back(compared(r, [&](CoefficientIndex index) { return predicted(p, index); }));
+  for (const Requirement& r : requirements) out.push_back(compared(r, [&](CoefficientIndex index) { return judged_sigma(p, index); }));
   return out;
 }
 
@@ -50,7 +59,7 @@ std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Require
     throw_problems("", problems_of(r));
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
-      const StatedSigma stated = predicted(p, index);
+      const StatedSigma stated = judged_sigma(p, index);
       if (stated.meets(r.limit)) continue;
       out.push_back({r, index, stated.compared(), std::isinf(stated.sigma) ? "the procedure does not determine it" : ""});
       named.push_back(index);

@@ -98,9 +98,12 @@ RequirementResult compared(const Requirement& requirement, const std::function<S
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
   validate(calibration);
   const auto fixed = [&](CoefficientIndex index) { return calibration.frame == "accelerometers" && zero_by_frame(index); };
+  const auto by_prior_alone = [&](CoefficientIndex index) {
+    return std::ranges::find(calibration.quality.considered, coefficient(index).name) != calibration.quality.considered.end();
+  };
   RequirementResult out = compared(requirement, [&](CoefficientIndex index) {
     if (fixed(index)) return StatedSigma{};
-    const double sigma = relative_uncertainty(calibration, index);
+    const double sigma = by_prior_alone(index) ? std::numeric_limits<double>::infinity() : relative_uncertainty(calibration, index);
     return StatedSigma{sigma, std::isfinite(sigma) ? expanded_uncertainty(calibration, index).degrees_of_freedom : 0};
   });
   if (std::ranges::all_of(requirement.coefficients, fixed)) out.note = "zero by the definition of the axes";

@@ -76,6 +76,19 @@ TEST(Requirement, ADoubtfulResultMeetsNone) {
   EXPECT_THROW(assess(c, r), Error);
 }
 
+TEST(Requirement, APriorAloneMeetsNone) {
+  Calibration c;
+  c.estimated = select_coefficients("accel.offset");
+  c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
+  c.quality.verdict = "good", c.quality.degrees_of_freedom = 100;
+  c.quality.considered = {"accel.offset.y"};
+  const RequirementResult result = assess(c, parse_requirements("accel.offset <= 1 ug").front());
+  EXPECT_FALSE(result.met);
+  EXPECT_EQ(result.coefficient, "accel.offset.y");
+  EXPECT_FALSE(std::isfinite(result.reached));
+  EXPECT_TRUE(assess(c, parse_requirements("accel.offset.x <= 1 ug").front()).met);
+}
+
 TEST(Requirement, FewDegreesOfFreedomCountWithStudentsT) {
   Calibration c;
   c.estimated = select_coefficients("accel.offset"), c.frame = "rig";

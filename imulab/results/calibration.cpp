@@ -155,10 +155,22 @@ std::string curves_csv(const CalibrationResult& result) {
   return text;
 }
 
+namespace {
+
+/// For what a good calibration is not good.
+std::string undetermined_text(const Calibration& calibration) {
+  std::size_t all = 0, results = 0;
+  for (const CoefficientIndex index : calibration.estimated)
+    if (const Term term = coefficient(index).term; term == Term::offset || term == Term::matrix) ++all, results += is_result(calibration, index);
+  return all == results ? "" : fmt::format("; not determined: {} of {} offsets, scales and misalignments", all - results, all);
+}
+
+}  // namespace
+
 Conclusion conclusion_of(const Calibration& calibration) {
   const Quality& q = calibration.quality;
   std::string headline = "the file does not say how good the calibration is";
-  if (q.verdict == "good") headline = "nothing contradicts the stated uncertainties";
+  if (q.verdict == "good") headline = "nothing contradicts the stated uncertainties" + undetermined_text(calibration);
   if (q.verdict == "doubtful") headline = fmt::format("{}", fmt::join(q.because, "; "));
   Conclusion out = conclude(q.verdict, std::move(headline), q.requirements);
   out.requirements.clear();

@@ -150,6 +150,31 @@ FittedLine line_through(const std::vector<double>& at, const std::vector<double>
   return line;
 }
 
+/// The largest step down of values besides a line, where chance does not explain it. Their scatter is that of neighbors, of which few have the step.
+double step_down(const std::vector<double>& at, const std::vector<double>& value, double least_scatter) {
+  constexpr std::size_t aside = 2;  // turns before and after it, at least: one may be mistaken
+  constexpr double clear = 6;       // sigmas, of the best of many places, with a scatter that few turns show
+  std::vector<double> change, slope;
+  for (std::size_t k = 1; k < at.size(); ++k) slope.push_back((value[k] - value[k - 1]) / (at[k] - at[k - 1]));
+  const double usual = median(slope);
+  for (std::size_t k = 1; k < at.size(); ++k) change.push_back(value[k] - value[k - 1] - usual * (at[k] - at[k - 1]));
+  const double scatter = std::max(robust_sigma(change) / std::sqrt(2.), least_scatter);
+  double down = 0;
+  for (std::size_t split = aside; split + aside <= at.size(); ++split) {
+    std::vector<double> after(at.size(), 0);
+    std::fill(after.begin() + static_cast<std::ptrdiff_t>(split), after.end(), 1);
+    const FittedLine line = line_through(at, after, 0);
+    double squares = 0, products = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const double beside = after[k] - line.value - line.slope * (at[k] - line.at);
+      squares += beside * beside, products += beside * value[k];
+    }
+    const double step = products / squares;
+    if (-step > clear * scatter / std::sqrt(squares)) down = std::max(down, -step);
+  }
+  return down;
+}
+
 }  // namespace
 
 std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> steps) {
@@ -163,9 +188,15 @@ std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> st
   for (const Step& turn : turns)
     if (const std::optional<Late> late = late_in(r, usual, turn))
       at.push_back(0.5 * (turn.start + turn.end)), begins.push_back(late->begin_s), ends.push_back(late->end_s);
+  const auto middles_of = [&] {
+    std::vector<double> out;
+    for (std::size_t k = 0; k < at.size(); ++k) out.push_back(0.5 * (begins[k] + ends[k]));
+    return out;
+  };
+  const double lost_s = at.size() >= fewest ? step_down(at, middles_of(), least_scatter) : 0;
   while (at.size() >= fewest && at.front() < at.back()) {
-    std::vector<double> middles, residual;
-    for (std::size_t k = 0; k < at.size(); ++k) middles.push_back(0.5 * (begins[k] + ends[k]));
+    const std::vector<double> middles = middles_of();
+    std::vector<double> residual;
     const FittedLine rough = line_through(at, middles, 0);
     for (std::size_t k = 0; k < at.size(); ++k) residual.push_back(middles[k] - rough.value - rough.slope * (at[k] - rough.at));
     const double scatter = std::max(robust_sigma(residual), least_scatter);
@@ -177,7 +208,7 @@ std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> st
       const FittedLine line = line_through(at, middles, scatter), by_begins = line_through(at, begins, scatter),
                        by_ends = line_through(at, ends, scatter);
       if (std::abs(by_begins.slope - by_ends.slope) > std::max(0.5 * std::abs(line.slope), 5 * line.slope_sigma)) return std::nullopt;
-      return ClockRate{line.slope, line.slope_sigma, line.at, line.value, kept};
+      return ClockRate{line.slope, line.slope_sigma, line.at, line.value, kept, lost_s};
     }
     at.resize(kept), begins.resize(kept), ends.resize(kept);
   }

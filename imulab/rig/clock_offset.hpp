@@ -25,6 +25,7 @@ struct ClockRate {
   double rate = 0, sigma = 0;
   double at_s = 0, late_s = 0;  ///< how late a turn is in the recording that the steps have at `at_s`
   std::size_t turns = 0;        ///< that it was found by
+  double lost_s = 0;            ///< by which all later turns come too early at once, besides a line: no clock does that
 
   double late(double step_s) const { return late_s + rate * (step_s - at_s); }
 };

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -54,7 +55,23 @@ TEST(ClockRate, IsFoundWithinItsUncertainty) {
     EXPECT_LT(found->sigma, 1e-5);  // 10 ms of timing in the ends of six turns in half an hour
     EXPECT_NEAR(found->rate, rate, 4 * found->sigma) << rate;
     EXPECT_NEAR(found->late(found->at_s + 100) - found->late(found->at_s), 100 * found->rate, 1e-9);
+    EXPECT_LT(found->lost_s, 0.1) << rate;  // ten times the timing's sigma
   }
+}
+
+TEST(ClockRate, SamplesLostWithoutATraceAreNoClock) {
+  Example e = table_session();
+  constexpr std::ptrdiff_t lost = 20;  // 0.4 s
+  std::vector<double> turns;
+  for (const Step& step : e.session.steps)
+    if (step.kind == StepKind::rotate) turns.push_back(step.start);
+  const auto at = static_cast<std::ptrdiff_t>(e.recording.samples_in(0, turns[3] - 5).end);  // in a rest
+  for (auto* triad : {&e.recording.gyro, &e.recording.accel})
+    for (auto& column : *triad) column.erase(column.begin() + at, column.begin() + at + lost);
+  e.recording.time_ns.resize(e.recording.time_ns.size() - static_cast<std::size_t>(lost));
+  const auto found = clock_rate(e.recording, e.session.steps);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->lost_s, 0.4, 0.1);
 }
 
 TEST(ClockRate, ATurnThatIsMissingIsPassedOver) {

@@ -29,8 +29,8 @@ std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recordin
 /// as uncertain as the clock.
 void state_clock(Calibration& calibration, const Session& session, const std::vector<ClockGain>& gains);
 
-/// If samples of increments were lost without a trace in the stamps, the gyros' scales are off by as much. Doubtful where they are stated to be
-/// better known.
+/// Samples that were lost without a trace in the stamps are missing in the turns: doubtful where the turns come too early at once. A clock that
+/// evenly loses is none of increments' concern, unless it loses more than clocks do, and more than the gyros' scales are stated to be known.
 void doubt_clock(Calibration& calibration, const ClockGain& gain);
 
 }  // namespace imulab::kernel

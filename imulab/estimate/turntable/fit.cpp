@@ -171,10 +171,9 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
     const VectorXd readings = estimator.linearized(problem.seen.readings);
     const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
-    if (pass == 1) {
-      const bool converged = close(estimator, before, model);
+    constexpr int enough = 1, most = 6;  // about the start; of noise far below the table's errors
+    if (const bool converged = pass >= enough && close(estimator, before, model); converged || pass == most)
       return {&problem, options, std::move(estimator), readings, model, chi2, converged};
-    }
     now.around = estimator.table_errors(readings);
   }
 }

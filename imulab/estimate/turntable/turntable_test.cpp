@@ -39,6 +39,20 @@ TEST(Turntable, KnownTableErrorsAreTakenOut) {
   EXPECT_EQ(c.frame, "rig");
 }
 
+// Errors of the table of an arcminute are not linear within noise of a thousandth of a navigation-grade unit's.
+TEST(Turntable, NoiseFarBelowTheTablesErrorsConverges) {
+  constexpr double less = 1e-3;
+  const RigDeclaration rig = table_of(60 * unit::arcsec);
+  const TableMotion motion(table_plan(zhang_steps(), 5 * rig.timing.value), rig, table_site());
+  const VectorXd errors = motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), 3, "table"));
+  ImuDeclaration imu = table_imu();
+  imu.accel_noise_density = less * table_accel_noise, imu.gyro_noise_density = less * table_gyro_noise;
+  const TableRun run = run_of(zhang_steps(), rig, 3, less, errors);
+  const Calibration c = calibrate(run.seen, rig, imu, table_site());
+  EXPECT_TRUE(c.quality.converged);
+  EXPECT_EQ(c.quality.verdict, "good") << testing::PrintToString(c.quality.because);
+}
+
 TEST(Turntable, RoundedReadingsAreNoDifferent) {
   TableRun run = run_of(zhang_steps(), table_of(2 * unit::arcsec), 7, 1);
   const Calibration c = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());

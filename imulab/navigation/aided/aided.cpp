@@ -175,7 +175,7 @@ void judge(AidedNavigation& out, const std::string& name) {
   for (const OutageResult& o : out.outages) squares += o.smoothed.ratio * o.smoothed.ratio / static_cast<double>(out.outages.size());
   if (out.outages.size() >= 3 && std::sqrt(squares) > 2)
     doubt(fmt::format("errors in withheld times are {:.1f} times their stated sigma", std::sqrt(squares)));
-  if (!out.converged) out.warnings.push_back(fmt::format("{}: the estimates of the noise still change after {} passes", name, out.passes));
+  if (!out.converged) doubt(fmt::format("the estimates of the noise still change after {} passes", out.passes));
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ struct AidedNavigation {
 struct AidedOptions {
   bool causal = false;               // the solution is that of the filter: from the data before each time alone
   std::vector<Outage> outages = {};  // withheld from the aids with a file, besides the aids' own
-  int passes = 10;                   // of the smoother, at most
+  int passes = 20;                   // of the smoother, at most
   bool keep = true;                  // every state in the solution; otherwise the first and the last
   /// Called at the end with every state in turn, when all else is known.
   std::function<void(const AidedNavigation& navigation, double time, const NavigationState& state)> each = {};

@@ -327,6 +327,10 @@ TEST(Aided, TheBudgetForeseesItsSigma) {
   const double foreseen = horizontal(b.covariance.back());
   EXPECT_NEAR(foreseen / stated, 1, 0.2);
   EXPECT_GT(stated, 5);  // m: grown in the outage
+  // It grows until the receiver returns, and falls then, not over the second before.
+  const AidedCovariance& worst = *std::ranges::max_element(n.covariance, {}, [](const AidedCovariance& c) { return c.value(6, 6); });
+  EXPECT_GT(sigmas_at(n, worst.time - sample_interval)[6], 0.95 * std::sqrt(worst.value(6, 6)));
+  EXPECT_LT(sigmas_at(n, worst.time)[6], 0.5 * std::sqrt(worst.value(6, 6)));
 }
 
 TEST(Aided, WithoutObservationsItSaysWhy) {

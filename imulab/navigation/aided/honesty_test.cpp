@@ -77,6 +77,13 @@ TEST(AidedHonesty, APositionThatNothingTellsIsLost) {
               testing::Not(testing::Contains(testing::HasSubstr("the position is lost"))));
 }
 
+TEST(AidedHonesty, NoiseThatStillChangesIsDoubtful) {
+  const Drive d = drive_of(1, 1e-4);
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {.passes = 2});
+  EXPECT_FALSE(n.converged);
+  EXPECT_THAT(n.doubts, testing::Contains("the estimates of the noise still change after 2 passes"));
+}
+
 std::vector<std::string> doubts_of(const Drive& d) { return navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {}).doubts; }
 
 TEST(AidedHonesty, ACopyOfAReceiverIsNamed) {

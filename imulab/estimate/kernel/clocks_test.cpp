@@ -1,0 +1,37 @@
+#include "imulab/estimate/kernel/clocks.hpp"
+
+#include "imulab/coefficient.hpp"
+
+#include <gmock/gmock.h>
+
+namespace imulab::kernel {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+/// That of a calibration whose scale of the gyros is known to 10 ppm.
+Quality doubted(const ClockGain& gain) {
+  Calibration c;
+  c.estimated = {coefficient_index("gyro.matrix.xx")};
+  c.covariance = 1e-10 * Eigen::MatrixXd::Identity(1, 1);
+  doubt_clock(c, gain);
+  return c.quality;
+}
+
+TEST(DoubtClock, LostSamplesAreDoubtfulAndASlowClockIsNot) {
+  for (const bool increments : {false, true}) {
+    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 1e-6}, increments}).because, IsEmpty());
+    const Quality lost = doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.3}, increments});
+    EXPECT_THAT(lost.because, Contains(HasSubstr("samples are lost without a trace in the stamps: turns come 0.3 s earlier at once")));
+    EXPECT_EQ(lost.cause, "lost samples");
+    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.05}, increments}).because, IsEmpty());  // as steps are declared
+  }
+  // Sums that are too small by more than any clock is slow; rates are of the recording's own seconds.
+  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, true}).because, Contains(HasSubstr("its clock loses 1000 ppm")));
+  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, false}).because, IsEmpty());
+}
+
+}  // namespace
+}  // namespace imulab::kernel
