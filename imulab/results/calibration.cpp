@@ -159,10 +159,10 @@ namespace {
 
 /// For what a good calibration is not good.
 std::string undetermined_text(const Calibration& calibration) {
-  std::size_t all = 0, results = 0;
+  std::size_t linear = 0, results = 0;
   for (const CoefficientIndex index : calibration.estimated)
-    if (const Term term = coefficient(index).term; term == Term::offset || term == Term::matrix) ++all, results += is_result(calibration, index);
-  return all == results ? "" : fmt::format("; not determined: {} of {} offsets, scales and misalignments", all - results, all);
+    if (const Term term = coefficient(index).term; term == Term::offset || term == Term::matrix) ++linear, results += is_result(calibration, index);
+  return linear == results ? "" : fmt::format("; not determined: {} of {} offsets, scales and misalignments", linear - results, linear);
 }
 
 }  // namespace
