@@ -5,6 +5,7 @@
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
+#include "imulab/recording/gyro_saturation.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rest_means.hpp"
 #include "imulab/recording/rests_of_view.hpp"
@@ -258,6 +259,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   SensorModel model;
   model.accel.matrix = Matrix3d::Identity() * (9.8 * accel_step / evidence.norm);
   model.accel.offset = -model.accel.matrix * center.value_or(Vector3d::Zero());
+  const GyroSaturation saturation(recording);
   const auto judge = [&](const Matrix3d& matrix) {
     model.gyro.matrix = matrix;
     model.gyro.offset = -matrix * mean_gyro(rests);
@@ -271,7 +273,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
       if (angle < least_turn) continue;
       const auto found = left.find(gravity[i].end_s);  // a scale far too small sees no turn at all
       if (const Range turn{gravity[i].range.end, gravity[i + 1].range.begin};
-          found == left.end() && (recording.gaps_in(turn) > 0 || recording.saturated_in(turn) > 0))
+          found == left.end() && (recording.gaps_in(turn) > 0 || saturation.in(turn) > 0))
         continue;  // nobody can judge it
       ++turns;
       turned += angle * angle;

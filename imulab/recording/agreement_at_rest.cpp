@@ -3,6 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
+#include "imulab/recording/gyro_saturation.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/units.hpp"
 
@@ -88,11 +89,12 @@ std::vector<GravityAtRest> gravity_at_rests(const Recording& recording, const st
 std::vector<TurnError> turn_errors(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& before,
                                    const SensorModel& after) {
   std::vector<TurnError> out;
+  const GyroSaturation saturation(recording);
   for (std::size_t i = 0; i + 1 < rests.size(); ++i) {
     const GravityAtRest &from = rests[i], &to = rests[i + 1];
     if (to.range.begin < from.range.end) continue;
     const Range turn{from.range.end, to.range.begin};
-    if (recording.gaps_in(turn) > 0 || recording.saturated_in(turn) > 0) continue;
+    if (recording.gaps_in(turn) > 0 || saturation.in(turn) > 0) continue;
     const Vector3d earth = measured_earth_rate(after, recording, from.range);
     const auto error = [&](const Matrix3d& turned) { return angle_between(turned.transpose() * from.force, to.force); };
     const Matrix3d turned = rotation_over(after, recording, turn, earth);

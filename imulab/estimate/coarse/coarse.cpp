@@ -2,6 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/recording/gyro_saturation.hpp"
 
 #include <Eigen/LU>
 
@@ -78,13 +79,16 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
     for (std::size_t k = i - around; k <= i + around; ++k) sum += reading_at(recording.accel, k);
     return Vector3d(linear_output(model.accel, scaling.accel(sum / static_cast<double>(2 * around + 1))).normalized());
   };
+  const GyroSaturation saturation(recording);
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
   for (std::size_t k = 0; k + 1 < rests.size(); ++k) {
     for (std::size_t i = rests[k].range.end; i + chunk <= rests[k + 1].range.begin; i += chunk) {
       if (i < around || i + chunk + around >= recording.size()) continue;  // gravity is not seen around both its ends
       // its angle was not measured, nor is that of a chunk that ends at a gap or follows one
-      if (recording.saturated_in({i, i + chunk}) > 0 || recording.gaps_in({i, i + chunk + 1}) > 0) continue;
+      if (saturation.in({i, i + chunk}) > 0 || recording.gaps_in({i, i + chunk + 1}) > 0) continue;
+      const auto beyond = [&](std::size_t at) { return recording.saturated_in({at - around, at + around + 1}) > 0; };
+      if (beyond(i) || beyond(i + chunk)) continue;  // gravity was not
       const Vector3d begin = up_at(i), end = up_at(i + chunk);
       Vector3d angle = Vector3d::Zero();
       for (std::size_t s = i; s < i + chunk; ++s)

@@ -2,6 +2,7 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
+#include "imulab/recording/gyro_saturation.hpp"
 
 #include <fmt/core.h>
 
@@ -28,11 +29,11 @@ void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
 }
 
 void HandheldProblem::relink() {
+  const GyroSaturation saturation(*recording_);
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
     // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
-    links_[k].usable =
-        !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && recording_->saturated_in({begin, end}) == 0;
+    links_[k].usable = !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && saturation.in({begin, end}) == 0;
   }
   stretch_.assign(rests_.size(), 0);
   for (std::size_t k = 1; k < rests_.size(); ++k) stretch_[k] = stretch_[k - 1] + (linked(k - 1) ? 0 : 1);
