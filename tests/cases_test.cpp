@@ -104,6 +104,25 @@ TEST_F(Cases, AreTheSameMotion) {
   EXPECT_EQ(run("inspect cases/no_stamps/accel-0.csv cases/no_stamps/gyro-0.csv --rate 100 --set gyro.unit=rad/s -o rows.toml").exit_code, 0);
 }
 
+TEST_F(Cases, LiveAndInspectionAnswerAlike) {
+  const auto live = [&](const std::string& folder, const std::string& file) {
+    return run_shell(folder_, "cat cases/" + folder + "/" + file + " | " + command_path() + " live - --session cases/" + folder +
+                                  "/session.toml -o " + folder + ".json");
+  };
+  const CommandResult phone = live("rounded_phone", "phone.csv");
+  EXPECT_THAT(phone.output, HasSubstr("25 rests in 190 s"));
+  EXPECT_THAT(run("inspect cases/rounded_phone/phone.csv").output, HasSubstr("rests: 25 found"));
+  EXPECT_EQ(live("live_answers", "live.csv").exit_code, 0);
+  EXPECT_THAT(run("inspect cases/live_answers/live.csv").output, testing::ContainsRegex("handheld +yes +8 rests"));
+}
+
+TEST_F(Cases, AHangingGyroIsNamed) {
+  const std::string named = "gyro.x repeats one reading for up to 8 samples, 25 times";
+  EXPECT_THAT(run("inspect cases/stuck_in_turns/stuck.csv -o stuck.toml").output, HasSubstr(named));
+  run("calibrate stuck.toml --method handheld -o stuck.json");
+  EXPECT_NE(nlohmann::json::parse(read_text(folder_ / "stuck.json")).at("quality").at("because").dump().find(named), std::string::npos);
+}
+
 TEST_F(Cases, CalibrationsHaveTheirOffsets) {
   ASSERT_EQ(run_shell(folder_, "cp cases/zyx/*.csv cases/one_triad/accel.csv . && chmod u+w *.csv").exit_code, 0);
   ASSERT_EQ(run("inspect Gyroscope.csv TotalAcceleration.csv --set latitude_deg=45 -o zyx.toml").exit_code, 0);

@@ -24,6 +24,7 @@
 #include "imulab/recording/joined.hpp"
 #include "imulab/recording/origin.hpp"
 #include "imulab/recording/resampling.hpp"
+#include "imulab/recording/stuck_readings.hpp"
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/stop.hpp"
 #include "imulab/units.hpp"
@@ -296,11 +297,14 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   if (!method.takes_aids) result.calibration.turn_on = kernel::declared_turn_on(input.session.imu, recordings.size());
   if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
+  for (const Recording& recording : recordings)
+    if (std::string stuck = said_of_stuck(recording); !stuck.empty()) kernel::add_doubt(quality, std::move(stuck));
   for (std::size_t k = 0; k < recordings.size(); ++k) kernel::judge_interval(recordings[k], input.session.recordings[k].rate_hz.has_value(), quality);
   for (const Recording& recording : recordings)
     if (const std::size_t n = recording.saturated.size(); n > 0)
-      quality.warnings.push_back(fmt::format("{}: {} of {} samples have a reading at a limit: rests and turns with {} are not used", recording.name,
-                                             n, recording.size(), n == 1 ? "it" : "them"));
+      quality.warnings.push_back(
+          fmt::format("{1}: {2} of {3} samples have a reading at a limit: rests with {0}, and turns that need {0}, are not used",
+                      n == 1 ? "it" : "them", recording.name, n, recording.size()));
   add_declared_origin(result.calibration, input.session, input.recordings);
   result.calibration.session_file = declared.session.file;
   if (options.progress) options.progress(1);

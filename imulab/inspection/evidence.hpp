@@ -21,7 +21,7 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
                                          const DeclaredColumns& declared, const std::vector<double>& scales, Inspection& result);
 
 /// Adds the rests, the readings' quality and the methods.
-void add_support(const SignalTable& table, const TriadEvidence& triads, Inspection& result);
+void add_support(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TriadEvidence& triads, Inspection& result);
 /// Adds what was found of the clock.
 void add_clock(const ClockQuality& clock, Inspection& result);
 

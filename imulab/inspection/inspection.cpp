@@ -295,7 +295,7 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
     if (!columns.gyro && !columns.accel) ask_about_names(table, *result.triads, result);
     if (!axes.empty()) result.evidence.push_back(axes);
     settle_temperature(table, result);
-    add_support(table, *result.triads, result);
+    add_support(table, ascending(time_ns), *result.triads, result);
     add_purpose(table, *result.triads, result);
   }
   if (time.rate_hz) {

@@ -1,6 +1,7 @@
 #include "imulab/core/random.hpp"
-#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/recording/lost_rests.hpp"
 #include "imulab/rests.hpp"
+#include "imulab/units.hpp"
 
 #include <gtest/gtest.h>
 
@@ -45,6 +46,37 @@ TEST(RestDetection, DoesNotDependOnUnitsOrZeros) {
     for (double& v : counts.accel[j]) v = -1024 * v;
   }
   EXPECT_EQ(detect_rests(counts).rests, s.rests);
+}
+
+TEST(RestDetection, RoundedReadingsHaveTheirRestsFromTheFirstOn) {
+  // A phone's: 0.1 deg/s and 0.1 m/s^2, above the noise. Within a rest an axis stays at one step, or goes to and fro between two.
+  SimulatedSession s = simulate_session(short_hand_held(), 12, [](Truth& t) { t.gyro_noise.N = 2e-5, t.accel_noise.N = 1e-3; });
+  const auto round_to = [](Columns3& triad, double step) {
+    for (auto& column : triad)
+      for (double& v : column) v = step * std::round(v / step);
+  };
+  round_to(s.recording.gyro, 0.1 * unit::deg), round_to(s.recording.accel, 0.1);
+  for (std::size_t rests = 2; rests <= s.rests.size(); ++rests) {
+    Recording begun = s.recording;
+    const std::size_t end = s.rests[rests - 1].end;
+    begun.time_ns.resize(end);
+    for (auto* triad : {&begun.gyro, &begun.accel})
+      for (auto& column : *triad) column.resize(end);
+    EXPECT_EQ(detect_rests(begun).rests.size(), rests);
+  }
+}
+
+TEST(RestDetection, CountsTheRestsOfAnotherUnitAsLost) {
+  SimulatedSession s = session_of(13);
+  for (std::size_t i = s.rests[13].begin; i < s.recording.size(); ++i)
+    for (auto& column : s.recording.gyro) column[i] += 0.05;
+  Session session = s.session;
+  session.steps.clear();
+  LostRests lost;
+  const Rests rests = rests_of(RecordingView(s.recording), session, lost);
+  EXPECT_EQ(rests.ranges.size(), 13U);
+  EXPECT_GE(lost.shifted, s.rests.size() - 14) << "one may lie along the vertical by chance";
+  EXPECT_EQ(lost.moving, 0U);
 }
 
 /// Behind the first rest the readings become those that `moved` makes of them: in a hand, on a road.
@@ -110,7 +142,8 @@ TEST(RestDetection, DoesNotLeanOnAnInitialRest) {
 TEST(RestDetection, SteadyTurningIsNoRest) {
   SimulatedSession s = session_of(8);
   const Range turning = s.rests[4];
-  for (std::size_t i = turning.begin; i < turning.end; ++i) s.recording.gyro[2][i] += 0.5;  // as about the vertical: invisible to the accelerometers
+  for (std::size_t axis = 0; axis < 3; ++axis)  // about the vertical: invisible to the accelerometers
+    for (std::size_t i = turning.begin; i < turning.end; ++i) s.recording.gyro[axis][i] += 0.05 * s.recording.accel[axis][turning.begin];
   const RestDetection found = detect_rests(s.recording);
   EXPECT_EQ(found.rests.size(), s.rests.size() - 1);
   EXPECT_EQ(found.turning, 1u);

@@ -2,7 +2,7 @@
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/recording.hpp"
-#include "imulab/recording/rests_of_view.hpp"
+#include "imulab/recording/lost_rests.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
 
@@ -43,12 +43,18 @@ Rests rests_of(const Recording& recording, const Session& session) {
 }
 
 Rests rests_of(const RecordingView& recording, const Session& session) {
+  LostRests lost;
+  return rests_of(recording, session, lost);
+}
+
+Rests rests_of(const RecordingView& recording, const Session& session, LostRests& lost) {
+  lost = {};
   Rests rests;
   const RecordingSource source = session.source_of(recording.name);
   if (!session.steps.empty()) expect_axis_angles(recording, session, source);
   const std::vector<Step> steps = session.steps_of(source);
   if (!has_holds(steps)) {
-    RestDetection detection = detect_rests(recording);
+    RestDetection detection = detect_rests(recording, {}, lost);
     for (const Step& step : steps)  // a hand that takes a new grip
       std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });
     return {std::move(detection.rests), std::move(detection.notes), std::move(detection.motion)};

@@ -109,7 +109,7 @@ void LiveProgress::estimate() {
   try {
     Session session = session_;
     if (!session.recordings.empty()) session.recordings.front().file = recording_.name;  // a stream has the name of where it comes from
-    result_ = calibrate("handheld", {session, {&recording_, 1}, rests_}, options);
+    result_ = calibrate("handheld", {session, {&recording_, 1}, {}}, options);
     for (const Requirement& r : requirements_) result_->calibration.quality.requirements.push_back(assess(result_->calibration, r));
     view_.requirements = result_->calibration.quality.requirements;
     view_.done = reached();

@@ -8,6 +8,8 @@
 #include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/rests_found.hpp"
+#include "imulab/recording/gyro_saturation.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -42,9 +44,7 @@ bool gravity_on_every_axis(const RestStart& start) {
 void warn_of_poor_rests(RestStart& start) {
   constexpr std::size_t enough = 9;  // as many as the accelerometers have coefficients
   const std::size_t n = start.rests.size();
-  if (n < enough)
-    start.findings.warn(
-        fmt::format("only {} rest{}: at least {} in different directions are needed, about 20 are good", n, n == 1 ? "" : "s", enough));
+  if (n < enough) start.findings.warn(fmt::format("only {} rest{}: about 20 in different directions are good", n, n == 1 ? "" : "s"));
   Matrix3d scatter = Matrix3d::Zero();
   for (const RestMeans& rest : start.rests) scatter += start.up(rest) * start.up(rest).transpose() / static_cast<double>(n);
   // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
@@ -117,9 +117,11 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
 
 RestStart start_from_rests(const CalibrationInput& input, std::string_view method) {
   const Recording& recording = kernel::only_recording(input, method);
-  const Rests rests = kernel::rests_of(input, recording);
-  RestStart start = start_from_rests(recording, rests.ranges, input.session.imu, input.session.site.gravity());
-  start.findings.notes.insert(start.findings.notes.begin(), rests.notes.begin(), rests.notes.end());
+  kernel::Findings findings;
+  const std::vector<Range> rests = kernel::rests_found(input, recording, findings);
+  RestStart start = start_from_rests(recording, rests, input.session.imu, input.session.site.gravity());
+  findings.add(start.findings);
+  start.findings = std::move(findings);
   return start;
 }
 
@@ -142,13 +144,13 @@ std::optional<double> explained_turning(const Recording& recording, const RestSt
   constexpr std::size_t fewest = 3;
   constexpr double least_turn = 10 * unit::deg;
   const Vector3d at_rest = start.scaling.gyro(mean_gyro(start.rests));
+  const GyroSaturation saturation(recording);
   std::size_t turns = 0;
   double turned = 0, missed = 0;  // squares
   for (std::size_t k = 0; k + 1 < start.rests.size(); ++k) {
     const Range between{start.rests[k].range.end, start.rests[k + 1].range.begin};
     const Vector3d begin = start.up(start.rests[k]), end = start.up(start.rests[k + 1]);
-    if (begin.dot(end) > std::cos(least_turn) || recording.saturated_in(between) > 0 || recording.gaps_in({between.begin, between.end + 1}) > 0)
-      continue;
+    if (begin.dot(end) > std::cos(least_turn) || saturation.in(between) > 0 || recording.gaps_in({between.begin, between.end + 1}) > 0) continue;
     Vector3d carried = begin;  // gravity turns in the IMU against the IMU's turning
     for (std::size_t i = between.begin; i < between.end; ++i)
       carried = rotation_exp(-recording.interval_s * (gyro * (start.scaling.gyro(reading_at(recording.gyro, i)) - at_rest))) * carried;
@@ -173,7 +175,7 @@ std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, 
                     "check that both triads are of one recording, with stamps of one clock",
                     recording.name, 100 * std::max(0.0, best)));
   if (!coarse || recording.gyro_unit == "count") return coarse;
-  const bool lost = !recording.gaps.empty() || !recording.saturated.empty();  // and with it the turns that would show the scale
+  const bool lost = !recording.gaps.empty() || !GyroSaturation(recording).samples().empty();  // and with it the turns that would show the scale
   if (!as_declared) return lost ? std::nullopt : coarse;
   return *as_declared > *by_coarse && !near_identity(*coarse) ? std::nullopt : coarse;
 }

@@ -9,6 +9,7 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/rests_found.hpp"
 #include "imulab/model/conclusion.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/recording/rest_means.hpp"
@@ -263,8 +264,9 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
 
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
   const Recording& recording = kernel::only_recording(input, "hybrid");
-  const Rests rests = kernel::rests_of(input, recording);
-  return calibrated(recording, rests.ranges, input.session, options, {rests.notes, {}, {}}, {});
+  kernel::Findings findings;
+  const std::vector<Range> rests = kernel::rests_found(input, recording, findings);
+  return calibrated(recording, rests, input.session, options, findings, {});
 }
 
 }  // namespace imulab::hybrid

@@ -38,6 +38,31 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
   }
 }
 
+TEST(Handheld, KnocksBeyondTheAccelerometersRangeLeaveTheTurns) {
+  SimulatedSession s = simulate_session(short_hand_held(), 5);
+  for (const Range& rest : s.rests)  // as it is put down, half a second before it rests
+    if (const std::size_t knock = rest.begin - std::min<std::size_t>(rest.begin, 50); knock > 0)
+      s.recording.accel[2][knock] = 39.2, s.recording.saturated.push_back(knock);
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4);
+  for (const std::size_t i : s.recording.saturated) s.recording.gyro[0][i] = 40;
+  EXPECT_EQ(calibrated("handheld", s.recording, s.rests, {}, s.site()).quality.unobservable.size(), 9U) << "of a gyro that clips in every turn";
+}
+
+TEST(Handheld, WhereHalfOfTheRestsAreOfAnotherUnitTheResultIsDoubtful) {
+  SimulatedSession s = simulate_session(short_hand_held(), 7);
+  for (std::size_t i = s.rests[14].begin; i < s.recording.size(); ++i)
+    for (auto& column : s.recording.gyro) column[i] += 0.05;
+  for (const char* name : {"static", "handheld"}) {
+    Session session;
+    session.site = s.site();
+    const Quality quality = calibrate(name, input_of(session, s.recording)).calibration.quality;
+    EXPECT_THAT(quality.because, testing::Contains(testing::ContainsRegex("(9|1[01]) of 2[0-9] stretches that look like rests were rejected")))
+        << name;
+  }
+}
+
 TEST(Handheld, GyrosThatTheirFirmwareSetToZeroAreGood) {
   SimulatedSession s = simulate_session(short_hand_held(), 3);
   const RestMeans first = summarize_rests(s.recording, {s.rests.front()}).front();
