@@ -66,7 +66,7 @@ struct ImuDeclaration {
 
 struct Site {
   std::optional<double> latitude, longitude;       ///< rad
-  std::optional<double> latitude_sigma = {};       ///< rad; absent: known exactly
+  std::optional<double> latitude_sigma = {};       ///< rad; absent: as the effect site.latitude has it
   std::optional<double> height = {};               ///< m
   std::optional<double> given_gravity = {};        ///< m/s^2
   std::optional<double> given_gravity_sigma = {};  ///< m/s^2
@@ -103,8 +103,9 @@ struct RigDeclaration {
 
 enum class Output { rate, increment };
 
-/// A column by its header name or its 1-based number.
+/// A column by its header name or its 1-based number; of readings also a sum of columns by name, "gravity.x + userAcceleration.x".
 using Column = std::variant<std::string, int>;
+inline constexpr std::string_view sum_sign = " + ";
 
 /// Which stamps a calibration uses: the file's, an even clock's, or the latter if the file's scatter.
 enum class Stamps { automatic, recorded, uniform };

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
 
@@ -106,6 +107,13 @@ std::vector<SignalTriad> named_triads(const SignalTable& table, const std::vecto
   return complete.empty() ? named : complete;
 }
 
+/// Apps of phones give what a filter makes of the accelerometers' readings: gravity, and what is left without it.
+bool is_gravity(const SignalTable& table, std::size_t column) { return hint_in(table, column).sensor.find("gravity") != std::string::npos; }
+bool is_without_gravity(const SignalTable& table, std::size_t column) {
+  const std::string sensor = hint_in(table, column).sensor;
+  return sensor.find("linear") != std::string::npos || sensor.find("user") != std::string::npos;
+}
+
 /// The accelerometers alone: their rests are found by them.
 TriadEvidence accel_alone(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const SignalTriad& accel) {
   TriadEvidence evidence = evidence_for(table, time_ns, accel, accel, {}, time_ns.size());
@@ -152,6 +160,38 @@ std::optional<TriadEvidence> triad_alone(const SignalTable& table, const std::ve
 
 }  // namespace
 
+const SignalTable& with_sums(const SignalTable& table, SignalTable& own) {
+  const SignalTriad *gravity = nullptr, *motion = nullptr;
+  bool any = false;
+  for (std::size_t i = 0; i < table.signals.size(); ++i) any = any || is_gravity(table, i);
+  if (!any) return table;
+  const std::vector<SignalTriad> accels = named_triads(table, possible_triads(table, {}), Role::accel);
+  for (const SignalTriad& triad : accels) {
+    if (is_gravity(table, triad[0]))
+      gravity = &triad;
+    else if (is_without_gravity(table, triad[0]))
+      motion = &triad;
+    else
+      return table;  // an accelerometer
+  }
+  if (gravity == nullptr || motion == nullptr) return table;
+  std::vector<Signal> sums;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Signal &a = table.signals[(*gravity)[axis]], &b = table.signals[(*motion)[axis]];
+    const std::string *const first = std::get_if<std::string>(&a.column), *const second = std::get_if<std::string>(&b.column);
+    const bool alike = a.table == b.table && a.unit == b.unit && hint_in(table, (*gravity)[axis]).unit == hint_in(table, (*motion)[axis]).unit;
+    if (!alike || first == nullptr || second == nullptr) return table;
+    Signal sum = a;
+    sum.name = a.name + std::string(sum_sign) + b.name;
+    sum.column = *first + std::string(sum_sign) + *second;
+    std::transform(a.values.begin(), a.values.end(), b.values.begin(), sum.values.begin(), std::plus<>());
+    sums.push_back(std::move(sum));
+  }
+  if (&table != &own) own = table;
+  own.signals.insert(own.signals.end(), sums.begin(), sums.end());
+  return own;
+}
+
 std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TimeGuess& time,
                                          const DeclaredColumns& declared, const std::vector<double>& scales, Inspection& result) {
   std::vector<std::size_t> taken;
@@ -161,10 +201,7 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   for (const auto& triad : {declared.gyro, declared.accel})
     if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
   std::vector<SignalTriad> gyros = named_triads(table, triads, Role::gyro), accels = named_triads(table, triads, Role::accel);
-  const auto by_a_filter = [&](const SignalTriad& triad) {  // apps of phones give them beside the sensor's readings
-    const std::string sensor = hint_in(table, triad[0]).sensor;
-    return sensor.find("gravity") != std::string::npos || sensor.find("linear") != std::string::npos || sensor.find("user") != std::string::npos;
-  };
+  const auto by_a_filter = [&](const SignalTriad& triad) { return is_gravity(table, triad[0]) || is_without_gravity(table, triad[0]); };
   if (!std::all_of(accels.begin(), accels.end(), by_a_filter)) std::erase_if(accels, by_a_filter);
   if (declared.gyro) gyros = {*declared.gyro};
   if (declared.accel) accels = {*declared.accel};

@@ -260,8 +260,8 @@ void add_times(const std::vector<std::int64_t>& time_ns, Inspection& result) {
 Inspection inspect(const SignalTable& given, const Declarations& declared) {
   check_declarations(declared);
   if (given.rows() < 20) throw Error(fmt::format("{}: {} rows; expected at least 20 to recognize anything", given.file, given.rows()));
-  SignalTable right;  // with the integers of the right sign, where the file prints others
-  const SignalTable& table = with_integers(given, right);
+  SignalTable own;  // with the integers of the right sign where the file prints others, and with sums
+  const SignalTable& table = with_sums(with_integers(given, own), own);
   Inspection result;
   result.file = table.file;
   result.topic = result.source.topic = table.topic;

@@ -239,7 +239,9 @@ Role role_of_unit(const std::string& unit) {
 
 NameHint hint_in(const SignalTable& table, std::size_t column) {
   const Signal& signal = table.signals[column];
-  NameHint hint = hint_of(signal.name);
+  const std::size_t sum = signal.name.find(sum_sign);
+  NameHint hint = hint_of(std::string_view(signal.name).substr(0, sum));
+  if (sum != std::string::npos) hint.sensor += sum_sign;
   if (hint.role != Role::unknown || (hint.axis < 0 && !signal.name.empty())) return hint;
   const SignalPart* part = signal.table > 0 ? &table.parts[signal.table - 1] : nullptr;
   const auto sensor_of = [](const std::string& name) {

@@ -13,12 +13,27 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 #include <utility>
 
 namespace imulab::recording_io {
 namespace {
 
 constexpr auto none = static_cast<std::size_t>(-1);
+
+/// The columns of which one is the sum: "gravity.x + userAcceleration.x".
+std::vector<Column> terms_of(const Column& column) {
+  const std::string* const name = std::get_if<std::string>(&column);
+  if (name == nullptr) return {column};
+  std::vector<Column> terms;
+  std::size_t begin = 0;
+  for (std::size_t end = name->find(sum_sign); end != std::string::npos; end = name->find(sum_sign, begin)) {
+    terms.emplace_back(name->substr(begin, end - begin));
+    begin = end + sum_sign.size();
+  }
+  terms.emplace_back(name->substr(begin));
+  return terms;
+}
 
 /// A triad or thermometer, which may name a file, topic and clock of its own.
 template <class Source>
@@ -28,10 +43,14 @@ PartColumns request(std::vector<PartRequest>& requests, const RecordingSource& r
   auto part = std::find_if(requests.begin(), requests.end(),
                            [&](const PartRequest& r) { return r.file == own.file && r.topic == own.topic && r.time == own.time; });
   if (part == requests.end()) part = requests.insert(requests.end(), own);
-  PartColumns which{static_cast<std::size_t>(part - requests.begin()), {}};
+  PartColumns which{static_cast<std::size_t>(part - requests.begin()), {}, {}};
   for (const Column& column : source.columns) {
-    which.columns.push_back(part->columns.size());
-    part->columns.push_back(column);
+    const std::vector<Column> terms = terms_of(column);
+    which.terms.push_back(terms.size());
+    for (const Column& term : terms) {
+      which.columns.push_back(part->columns.size());
+      part->columns.push_back(term);
+    }
   }
   return which;
 }
@@ -184,7 +203,15 @@ void match_rows(RecordingParts& parts, double interval_s, std::vector<std::strin
 Readings take_readings(RecordingParts& parts, const RecordingSource& source) {
   const auto taken = [&](const PartColumns& which) {
     std::vector<std::vector<double>> columns;
-    for (const std::size_t c : which.columns) columns.push_back(std::move(parts.tables[which.table].columns[c].numbers));
+    auto c = which.columns.begin();
+    for (const std::size_t terms : which.terms)
+      for (std::size_t k = 0; k < terms; ++k, ++c) {
+        std::vector<double>& numbers = parts.tables[which.table].columns[*c].numbers;
+        if (k == 0)
+          columns.push_back(std::move(numbers));
+        else
+          std::transform(numbers.begin(), numbers.end(), columns.back().begin(), columns.back().begin(), std::plus<>());
+      }
     return columns;
   };
   Readings readings{three_columns(taken(parts.gyro)), three_columns(taken(parts.accel)), recording_options(source)};

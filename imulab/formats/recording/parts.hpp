@@ -15,6 +15,7 @@ namespace imulab::recording_io {
 struct PartColumns {
   std::size_t table = 0;
   std::vector<std::size_t> columns;
+  std::vector<std::size_t> terms;  ///< of each reading: of how many of the columns it is the sum
 };
 
 /// The columns that are read of one table.

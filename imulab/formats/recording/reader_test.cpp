@@ -252,6 +252,18 @@ RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {
   RC_ASSERT(back.interval_s == r.interval_s);
 }
 
+TEST(RecordingFile, AReadingMayBeASumOfColumns) {
+  RecordingSource source = plain_source();
+  source.accel.columns = {"ux + gx + vx", "uy", 3};
+  const auto [r, warnings] = parse_recording("t,gx,gy,gz,ux,uy,vx\n1,1,2,3,10,20,100\n2,4,5,6,30,40,300\n3,7,8,9,50,60,500\n", source);
+  EXPECT_THAT(r.accel[0], ElementsAre(111, 334, 557));
+  EXPECT_THAT(r.accel[1], ElementsAre(20, 40, 60));
+  EXPECT_THAT(r.accel[2], ElementsAre(2, 5, 8));
+  EXPECT_THAT(r.gyro[0], ElementsAre(1, 4, 7));
+  source.accel.columns[0] = "ux + none";
+  EXPECT_THAT([&] { parse_recording("t,gx,gy,gz,ux,uy,vx\n1,1,2,3,10,20,100\n", source); }, testing::ThrowsMessage<Error>(HasSubstr("none")));
+}
+
 TEST(RecordingFile, TriadsOfDifferentRatesAreJoinedByTime) {
   RecordingSource source = plain_source();
   source.accel.file = "a.csv";
