@@ -4,7 +4,7 @@
 //   for (const Range& rest : rests_of(recording, session).ranges)
 //     std::printf("%g s to %g s\n", recording.time_s(rest.begin), recording.time_s(rest.end - 1));
 //
-// A rest is found where the scatter of half a second is near that of the recording's quietest stretch, and means over a second and more change no
+// A rest is found where the scatter of half a second is near that of the recording's quietest stretches, and means over a second and more change no
 // more than the noise of a sensor can. Ranges are of samples, half-open, in time order. Throws Error for what `validate` refuses, and for the steps
 // of machines that never rest. Time is linear in the number of samples. Safe on any thread.
 #pragma once
