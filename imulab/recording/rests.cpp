@@ -50,7 +50,7 @@ double mean_of(const RecordingView& recording, std::size_t column, Range range) 
   return origin + sum / static_cast<double>(range.size());
 }
 
-Vector3d mean_force(const RecordingView& recording, const Range& range) {
+Vector3d force_over(const RecordingView& recording, const Range& range) {
   return {mean_of(recording, accel_columns, range), mean_of(recording, accel_columns + 1, range), mean_of(recording, accel_columns + 2, range)};
 }
 
@@ -83,7 +83,7 @@ std::vector<GyroLevel> gyro_levels(const RecordingView& recording, const std::ve
   if (recording.gyro_unit != "rad/s" || !recording.has(accel_columns)) return levels;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (levels[k] == GyroLevel::usual) continue;
-    const Vector3d force = mean_force(recording, runs[k]);
+    const Vector3d force = force_over(recording, runs[k]);
     if (std::abs(apart[k].dot(force)) < along * apart[k].norm() * force.norm()) levels[k] = GyroLevel::shifted;
   }
   return levels;
@@ -126,13 +126,13 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-struct Found : RestDetection {
+struct QuietRuns : RestDetection {
   std::size_t shifted = 0;  ///< as LostRests has it
 };
 
 /// By the quietest windows that are not among `without`.
-Found rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride, const std::vector<char>& without) {
-  Found found;
+QuietRuns rests_by_windows(const RecordingView& recording, const RestOptions& options, std::size_t stride, const std::vector<char>& without) {
+  QuietRuns found;
   const std::size_t length = strides_per_window * stride;
   std::array<double, 6> least{};
   for (std::size_t column = 0; column < least.size(); ++column) least[column] = least_noise(recording, column);
@@ -190,11 +190,11 @@ bool are_pauses(const RecordingView& recording, const std::vector<Range>& rests)
   constexpr double alike = 0.15;    // lengths, with the zeros and scales of an uncalibrated sensor
   constexpr double steady = 0.05;   // between halves: 3 degrees, which a hand drifts by in seconds
   if (rests.empty()) return false;
-  const Vector3d first = mean_force(recording, rests.front());
+  const Vector3d first = force_over(recording, rests.front());
   std::size_t away = 0, moving = 0;
   for (const Range& rest : rests) {
     const std::size_t middle = rest.begin + rest.size() / 2;
-    const Vector3d before = mean_force(recording, {rest.begin, middle}), behind = mean_force(recording, {middle, rest.end}),
+    const Vector3d before = force_over(recording, {rest.begin, middle}), behind = force_over(recording, {middle, rest.end}),
                    mean = 0.5 * (before + behind);
     const bool moves = std::abs(mean.norm() - first.norm()) > alike * first.norm() || (behind - before).norm() > steady * first.norm();
     moving += moves;
@@ -229,14 +229,14 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
     if (!(option > 0 && std::isfinite(option))) throw Error(fmt::format("rests: {} as an option; expected more than 0", option));
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   if (recording.size() < 2 * strides_per_window * stride) return {};
-  Found found = rests_by_windows(recording, options, stride, {});
+  QuietRuns found = rests_by_windows(recording, options, stride, {});
   lost = {found.moving, found.shifted, found.motion};
   // A rest on a desk is stiller than pauses in a hand: where it is nearly all that was found, thresholds come from the rest of the recording, too.
   constexpr std::size_t few = 3, several = 20 * strides_per_window;
   if (found.rests.empty() || found.rests.size() > few || !recording.has(accel_columns)) return found;
   const std::vector<char> still = windows_in(found.rests, recording.size() / stride + 1 - strides_per_window, stride);
   if (std::count(still.begin(), still.end(), 0) < static_cast<std::ptrdiff_t>(several)) return found;
-  Found pauses = rests_by_windows(recording, options, stride, still);
+  QuietRuns pauses = rests_by_windows(recording, options, stride, still);
   if (!are_pauses(recording, pauses.rests)) return found;
   lost = {pauses.moving, pauses.shifted, pauses.motion};
   pauses.notes.push_back(
