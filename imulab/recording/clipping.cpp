@@ -55,9 +55,18 @@ class OuterLevels {
 struct Runs {
   std::size_t at = 0, elsewhere = 0;
   std::size_t between = 0, repeating = 0;
+  std::size_t samples = 0, changes = 0;
+  double step = HUGE_VAL;     ///< the least change
+  std::vector<double> jumps;  ///< to this value, and from it
 
   /// A sensor without noise, or with steps far above it: it repeats itself wherever the motion does, not only at a limit.
   bool repeat_everywhere() const { return 2 * repeating > between; }
+  /// At a limit a reading is cut off while it changes. One that rests there came to rest: by the sensor's steps, where these are far above its noise.
+  bool came_to_rest() const {
+    constexpr double nearly_all = 0.8;
+    const auto single = std::count_if(jumps.begin(), jumps.end(), [&](double jump) { return jump < 1.5 * step; });
+    return 2 * changes < samples && static_cast<double>(single) >= nearly_all * static_cast<double>(jumps.size());
+  }
 };
 
 Runs longest_runs(const Channel& channel, double value, double least, double most) {
@@ -71,12 +80,18 @@ Runs longest_runs(const Channel& channel, double value, double least, double mos
     runs.between += length, runs.repeating += length - 1;
   };
   channel([&](std::span<const double> readings) {
+    runs.samples += readings.size();
     for (const double reading : readings) {
       if (length > 0 && reading == last) {
         ++length;
         continue;
       }
       end_run();
+      if (length > 0) {
+        const double jump = std::abs(reading - last);
+        ++runs.changes, runs.step = std::min(runs.step, jump);
+        if (last == value || reading == value) runs.jumps.push_back(jump);
+      }
       last = reading, length = 1;
     }
   });
@@ -90,6 +105,7 @@ bool clips(const Channel& channel, const OuterLevels& outer, int sign) {
   const std::size_t beside = std::max({levels[1].count, levels[2].count, levels[3].count});
   if (levels[0].count < 3 * beside) return false;
   const Runs runs = longest_runs(channel, sign * levels[0].value, -outer.at(-1)[0].value, outer.at(1)[0].value);
+  if (runs.came_to_rest()) return false;
   return runs.elsewhere == 1 || runs.at >= (runs.repeat_everywhere() ? 10 : 3) * runs.elsewhere;
 }
 

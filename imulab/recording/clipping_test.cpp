@@ -59,6 +59,23 @@ TEST(Clipping, AnAxisThatStaysDownDoesNotClip) {
   EXPECT_TRUE(clipped_samples(channel).empty());
 }
 
+/// A phone's accelerometer in steps far above its noise: most of its readings are those of rests, the outermost ones, too.
+TEST(Clipping, CoarseReadingsAtRestAreAtNoLimit) {
+  std::vector<double> channel;
+  const auto add = [&](double value) { channel.push_back(0.1 * std::round(10 * value)); };
+  const auto rest = [&](double value, int samples) {
+    for (int i = 0; i < samples; ++i) add(value);
+  };
+  const auto turn = [&](double from, double to, int samples = 50) {
+    for (int i = 1; i < samples; ++i) add(from + (to - from) * 0.5 * (1 - std::cos(3.14159265358979 * i / samples)));
+  };
+  rest(10.1, 500), turn(10.1, -0.2), rest(-0.2, 100), turn(-0.2, 6.9), rest(6.9, 30), turn(6.9, -0.2), rest(-0.2, 425);
+  EXPECT_TRUE(clipped_samples(channel).empty());
+  for (int k = 0; k < 3; ++k) turn(-0.2, 9.9, 20), rest(9.9, 60), turn(9.9, -0.2, 20), rest(-0.2, 60);
+  for (double& v : channel) v = std::min(v, 5.0);  // cut off in the turns
+  EXPECT_FALSE(clipped_samples(channel).empty());
+}
+
 TEST(Clipping, AStuckChannelDoesNotClip) { EXPECT_TRUE(clipped_samples(std::vector<double>(1000, 3.0)).empty()); }
 
 }  // namespace
