@@ -81,7 +81,7 @@ TEST(InspectHypotheses, AFiltersGravityIsNoAccelerometer) {
   const Inspection sum = found_in(alone);
   EXPECT_THAT(sum.ambiguous, IsEmpty());
   EXPECT_EQ(sum.source.accel.columns,
-            (std::vector<Column>{"gravity.x + userAcceleration.x", "gravity.y + userAcceleration.y", "gravity.z + userAcceleration.z"}));
+            (std::vector<Column>{"userAcceleration.x + gravity.x", "userAcceleration.y + gravity.y", "userAcceleration.z + gravity.z"}));
   EXPECT_EQ(sum.source.accel.unit, "g");
   EXPECT_THAT(found_in(alone, {{"accel.columns", "gravity.x,gravity.y,gravity.z"}}).ambiguous, ElementsAre(HasSubstr("have the same norm")))
       << "nor is it where it is declared";

@@ -80,19 +80,21 @@ bool has_role(const SignalTable& table, const SignalTriad& triad, Role role) {
 
 namespace {
 
+/// True if the names of the columns are x, y and z of one sensor.
+bool of_axes(const SignalTable& table, const SignalTriad& triad) {
+  const std::string sensor = hint_in(table, triad[0]).sensor;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (const NameHint hint = hint_in(table, triad[axis]); hint.axis != static_cast<int>(axis) || hint.sensor != sensor) return false;
+  return true;
+}
+
 /// Those of a sensor whose axes are all named, where there is one: of its columns no other three are meant.
 std::vector<SignalTriad> named_triads(const SignalTable& table, const std::vector<SignalTriad>& triads, Role role) {
   std::vector<SignalTriad> named, complete;
   for (const SignalTriad& triad : triads) {
     if (!has_role(table, triad, role)) continue;
     named.push_back(triad);
-    const std::string sensor = hint_in(table, triad[0]).sensor;
-    bool in_order = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const NameHint hint = hint_in(table, triad[axis]);
-      in_order = in_order && hint.axis == static_cast<int>(axis) && hint.sensor == sensor;
-    }
-    if (in_order) complete.push_back(triad);
+    if (of_axes(table, triad)) complete.push_back(triad);
   }
   return complete.empty() ? named : complete;
 }
@@ -151,23 +153,24 @@ std::optional<TriadEvidence> triad_alone(const SignalTable& table, const std::ve
 }  // namespace
 
 const SignalTable& with_sums(const SignalTable& table, SignalTable& own) {
-  const SignalTriad *gravity = nullptr, *motion = nullptr;
   bool any = false;
   for (std::size_t i = 0; i < table.signals.size(); ++i) any = any || is_gravity(table, i);
   if (!any) return table;
-  const std::vector<SignalTriad> accels = named_triads(table, possible_triads(table, {}), Role::accel);
-  for (const SignalTriad& triad : accels) {
+  const std::vector<SignalTriad> triads = possible_triads(table, {});
+  const SignalTriad *gravity = nullptr, *motion = nullptr;
+  for (const SignalTriad& triad : triads) {
+    if (!of_axes(table, triad)) continue;
     if (is_gravity(table, triad[0]))
       gravity = &triad;
     else if (is_without_gravity(table, triad[0]))
       motion = &triad;
-    else
+    else if (has_role(table, triad, Role::accel))
       return table;  // an accelerometer
   }
   if (gravity == nullptr || motion == nullptr) return table;
   std::vector<Signal> sums;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Signal &a = table.signals[(*gravity)[axis]], &b = table.signals[(*motion)[axis]];
+    const Signal &a = table.signals[(*motion)[axis]], &b = table.signals[(*gravity)[axis]];
     const std::string *const first = std::get_if<std::string>(&a.column), *const second = std::get_if<std::string>(&b.column);
     const bool alike = a.table == b.table && a.unit == b.unit && hint_in(table, (*gravity)[axis]).unit == hint_in(table, (*motion)[axis]).unit;
     if (!alike || first == nullptr || second == nullptr) return table;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr auto none = static_cast<std::size_t>(-1);
 
-/// The columns of which one is the sum: "gravity.x + userAcceleration.x".
+/// The columns of which one is the sum: "userAcceleration.x + gravity.x".
 std::vector<Column> terms_of(const Column& column) {
   const std::string* const name = std::get_if<std::string>(&column);
   if (name == nullptr) return {column};
