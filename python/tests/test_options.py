@@ -24,7 +24,7 @@ def test_keywords_are_those_of_the_table(verb):
         parameter = signature.parameters[name]
         if name not in special:
             assert (parameter.annotation, parameter.default) == (kind, default)
-            assert f"{name}: {imulab._verbs._in_keywords(meaning)}" in function.__doc__
+            assert f"{name}: {_imulab.in_keywords(meaning)}" in function.__doc__
 
 
 @pytest.mark.parametrize("verb", VERBS)
