@@ -153,7 +153,7 @@ def test_an_executors_workers_give_the_same_bits(tmp_path):
         for wrong, options in {
             "parts: 0": {"parts": 0},
             "divides a Monte Carlo": {"runs": 0, "parts": 2},
-            "belongs to --method turntable": {"method": "handheld", "parts": 2},
+            "belongs to method turntable": {"method": "handheld", "parts": 2},
         }.items():
             with pytest.raises(imulab.Error, match=wrong):
                 imulab.predict(procedure, executor=executor, **options)
