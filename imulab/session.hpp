@@ -103,7 +103,7 @@ struct RigDeclaration {
 
 enum class Output { rate, increment };
 
-/// A column by its header name or its 1-based number; of readings also a sum of columns by name, "userAcceleration.x + gravity.x".
+/// A column by its header name or its 1-based number; of readings also a sum of columns by name, "gravity.x + userAcceleration.x".
 using Column = std::variant<std::string, int>;
 inline constexpr std::string_view sum_sign = " + ";
 
