@@ -160,6 +160,7 @@ struct NoiseAnalysis {
 struct NoiseOptions {
   DeviationKind kind = DeviationKind::overlapping_allan;
   bool remove_temperature = false;  ///< a least-squares parabola in the triad's temperature is subtracted; this removes some of K and B, too
+  bool accel_joined = false;        ///< the accelerometers' readings are means over the gyros' intervals: no warning of the end of their spectrum
 };
 
 /// Axes in parallel; the result does not depend on the number of threads. The longest part at rest counts, whose limits the notes name: between the

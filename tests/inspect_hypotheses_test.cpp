@@ -87,6 +87,11 @@ TEST(InspectHypotheses, AFiltersGravityIsNoAccelerometer) {
       << "nor is it where it is declared";
 }
 
+TEST(InspectHypotheses, AColumnWhoseNameReadsAsASumHasItsNumber) {
+  const Inspection found = found_in(moved_log("t,acc x + trim,acc y + trim,acc z + trim,gyro_x,gyro_y,gyro_z", hundredths));
+  EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{2, 3, 4}));
+}
+
 TEST(InspectHypotheses, AccelerometersAreNotTakenForGyrosOfLargeIncrements) {  // as which they fit the turns of a short log by chance
   HandHeldOptions options;
   options.poses = 10, options.first_rest = 4, options.rest = 2, options.move = 1, options.rate_hz = 50;

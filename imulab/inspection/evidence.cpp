@@ -214,8 +214,8 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
     const SignalTriad& t = filtered.accel;
     result.ambiguous.push_back(fmt::format(
         "accel.columns: {}, {}, {} have the same norm, {:.6g}, at rest and in motion: a filter's estimate of gravity, which has no error to "
-        "calibrate; name the columns of the accelerometers, or add it to the acceleration without gravity that is beside it, row by row in one "
-        "unit, in a file with these sums",
+        "calibrate; name the columns of the accelerometers, or write a session with sums of it and the acceleration without gravity: columns = "
+        "[\"A + B\", ...]",
         column_name(table, t[0]), column_name(table, t[1]), column_name(table, t[2]), filtered.norm));
     return std::nullopt;
   };

@@ -239,7 +239,8 @@ Role role_of_unit(const std::string& unit) {
 
 NameHint hint_in(const SignalTable& table, std::size_t column) {
   const Signal& signal = table.signals[column];
-  const std::size_t sum = signal.name.find(sum_sign);
+  const std::string* const own = std::get_if<std::string>(&signal.column);
+  const std::size_t sum = own != nullptr && own->find(sum_sign) != std::string::npos ? signal.name.find(sum_sign) : std::string::npos;
   NameHint hint = hint_of(std::string_view(signal.name).substr(0, sum));
   if (sum != std::string::npos) hint.sensor += sum_sign;
   if (hint.role != Role::unknown || (hint.axis < 0 && !signal.name.empty())) return hint;

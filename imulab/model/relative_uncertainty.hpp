@@ -16,6 +16,9 @@ namespace imulab {
 /// not finite and above 0.
 std::vector<std::string> problems_of(const Requirement& requirement);
 
+/// The data tell more of it than was known before: it is neither at its starting value nor at its prior.
+bool is_result(const Calibration& calibration, CoefficientIndex index);
+
 /// Standard uncertainty of a coefficient, SI; of matrices relative to the row's scale; infinite where it was not estimated.
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
 

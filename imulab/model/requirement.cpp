@@ -63,6 +63,12 @@ std::vector<std::string> problems_of(const Requirement& r) {
 
 std::string to_string(const Requirement& r) { return fmt::format("{} <= {:g} {}", r.selector, r.limit / r.unit.size, r.unit.name); }
 
+bool is_result(const Calibration& calibration, CoefficientIndex index) {
+  const Quality& q = calibration.quality;
+  const auto named = [&](const std::vector<std::string>& list) { return std::ranges::find(list, coefficient(index).name) != list.end(); };
+  return contains(calibration.estimated, index) && !named(q.considered) && !named(q.unobservable);
+}
+
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   const std::optional<double> sigma = standard_uncertainty(calibration, index);
   if (!sigma) return std::numeric_limits<double>::infinity();
@@ -98,12 +104,9 @@ RequirementResult compared(const Requirement& requirement, const std::function<S
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
   validate(calibration);
   const auto fixed = [&](CoefficientIndex index) { return calibration.frame == "accelerometers" && zero_by_frame(index); };
-  const auto by_prior_alone = [&](CoefficientIndex index) {
-    return std::ranges::find(calibration.quality.considered, coefficient(index).name) != calibration.quality.considered.end();
-  };
   RequirementResult out = compared(requirement, [&](CoefficientIndex index) {
     if (fixed(index)) return StatedSigma{};
-    const double sigma = by_prior_alone(index) ? std::numeric_limits<double>::infinity() : relative_uncertainty(calibration, index);
+    const double sigma = is_result(calibration, index) ? relative_uncertainty(calibration, index) : std::numeric_limits<double>::infinity();
     return StatedSigma{sigma, std::isfinite(sigma) ? expanded_uncertainty(calibration, index).degrees_of_freedom : 0};
   });
   if (std::ranges::all_of(requirement.coefficients, fixed)) out.note = "zero by the definition of the axes";

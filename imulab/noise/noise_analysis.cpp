@@ -96,10 +96,10 @@ void expect_temperature(const RecordingView& r, const Range& range, std::size_t 
     throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
-void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
+void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis, bool joined) {
   if (!axis.problem.empty()) analysis.warnings.push_back(fmt::format("{}: {}: no coefficients", axis.name, axis.problem));
   if (!axis.fit) return;
-  if (axis.fit->cut)
+  if (axis.fit->cut && !joined)
     analysis.warnings.push_back(fmt::format("{}: the spectrum above {:.3g} Hz is not the model's (a filter of another kind, or rounding): not used",
                                             axis.name, axis.fit->highest_hz));
   for (const NoiseMisfit& m : axis.fit->misfits)
@@ -172,7 +172,7 @@ NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& st
             fmt::format("{}: a parabola of the temperature was removed, {:.3g} {} per degree at the mean: it may take some of K and B along",
                         analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
   analysis.warnings = doubts_about_rest(r, still.range);
-  for (const NoiseAxis& axis : analysis.axes) warn_of_fit(analysis, axis);
+  for (std::size_t k = 0; k < columns.size(); ++k) warn_of_fit(analysis, analysis.axes[k], options.accel_joined && columns[k] >= accel_columns);
   if (options.remove_temperature) return analysis;
   warn_of_temperature(analysis, r, gyro_temperature_columns, still.range, "gyro");
   warn_of_temperature(analysis, r, accel_temperature_columns, still.range, "accelerometer");

@@ -1,6 +1,7 @@
 // Values with their uncertainties, as a certificate states them; correlations; tests of terms.
 #include "imulab/calibration.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"

@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/navigation/aided/aid_motion.hpp"
 #include "imulab/predict.hpp"
 #include "imulab/procedure.hpp"

@@ -1,6 +1,7 @@
 // The appendix of a certificate: all coefficients, the model, the fit, and the files.
 #include "imulab/calibration.hpp"
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/recording/origin.hpp"
 #include "imulab/report/calibration_facts.hpp"
 #include "imulab/report/calibration_parts.hpp"

@@ -206,12 +206,6 @@ std::string calibration_details(const Calibration& calibration, const SensorMode
   return text + fmt::format("  condition of the scaled normal equations {:.3g}\n", quality.condition);
 }
 
-bool is_result(const Calibration& calibration, CoefficientIndex index) {
-  const Quality& q = calibration.quality;
-  const auto named = [&](const std::vector<std::string>& list) { return std::ranges::find(list, coefficient(index).name) != list.end(); };
-  return contains(calibration.estimated, index) && !named(q.considered) && !named(q.unobservable);
-}
-
 double judged_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   if (!is_result(calibration, index)) return NAN;
   const Coefficient& c = coefficient(index);

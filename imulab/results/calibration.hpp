@@ -35,9 +35,6 @@ bool is_assumption(const std::string& note);
 /// Convergence curves as CSV: t (s), then for every coefficient NAME,NAME.sigma: its residual and the standard uncertainty of the residual.
 std::string curves_csv(const CalibrationResult& result);
 
-/// The data tell more of it than was known before: it is neither at its starting value nor at its prior.
-bool is_result(const Calibration& calibration, CoefficientIndex index);
-
 /// The standard uncertainty by which people judge a calibration: of matrices relative to the row's scale; of readings in counts that of the output
 /// where it is zero, since their offset is that of a reading far away. Not finite where it is no result of the data.
 double judged_uncertainty(const Calibration& calibration, CoefficientIndex index);

@@ -18,7 +18,7 @@
 namespace imulab {
 namespace {
 
-NoiseOptions options_of(const NoiseVerbOptions& o) { return {deviation_named(o.deviation), o.remove_temperature}; }
+NoiseOptions options_of(const NoiseVerbOptions& o) { return {.kind = deviation_named(o.deviation), .remove_temperature = o.remove_temperature}; }
 
 /// Axes without noise are an answer that the log does not give.
 std::string shortcomings(const NoiseAnalysis& analysis) {
@@ -59,14 +59,11 @@ AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& an
           analysis};
 }
 
-/// `source`: where it has the accelerometers in a table of their own, their readings are means that reading made of it, as it says: the end of their
-/// spectrum is no finding.
+/// `source`: where it has the accelerometers in a table of their own, reading joins them.
 AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const RecordingSource& source, const NoiseVerbOptions& o) {
-  NoiseAnalysis found = analyze_noise(recording, still, options_of(o));
-  if (source.accel.file || source.accel.topic || source.accel.time)
-    std::erase_if(found.warnings,
-                  [](const std::string& text) { return text.starts_with("accel.") && text.find(": the spectrum above") != text.npos; });
-  const auto analysis = std::make_shared<const NoiseAnalysis>(std::move(found));
+  NoiseOptions options = options_of(o);
+  options.accel_joined = source.accel.file || source.accel.topic || source.accel.time;
+  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options));
   const Conclusion conclusion = conclusion_of(*analysis, o);
   if (o.report.empty()) return answer_of(analysis, conclusion, {});
   return answer_of(analysis, conclusion, [page = noise_page(*analysis, recording, still.range, conclusion)] { return page; });

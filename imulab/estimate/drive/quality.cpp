@@ -4,6 +4,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/information.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -103,8 +104,7 @@ Calibration determined_part(const Calibration& c) {
   out.estimated.clear();
   std::vector<Eigen::Index> places;
   for (std::size_t k = 0; k < c.estimated.size(); ++k)
-    if (std::ranges::find(c.quality.considered, coefficient(c.estimated[k]).name) == c.quality.considered.end())
-      out.estimated.push_back(c.estimated[k]), places.push_back(static_cast<Eigen::Index>(k));
+    if (is_result(c, c.estimated[k])) out.estimated.push_back(c.estimated[k]), places.push_back(static_cast<Eigen::Index>(k));
   out.covariance = c.covariance(places, places).eval();
   out.quality.converged = true;  // a drive says by itself what still changes
   return out;

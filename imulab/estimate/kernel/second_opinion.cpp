@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/frame.hpp"
+#include "imulab/model/relative_uncertainty.hpp"
 
 #include <fmt/core.h>
 
@@ -23,11 +24,7 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
   std::vector<Pair> pairs;
   for (const CoefficientIndex index : a.estimated) {
     const std::optional<double> of_a = standard_uncertainty(a, index), of_b = standard_uncertainty(b, index);
-    const auto held = [&](const Calibration& c) {
-      const auto named = [&](const std::vector<std::string>& names) { return std::ranges::find(names, coefficient(index).name) != names.end(); };
-      return named(c.quality.considered) || named(c.quality.unobservable);
-    };
-    if (of_a && of_b && !held(a) && !held(b)) pairs.push_back({index, *of_a * *of_a, *of_b * *of_b});
+    if (of_a && of_b && is_result(a, index) && is_result(b, index)) pairs.push_back({index, *of_a * *of_a, *of_b * *of_b});
   }
   const bool a_is_better = std::ranges::any_of(pairs, [&](const Pair&p) { return p.of_a < (1 - least) * p.of_b; }),
              b_is_better = std::ranges::any_of(pairs, [&](const Pair&p) { return p.of_b < (1 - least) * p.of_a; });

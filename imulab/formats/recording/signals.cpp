@@ -83,10 +83,7 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   result.topic = format.bag != nullptr || tables.size() > 1 ? table.name : "";
   result.format = format_text(format, table);
   std::vector<Column> columns;
-  for (std::size_t i = 0; i < table.columns.size(); ++i) {
-    const std::string& name = table.columns[i].name;
-    columns.push_back(name.empty() ? Column(static_cast<int>(i) + 1) : Column(name));
-  }
+  for (std::size_t i = 0; i < table.columns.size(); ++i) columns.push_back(column_named(table.columns[i].name, i));
   TableRequest own = request;
   own.topic = table.name;
   TableRows raw = columns_of_head(format, own, tables, columns, most_numbers);

@@ -51,6 +51,11 @@ const TableDescription& find_table(const std::vector<TableDescription>& tables, 
   return *found;
 }
 
+Column column_named(const std::string& name, std::size_t index) {
+  if (name.empty() || name.find(sum_sign) != std::string::npos) return static_cast<int>(index) + 1;
+  return name;
+}
+
 std::size_t find_column(const TableDescription& table, const Column& column, const std::string& file) {
   const std::string where = table.name.empty() ? file : fmt::format("{}: {}", file, table.name);
   if (const int* number = std::get_if<int>(&column)) {

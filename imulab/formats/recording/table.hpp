@@ -70,6 +70,8 @@ struct TableRows {
 
 /// The table of that name, or the only one that has columns. Throws Error that lists the tables there are.
 const TableDescription& find_table(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file);
+/// How a session names a column: by its name, or its number where it has none or one that would read as a sum.
+Column column_named(const std::string& name, std::size_t index);
 /// The index of a column, by name or number from 1. Throws Error that lists the columns there are.
 std::size_t find_column(const TableDescription& table, const Column& column, const std::string& file);
 

@@ -203,7 +203,7 @@ SignalTable signals_of_plain(const std::string& name, std::string_view text, con
     const std::string own = i < layout.names.size() ? layout.names[i] : "";
     signal.name = topic.empty() || own.empty() ? own : name_in_table(topic, own);
     if (i < layout.units.size()) signal.unit = layout.units[i];
-    signal.column = !own.empty() && counts[own] == 1 ? Column(own) : Column(static_cast<int>(i) + 1);
+    signal.column = column_named(counts[own] == 1 ? own : "", i);
   }
   if (!read_numbers(layout, text, table, passed)) read_what_there_is(layout, text, table);
   return table;
