@@ -115,6 +115,14 @@ struct EffectEstimate {
   bool operator==(const EffectEstimate&) const = default;
 };
 
+/// How large the effects of this IMU are against their sizes in its grade, as the data show (docs/theory/effects.md).
+struct UnitSize {
+  double factor = 1, factor_sigma = 0;         ///< its logarithm is that of the factor's mean; the standard deviation of the natural logarithm
+  std::string grade;                           ///< the declared one; else the most probable
+  std::map<std::string, double> weights = {};  ///< without a declared one: the probabilities of the grades
+  bool operator==(const UnitSize&) const = default;
+};
+
 /// The estimate of another method from the same data.
 struct SecondOpinion {
   std::string method, coefficient;  ///< that differs most
@@ -136,6 +144,7 @@ struct Quality {
   std::vector<TermTest> term_tests = {};
   std::optional<SecondOpinion> second_opinion = {};
   std::vector<EffectEstimate> effects = {};
+  std::optional<UnitSize> unit_size = {};
   std::optional<std::string> cause = {};          ///< of a doubt: the effect, or those that the data do not tell apart
   std::vector<FitResidual> fit_residuals = {};    ///< whole-unit
   std::vector<RigErrorEstimate> rig_errors = {};  ///< whole-unit, drive

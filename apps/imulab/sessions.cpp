@@ -71,7 +71,7 @@ std::string summary_of(const Inspection& found, const std::vector<std::string>& 
 std::vector<std::string> guesses_of(const Session& session) {
   std::vector<std::string> out;
   if (std::string gravity = assumed_gravity(session); !gravity.empty()) out.push_back(gravity + "; declare the place: --set latitude_deg=47.4");
-  if (!session.imu.grade) out.emplace_back("no grade, so nonlinear terms by the size of the biases; declare it: --set grade=mems");
+  if (!session.imu.grade) out.emplace_back("no grade, so effects and nonlinear terms as large as the data say; declare it: --set grade=mems");
   return out;
 }
 

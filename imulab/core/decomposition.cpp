@@ -30,17 +30,27 @@ Cholesky Cholesky::of_lower(MatrixXd lower) {
   return out;
 }
 
-// L^-1, then L^-T L^-1, by columns: what is zero by the triangle takes no time.
-MatrixXd Cholesky::inverse() const {
-  constexpr Eigen::Index at_once = 48;
+namespace {
+constexpr Eigen::Index at_once = 48;  // columns
+}
+
+MatrixXd Cholesky::inverse_lower() const {
   const Eigen::Index n = lower_.rows();
-  MatrixXd root = MatrixXd::Zero(n, n), out(n, n);
+  MatrixXd root = MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; j += at_once) {
     const Eigen::Index width = std::min(at_once, n - j), rest = n - j;
     root.block(j, j, width, width).setIdentity();
     auto columns = root.block(j, j, rest, width);
     lower_.bottomRightCorner(rest, rest).triangularView<Lower>().solveInPlace(columns);
   }
+  return root;
+}
+
+// L^-1, then L^-T L^-1, by columns: what is zero by the triangle takes no time.
+MatrixXd Cholesky::inverse() const {
+  const Eigen::Index n = lower_.rows();
+  const MatrixXd root = inverse_lower();
+  MatrixXd out(n, n);
   for (Eigen::Index j = 0; j < n; j += at_once) {
     const Eigen::Index width = std::min(at_once, n - j), rest = n - j;
     out.block(j, 0, width, j + width).noalias() = root.block(j, j, rest, width).transpose() * root.block(j, 0, rest, j + width);

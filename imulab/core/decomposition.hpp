@@ -25,6 +25,7 @@ class Cholesky {
   bool positive_definite() const { return positive_definite_; }  ///< false: the results mean nothing
   const Eigen::MatrixXd& lower() const { return lower_; }        ///< L, with zeros above the diagonal
   Eigen::MatrixXd inverse() const;                               ///< A^-1
+  Eigen::MatrixXd inverse_lower() const;                         ///< L^-1
 
   template <class B>
   LikeRightSide<B> solve(const B& b) const {  ///< A^-1 b

@@ -75,6 +75,11 @@ void describe(Fields& f, EffectEstimate& e) {
 }
 
 template <class Fields>
+void describe(Fields& f, UnitSize& u) {
+  f("factor", u.factor), f("factor_sigma", u.factor_sigma), f("grade", u.grade), f("weights", u.weights, fields::if_any);
+}
+
+template <class Fields>
 void describe(Fields& f, SecondOpinion& s) {
   f("method", s.method), f("coefficient", s.coefficient), f("sigmas", s.sigmas, fields::or_nan);
 }
@@ -87,7 +92,8 @@ void describe(Fields& f, Quality& q) {
   f("warnings", q.warnings, fields::optional), f("verdict", q.verdict, fields::optional), f("because", q.because, fields::optional);
   f("requirements", q.requirements, fields::optional), f("considered", q.considered, fields::optional);
   f("rotation_residual_deg", q.rotation_residual_deg, fields::optional), f("term_tests", q.term_tests, fields::optional);
-  f("effects", q.effects, fields::if_any), f("cause", q.cause, fields::if_any), f("second_opinion", q.second_opinion, fields::optional);
+  f("effects", q.effects, fields::if_any), f("unit_size", q.unit_size, fields::if_any), f("cause", q.cause, fields::if_any),
+      f("second_opinion", q.second_opinion, fields::optional);
   f("sources", q.sources, fields::optional), f("fit_residuals", q.fit_residuals, fields::optional), f("rig_errors", q.rig_errors, fields::optional);
   f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional), f("notes", q.notes, fields::optional);
 }

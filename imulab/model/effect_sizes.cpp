@@ -46,14 +46,9 @@ const Effect* find_effect(std::string_view name) {
   return at == effects().end() ? nullptr : &*at;
 }
 
-std::string_view grade_of_offset(double accel_offset) {
-  const auto distance = [&](std::string_view name) { return std::abs(std::log(std::max(accel_offset, 1e-9) / grade(name).accel_bias)); };
-  return *std::ranges::min_element(graded, {}, distance);
-}
-
-double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade_name, double accel_offset) {
+double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade_name) {
   if (const auto at = declared.find(effect.name); at != declared.end()) return at->second;
-  return effect.prior[place_of(grade_name.empty() ? grade_of_offset(accel_offset) : grade_name)] * effect.unit;
+  return effect.prior[place_of(grade_name)] * effect.unit;
 }
 
 Vector3d PlayOperator::operator()(const Vector3d& force) {

@@ -107,11 +107,8 @@ const Effect* find_effect(std::string_view name);
 /// Declared sizes by the name of the effect, one sigma in SI.
 using EffectSigmas = std::map<std::string, double, std::less<>>;
 
-/// The grade whose accelerometer offsets are nearest to this one [m/s^2]: of an IMU without a declared grade.
-std::string_view grade_of_offset(double accel_offset);
-
-/// One sigma of an effect, SI: as declared, or of a grade; without a grade, of that of the accelerometers' offset [m/s^2].
-double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade, double accel_offset);
+/// One sigma of an effect, SI: as declared, or of a grade.
+double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade);
 
 /// The accelerometers' hysteresis: a play of width 0.1 g that the force of each axis drags along. `operator()` is given the forces in their order.
 class PlayOperator {

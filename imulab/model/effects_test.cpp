@@ -125,10 +125,8 @@ TEST(Effects, HaveNamesAndKeysOfTheirOwn) {
 
 TEST(Effects, ADeclaredSizeComesBeforeThatOfTheGrade) {
   const Effect& effect = *find_effect("accel.asymmetry");
-  EXPECT_DOUBLE_EQ(effect_sigma(effect, {}, "navigation", 1), 10 * unit::ppm);
-  EXPECT_DOUBLE_EQ(effect_sigma(effect, {{"accel.asymmetry", 3e-6}}, "navigation", 1), 3e-6);
-  EXPECT_DOUBLE_EQ(effect_sigma(effect, {}, "", 0.3), 1000 * unit::ppm);          // 30 mg: MEMS
-  EXPECT_DOUBLE_EQ(effect_sigma(effect, {}, "", 50 * unit::ug), 10 * unit::ppm);  // navigation grade
+  EXPECT_DOUBLE_EQ(effect_sigma(effect, {}, "navigation"), 10 * unit::ppm);
+  EXPECT_DOUBLE_EQ(effect_sigma(effect, {{"accel.asymmetry", 3e-6}}, "navigation"), 3e-6);
 }
 
 }  // namespace

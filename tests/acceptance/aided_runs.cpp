@@ -138,7 +138,7 @@ AidedCase drawn_case(std::uint64_t seed, bool effects) {
   if (effects) {
     session.imu.simulated_effects.emplace();
     for (const Effect& effect : imulab::effects())
-      session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade, 0));
+      session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade));
   }
   c.unit = draw_truth(session, seed);
   c.unit.accel_noise.turn_on = c.unit.gyro_noise.turn_on = {};  // of one recording: a calibration of it does not separate them from the offsets

@@ -3,6 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
@@ -132,6 +133,22 @@ void limit_noise(RestStart& start) {
     noise->accel = noise->accel.cwiseMax(1e-8 * start.scaling.accel_scale);
     noise->gyro = noise->gyro.cwiseMax(1e-8 * start.scaling.gyro_scale);
   }
+}
+
+kernel::SeenOfUnit seen_of(const RestStart& start, const Recording& recording, double gravity) {
+  const SensorModel model = to_raw(start.model, start.scaling);
+  const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
+  const auto density = [&](const Matrix3d& matrix, const Vector3d& sample) {
+    return rms((matrix.cwiseAbs2() * sample.cwiseAbs2()).cwiseSqrt()) * std::sqrt(recording.interval_s);
+  };
+  Vector3d rate = Vector3d::Zero();
+  for (const RestMeans& rest : start.rests) rate += model.gyro.matrix * rest.gyro / static_cast<double>(start.rests.size());
+  // Offsets beyond those of any IMU are those of counts; gyros' below the Earth's rate are not told from it.
+  const double accel = rms(model.accel.offset), gyro = rms(rate);
+  return {.accel_noise = density(model.accel.matrix, start.noise.accel),
+          .gyro_noise = density(model.gyro.matrix, start.noise.gyro),
+          .accel_offset = accel < 0.2 * gravity ? accel : 0,
+          .gyro_offset = gyro > 2 * earth_rate && gyro < 1 ? gyro : 0};
 }
 
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu) {

@@ -23,10 +23,9 @@ struct RestStart {
   SampleNoise noise;   ///< raw
   MeanNoise means;     ///< of the rests' means, raw
   Scaling scaling;
-  SensorModel model;         ///< of scaled readings: the accelerometers from the rests, the gyros as declared
-  SensorModel prior;         ///< likewise, the prior: the declared IMU; for counts the coarse solution
-  kernel::PriorSizes terms;  ///< of the optional terms, once a method has chosen its coefficients
-  kernel::Effects effects;   ///< likewise
+  SensorModel model;        ///< of scaled readings: the accelerometers from the rests, the gyros as declared
+  SensorModel prior;        ///< likewise, the prior: the declared IMU; for counts the coarse solution
+  kernel::Effects effects;  ///< once a method has chosen its coefficients
   std::optional<kernel::RecordedStates> recorded;
   std::vector<EffectState> states;  ///< of the rests: what does not follow from the means; empty without effects
   bool named = false;               ///< the user named the coefficients to estimate
@@ -44,6 +43,9 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
 
 /// Is this coarse matrix of SI readings that of a sensor whose axes and unit are as declared?
 bool near_identity(const Matrix3d& matrix);
+
+/// What the rests show of the unit, by which its grade is told.
+kernel::SeenOfUnit seen_of(const RestStart& start, const Recording& recording, double gravity);
 
 /// Puts the declared gyro noise density in place of the measured noise, once `start.model` has the gyros' matrix.
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu);

@@ -28,7 +28,7 @@ std::vector<CoefficientIndex> drive_coefficients() {
 kernel::PriorSizes optional_sizes(const ImuDeclaration& imu) {
   ImuDeclaration of_grade = imu;
   of_grade.grade = imu.grade.value_or("mems");
-  return kernel::optional_priors(of_grade, Vector3d::Zero(), Vector3d::Zero());
+  return kernel::optional_priors(of_grade);
 }
 
 aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<CoefficientIndex>& chosen) {

@@ -34,8 +34,8 @@ Session with_gravity(Session session) {
 }
 
 kernel::EffectSizes sizes_of(const Session& session) {
-  kernel::EffectSizes out = kernel::effect_sizes(with_gravity(session), Vector3d::Zero());
-  if (out.grade.empty()) out.grade = "mems";
+  kernel::EffectSizes out = kernel::effect_sizes(with_gravity(session));
+  if (!session.imu.grade) out.grades = {{"mems"}};
   for (const char* name :
        {"accel.drift", "gyro.drift", "accel.offset_temperature", "gyro.offset_temperature", "accel.turn_on", "gyro.turn_on", "accel.rectification"})
     out.declared[name] = 0;

@@ -1,10 +1,10 @@
 // Faults on a table or a bench, and the response of the hybrid method.
 #include "imulab/core/rotation.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/stop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

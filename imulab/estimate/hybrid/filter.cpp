@@ -2,10 +2,10 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/units.hpp"
 
 #include <cmath>
@@ -137,7 +137,8 @@ void add_effects(Pass& out, Separation& separation, std::vector<Innovation>& inn
   out.effects = separation.estimate();
   const auto& [information, c, C] = out.effects;
   out.x += separation.U * c;
-  out.covariance += separation.U * C * separation.U.transpose();
+  out.across = separation.U * C;
+  out.covariance += out.across * separation.U.transpose();
   std::size_t observation = 0;
   for (Innovation& innovation : innovations)
     if (innovation.used) innovation.whitened = separation.innovation(observation++, c);

@@ -76,6 +76,7 @@ struct Pass {
   std::vector<CurvePoint> curve;  ///< thinned
   std::vector<RestRate> rates;
   Separation::Estimate effects = {};  ///< empty: none were estimated
+  Eigen::MatrixXd across = {};        ///< covariance of x and the effects
   std::vector<EffectState> states;    ///< at the end of each block, where effects were estimated
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }

@@ -205,18 +205,19 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   const coarse::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
+  const kernel::SeenOfUnit seen_of_unit = coarse::seen_of(start, recording, place.gravity);
   Data data{.recording = recording,
             .blocks = std::move(cut.blocks),
             .place = place,
             .noise = noise_of(start.noise, coarse, recording, session.imu),
             .coarse = coarse,
-            .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s)};
-  if (options.effects) data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms);
+            .terms = terms_of(session, options.terms, seen_of_unit, recording.interval_s)};
+  data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms, seen_of_unit, options.effects);
   const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
   std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
-  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}, {}} : converge(data, options.significance);
+  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
   if (!seen && shows_no_noise(data.noise, session.imu)) {
     const double scatter = scatter_of(data, result.last);
     data.noise.accel *= std::max(1.0, scatter), data.noise.gyro *= std::max(1.0, scatter);

@@ -28,9 +28,9 @@
 // The
 //   error equations hold for small angles: find_heading reads angle and rate from all rests together.
 // - Barely determined directions converge slowly along one line, or oscillate about it: extrapolation shortens the series.
-// - A prior may be too narrow for this IMU, and a bump is no error of the model: widen_priors and outlying_blocks change prior and data, and the
-// passes
-//   begin again (kernel::refine).
+// - The sizes of effects and terms are not known, and a bump is no error of the model: infer_sizes and outlying_blocks change priors and data, and
+// the
+//   passes go on (kernel::refine).
 #include "imulab/estimate/hybrid/iteration.hpp"
 
 #include "imulab/core/rotation.hpp"
@@ -222,11 +222,6 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   return too_many(found) ? std::vector<std::size_t>{} : found;
 }
 
-/// What speaks for one bad block, of the size that fits best: the most of all.
-double evidence_for_a_knock(const Pass& pass) {
-  return pass.chi2.empty() ? 0 : kernel::Deviation{*std::max_element(pass.chi2.begin(), pass.chi2.end()), 3}.evidence();
-}
-
 /// Wald's test of each optional group on the data alone, where the user did not name them.
 std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, double significance) {
   std::vector<TermTest> tests;
@@ -245,22 +240,35 @@ std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, d
   return tests;
 }
 
-/// Widens the priors of optional terms that the data contradict; their names.
-std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
+/// Infers the sizes of effects and optional terms, as Effects::infer. Without effects terms have their expected sizes, unless the data contradict
+/// one.
+double infer_sizes(Data& data, Iterate& c) {
   const States& states = c.states;
   const std::vector<Index> at = states.corrections();
   std::vector<CoefficientIndex> indices;
   for (const Index s : at) indices.push_back(states.corrects(s));
-  const VectorXd value = c.total + c.pass.x.head(states.constants()), sigma = states.prior.cwiseMax(1e-300);
-  const MatrixXd& covariance = c.pass.covariance;
-  std::vector<std::string> widened = kernel::widen_priors(data.terms.priors.sizes, indices, value(at), sigma(at), covariance(at, at));
-  const Index delay = states.first(Group::delay);
-  if (const double by = delay < 0 ? 1 : kernel::widening(value.segment<1>(delay), sigma.segment<1>(delay), covariance.block<1, 1>(delay, delay));
-      by > 1) {
-    data.terms.priors.delay *= by;
-    widened.emplace_back(name(Group::delay));
+  kernel::Effects effects = data.unmodeled.effects;
+  const Index n = std::ssize(at), m = c.pass.effects.value.size();
+  if (m != effects.size()) return 0;
+  kernel::Parameters parameters(n + m);
+  parameters.offset.head(n) = -(c.total + c.pass.x.head(states.constants()))(at);
+  parameters.sigma.head(n) = states.prior(at);
+  parameters.offset.tail(m) = -c.pass.effects.value;
+  parameters.sigma.tail(m) = effects.sigma();
+  kernel::Solution solution{.x = VectorXd::Zero(n + m), .covariance = MatrixXd(n + m, n + m)};
+  MatrixXd& covariance = solution.covariance;
+  covariance.topLeftCorner(n, n) = c.pass.covariance(at, at);
+  if (m > 0) {
+    covariance.topRightCorner(n, m) = c.pass.across(at, Eigen::all);
+    covariance.bottomLeftCorner(m, n) = covariance.topRightCorner(n, m).transpose();
+    covariance.bottomRightCorner(m, m) = c.pass.effects.covariance;
   }
-  return widened;
+  const double change = effects.infer(parameters, solution, indices);
+  if (m == 0 && effects.contradicting().empty()) return 0;
+  data.unmodeled.effects = std::move(effects);
+  data.terms.priors.sizes = data.unmodeled.effects.terms();
+  c.states = States(data.terms, data.place, data.noise);
+  return change;
 }
 
 /// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
@@ -300,16 +308,12 @@ double scatter_of(const Data& data, const Iterate& c) {
 
 Converged converge(Data& data, double significance) {
   constexpr int most_rounds = 10;
-  Converged out{first_iterate(data), {}, {}, {}, {}};
-  const auto widen = [&] {
+  Converged out{first_iterate(data), {}, {}, {}};
+  const auto infer = [&] {
+    constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
     if (is_hopeless(data, out.last)) return false;
     out.tests = tests_of_terms(data, out.last, significance);
-    if (scatter_of(data, out.last) > other_data) return false;
-    const std::vector<std::string> widened = widen_priors(data, out.last);
-    if (widened.empty()) return false;
-    out.widened.insert(out.widened.end(), widened.begin(), widened.end());
-    out.last = first_iterate(data);  // anew: what a narrow prior bent may be far from the solution
-    return true;
+    return out.last.converged && !(scatter_of(data, out.last) > other_data) && infer_sizes(data, out.last) > settled;
   };
   const auto drop = [&] {
     if (!out.last.converged || scatter_of(data, out.last) > other_data) return false;
@@ -319,15 +323,8 @@ Converged converge(Data& data, double significance) {
     return !outlying.empty();
   };
   const auto lose = [&] { return lose_turn(data, out); };
-  const auto widen_effects = [&](double for_another) {
-    if (data.unmodeled.size() == 0 || !out.last.converged) return false;
-    kernel::Effects& effects = data.unmodeled.effects;
-    return effects.widen(out.last.pass.effects.information, parameters_of(effects), for_another);
-  };
-  const auto widen_beyond_a_knock = [&] { return widen_effects(evidence_for_a_knock(out.last.pass)); };
-  const auto widen_after_all = [&] { return widen_effects(0); };
   kernel::refine(
-      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, widen_beyond_a_knock, widen, drop, widen_after_all);
+      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, infer, drop);
   return out;
 }
 

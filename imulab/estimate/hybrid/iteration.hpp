@@ -48,7 +48,6 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 struct Converged {
   Iterate last;
   std::vector<TermTest> tests;        ///< of the optional groups: are they seen?
-  std::vector<std::string> widened;   ///< optional terms whose prior the data contradict
   std::vector<std::size_t> left_out;  ///< blocks whose velocity is an outlier
   std::vector<std::string> lost;      ///< turns that no model explains
 };

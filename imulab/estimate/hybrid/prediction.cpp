@@ -49,7 +49,7 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
     throw Error(file + ": a noise density of 0; expected densities above 0, since the uncertainties follow from them");
   return {procedure, errors_at(file, [&] { return place_of(procedure.site); }),
           in_place::noise_of(Vector3d::Constant(noise.gyro.N), Vector3d::Constant(noise.accel.N), noise, procedure.steps.back().end),
-          terms_of(procedure, terms, Vector3d::Zero(), Vector3d::Zero(), 1 / rate), on_turntable(procedure)};
+          terms_of(procedure, terms, {}, 1 / rate), on_turntable(procedure)};
 }
 
 FilterPrediction predict(const Plan& plan) {
@@ -65,7 +65,7 @@ FilterPrediction predict(const Plan& plan) {
             plan.noise,
             SensorModel{},
             plan.terms};
-  if (plan.effects) data.unmodeled = unmodeled_of(plan.procedure, recording, data.blocks, data.coarse, plan.terms.wanted);
+  if (plan.effects) data.unmodeled = unmodeled_of(plan.procedure, recording, data.blocks, data.coarse, plan.terms.wanted, {}, true);
   const Iterate pass = repeated(data, first_iterate(data));
   const Errors errors = determined_errors(pass);
 

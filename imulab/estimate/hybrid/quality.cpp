@@ -238,7 +238,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.term_tests = result.tests;
   calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
-  kernel::warn_of_widened(findings, result.widened);
+  if (data.unmodeled.size() == 0) kernel::warn_of_widened(findings, data.unmodeled.effects.contradicting());
   judge_whiteness(last, findings);
   kernel::add_dropped(findings, result.lost, result.lost.size() + motions_of(data.blocks).size(), "rotations");
   add_left_out(data, result.left_out, findings);

@@ -17,13 +17,14 @@ using in_place::Block;
 using in_place::BlockSums;
 
 Unmodeled unmodeled_of(const Session& session, const Recording& recording, const std::vector<Block>& blocks, const SensorModel& coarse,
-                       const std::vector<CoefficientIndex>& wanted) {
+                       const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, bool with_effects) {
   const auto calibrates = [&](Triad triad) {
     return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
   };
   const std::optional<Thermometer> thermometer = thermometer_of(recording, session.source_of(recording.name));
-  const EffectSetting setting{.accel = calibrates(Triad::accel), .gyro = calibrates(Triad::gyro), .thermometer = thermometer.has_value()};
-  Unmodeled out{.effects = kernel::Effects(kernel::effect_sizes(session, coarse.accel.offset), setting), .thermometer = thermometer};
+  const EffectSetting setting{
+      .accel = with_effects && calibrates(Triad::accel), .gyro = with_effects && calibrates(Triad::gyro), .thermometer = thermometer.has_value()};
+  Unmodeled out{.effects = kernel::Effects(kernel::effect_sizes(session, seen), setting), .thermometer = thermometer};
   for (const Block& block : blocks)
     if (!block.at_rest)
       out.full_rate = std::max(

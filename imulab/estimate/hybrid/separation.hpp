@@ -30,9 +30,10 @@ struct Unmodeled {
   Eigen::Index size() const { return effects.size(); }
 };
 
-/// The triads' effects of a session. The table turns the unit, but its angles are not used: what bends between them is no error.
+/// The triads' effects of a session, or none, with the sizes of the optional terms. The table turns the unit, but its angles are not used: what bends
+/// between them is no error.
 Unmodeled unmodeled_of(const Session& session, const Recording& recording, const std::vector<in_place::Block>& blocks, const SensorModel& coarse,
-                       const std::vector<CoefficientIndex>& wanted);
+                       const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, bool with_effects);
 
 /// The states of the unit along a recording, in the order of its blocks.
 class EffectStates {

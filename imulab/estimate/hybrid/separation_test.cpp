@@ -122,7 +122,7 @@ TEST(Separation, ColumnsAreTheDerivativesOfTheNavigation) {
             {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
             model};
   for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
-  data.unmodeled = unmodeled_of(s.session, s.recording, data.blocks, model, {});
+  data.unmodeled = unmodeled_of(s.session, s.recording, data.blocks, model, {}, {}, true);
   const kernel::Effects& effects = data.unmodeled.effects;
   const auto errors_at_the_end = [&](const Recording& recording, const Matrix3d& start) {
     in_place::Navigator navigator(recording, model, 0, place.latitude, place.gravity, {});

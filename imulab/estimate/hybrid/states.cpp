@@ -133,8 +133,7 @@ Place place_of(const Site& site) {
 }
 
 Place with_latitude_effect(Place place, const Session& session) {
-  const kernel::EffectSizes sizes = kernel::effect_sizes(session, Vector3d::Zero());
-  if (!session.site.latitude_sigma) place.latitude_sigma = effect_sigma(*find_effect("site.latitude"), sizes.declared, sizes.grade, 0);
+  if (!session.site.latitude_sigma) place.latitude_sigma = kernel::effect_sizes(session).of(*find_effect("site.latitude"));
   return place;
 }
 
@@ -142,11 +141,10 @@ bool on_turntable(const Session& session) {
   return std::any_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::turntable; });
 }
 
-Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
-               double interval_s) {
+Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, double interval_s) {
   // Declared, or half a sample, at least a millisecond; its mean square is of readings that mix neighboring samples.
   const double delay = session.imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s));
-  Terms out{{}, {}, {kernel::optional_priors(session.imu, accel_offset, gyro_offset), delay, delay * interval_s}};
+  Terms out{{}, {}, {kernel::optional_priors(kernel::of_likeliest_grade(session.imu, seen)), delay, delay * interval_s}};
   if (!wanted.empty()) {
     out.wanted = kernel::chosen_coefficients(wanted, all_coefficients(), "hybrid");
     out.optional = optional_groups(out.wanted);

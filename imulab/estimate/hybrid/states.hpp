@@ -73,10 +73,9 @@ struct Terms {
   Groups optional = {};                       ///< estimated under their priors
   OptionalPriors priors = {};
 };
-/// The terms that a calibration of this session estimates or considers, and their priors: with the offsets that the IMU shows
-/// [m/s^2, rad/s] and a sample's interval. `wanted` as CalibrationOptions::terms. Throws TermsError.
-Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
-               double interval_s);
+/// The terms that a calibration of this session estimates or considers, and their priors: with what is seen of the IMU and a sample's interval.
+/// `wanted` as CalibrationOptions::terms. Throws TermsError.
+Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, double interval_s);
 
 /// "accel.lever_arm", "latitude", ...
 std::string_view name(Group group);

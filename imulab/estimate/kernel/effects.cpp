@@ -2,14 +2,15 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/kernel/fit.hpp"
-#include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 namespace imulab::kernel {
 
@@ -17,9 +18,50 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-EffectSizes effect_sizes(const Session& session, const Vector3d& accel_offset) {
-  const bool small = accel_offset.cwiseAbs().maxCoeff() < 0.2 * session.site.gravity();
-  EffectSizes sizes{session.imu.effect_sigmas, session.imu.grade.value_or(""), small ? accel_offset.norm() / std::sqrt(3.0) : 0.03 * unit::g};
+namespace {
+
+/// Whose factors are in an effect's size.
+SizedGroup::Of owner_of(const Effect& effect, const EffectSizes& sizes) {
+  if (sizes.declared.contains(effect.name)) return SizedGroup::Of::declared;
+  if ((effect.needs & (Effect::by_mount | Effect::by_centrifuge | Effect::by_latitude)) != 0) return SizedGroup::Of::rig;
+  const bool accel = effect.changes(Triad::accel), gyro = effect.changes(Triad::gyro);
+  return accel && gyro ? SizedGroup::Of::unit : accel ? SizedGroup::Of::accel : SizedGroup::Of::gyro;
+}
+
+SizedGroup::Of owner_of(const Coefficient& term, const ImuDeclaration& imu) {
+  if (is_declared(imu.term_sigmas, term)) return SizedGroup::Of::declared;
+  return term.term == Term::lever_arm ? SizedGroup::Of::rig : term.triad == Triad::accel ? SizedGroup::Of::accel : SizedGroup::Of::gyro;
+}
+
+double size_in(PriorSizes sizes, const Coefficient& c) {
+  const double* const size = size_of(sizes, c);
+  return size != nullptr ? *size : 0;
+}
+
+PriorSizes terms_of(ImuDeclaration imu, const std::string& grade_name) {
+  imu.grade = grade_name;
+  return optional_priors(imu);
+}
+
+/// From values with their covariance under these sigmas, in units of the sigmas: along the eigenvectors u of P with eigenvalues p the data alone say
+/// V = 1/p - 1 and s = u.c / p.
+ReducedEffects without_priors(const VectorXd& value, const MatrixXd& covariance) {
+  if (value.size() == 0) return {};
+  constexpr double nothing = 1e-10;  // rounding of p
+  const SymmetricEigen P = symmetric_eigen(covariance);
+  const VectorXd along = P.vectors.transpose() * value;
+  VectorXd V = VectorXd::Zero(value.size()), s = V;
+  for (Index i = 0; i < value.size(); ++i)
+    if (const double p = std::clamp(P.values[i], 1e-14, 1.0); 1 / p - 1 > nothing) V[i] = 1 / p - 1, s[i] = along[i] / p;
+  return {P.vectors * V.asDiagonal() * P.vectors.transpose(), P.vectors * s};
+}
+
+}  // namespace
+
+double EffectSizes::of(const Effect& effect) const { return effect_sigma(effect, declared, likeliest(grades).name); }
+
+EffectSizes effect_sizes(const Session& session, const SeenOfUnit& seen) {
+  EffectSizes sizes{session.imu.effect_sigmas, likely_grades(session.imu, seen), session.imu};
   const auto declare = [&](const char* name, double sigma) {
     if (sigma > 0) sizes.declared.try_emplace(name, sigma);
   };
@@ -30,15 +72,140 @@ EffectSizes effect_sizes(const Session& session, const Vector3d& accel_offset) {
   return sizes;
 }
 
-Effects::Effects(const EffectSizes& sizes, const EffectSetting& setting) {
+Effects::Effects(const EffectSizes& sizes, const EffectSetting& setting) : imu_(sizes.imu), terms_(terms_of(imu_, likeliest(sizes.grades).name)) {
+  for (const LikelyGrade& g : sizes.grades) hypotheses_.push_back({g.name, g.log_weight});
   for (const Effect& effect : imulab::effects()) {
     const int columns = effect.columns(setting);
-    const double sigma = effect_sigma(effect, sizes.declared, sizes.grade, sizes.accel_offset);
+    const double sigma = sizes.of(effect);
     if (columns == 0 || !(sigma > 0)) continue;
-    groups_.push_back({&effect, size(), columns, sigma});
+    groups_.push_back({{size(), columns, owner_of(effect, sizes)}, &effect, sigma});
+    for (SizeHypothesis& h : hypotheses_) h.sizes.push_back(effect_sigma(effect, sizes.declared, h.grade));
     for (int k = 0; k < columns; ++k) columns_.push_back({&effect, k});
   }
   value_ = VectorXd::Zero(size());
+}
+
+Effects::Sized Effects::sized(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const {
+  Sized out{.hypotheses = hypotheses_};
+  std::vector<Index> at;
+  const auto add = [&](std::string name, const std::vector<Index>& members, SizedGroup::Of of, double size) {
+    out.names.push_back(std::move(name));
+    out.groups.push_back({std::ssize(at), std::ssize(members), of});
+    at.insert(at.end(), members.begin(), members.end());
+    out.in_use.push_back(size);
+  };
+  for (const EffectGroup& g : groups_) {
+    std::vector<Index> members;
+    for (Index k = 0; k < g.size; ++k) members.push_back(parameters.size() - size() + g.first + k);
+    add(std::string(g.effect->name), members, g.of, g.sigma);
+  }
+  std::map<std::string, std::vector<Index>> by_term;
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    const Coefficient& c = coefficient(coefficients[k]);
+    if (size_in(terms_, c) > 0 && parameters.role[k] == Role::estimated)
+      by_term[fmt::format("{}.{}", to_string(c.triad), to_string(c.term))].push_back(static_cast<Index>(k));
+  }
+  for (const auto& [name, members] : by_term) {
+    const Coefficient& c = coefficient(coefficients[static_cast<std::size_t>(members.front())]);
+    add(name, members, owner_of(c, imu_), size_in(terms_, c));
+    for (SizeHypothesis& h : out.hypotheses) h.sizes.push_back(size_in(terms_of(imu_, h.grade), c));
+    out.terms.push_back(&c);
+  }
+  const VectorXd sigma = parameters.sigma(at), per_sigma = sigma.cwiseInverse();
+  VectorXd per_size(std::ssize(at));  // of the group, by column: a column of size 1 has the sigma of its parameter
+  for (std::size_t k = 0; k < out.groups.size(); ++k) per_size.segment(out.groups[k].first, out.groups[k].size).setConstant(1 / out.in_use[k]);
+  out.data = without_priors((solution.x - parameters.offset)(at).cwiseProduct(per_sigma),
+                            per_sigma.asDiagonal() * solution.covariance(at, at) * per_sigma.asDiagonal());
+  out.data.L = (per_size.asDiagonal() * out.data.L * per_size.asDiagonal()).eval();
+  out.data.eta = out.data.eta.cwiseProduct(per_size).eval();
+  return out;
+}
+
+double Effects::infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) {
+  if (hypotheses_.empty()) return 0;
+  sized_ = sized(parameters, solution, coefficients);
+  if (sized_.groups.empty()) return 0;
+  posterior_ = infer_sizes(sized_.data, sized_.groups, sized_.hypotheses);
+  const std::vector<double>& weights = posterior_->weights;
+  best_ = static_cast<std::size_t>(std::ranges::max_element(weights) - weights.begin());
+  // What is far beyond that is no effect; and the equations hold for small ones.
+  constexpr double most = 100;
+  std::vector<double> rms = posterior_->rms;
+  for (std::size_t k = 0; k < rms.size(); ++k) rms[k] = std::min(rms[k], most * sized_.hypotheses[best_].sizes[k]);
+  double change = 0;
+  for (std::size_t k = 0; k < rms.size(); ++k) change = std::max(change, std::abs(std::log(rms[k] / sized_.in_use[k])));
+  for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
+  for (std::size_t k = 0; k < sized_.terms.size(); ++k) *size_of(terms_, *sized_.terms[k]) = rms[groups_.size() + k];
+  sized_.in_use = rms;
+  return change;
+}
+
+double Effects::cost_of_limits(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const {
+  constexpr double most = 4;
+  if (hypotheses_.empty()) return 0;
+  const Sized now = sized(parameters, solution, coefficients);
+  if (now.groups.empty()) return 0;
+  const std::vector<double>& expected = now.hypotheses.at(best_).sizes;
+  VectorXd in_use(now.data.eta.size()), limited = in_use;
+  for (std::size_t k = 0; k < now.groups.size(); ++k) {
+    in_use.segment(now.groups[k].first, now.groups[k].size).setConstant(now.in_use[k]);
+    limited.segment(now.groups[k].first, now.groups[k].size).setConstant(std::min(now.in_use[k], most * expected[k]));
+  }
+  return explained_cost(now.data, in_use) - explained_cost(now.data, limited);
+}
+
+double Effects::p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
+                        const std::vector<CoefficientIndex>& coefficients) const {
+  // What chance does once in a hundred.
+  double cost = solution.chi2 + cost_of_limits(parameters, solution, coefficients) + 2 * std::log(100.0) * static_cast<double>(dropped);
+  double degrees = rows;
+  for (const Index i : parameters.with(Role::estimated)) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool has_prior = std::isfinite(parameters.sigma[i]);
+    if (has_prior) cost += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2);
+    // The priors of offsets and matrices are as good as none.
+    if (!has_prior || (k < coefficients.size() && !(size_in(terms_, coefficient(coefficients[k])) > 0))) degrees -= 1;
+  }
+  return chi_square_tail(cost, std::max(1.0, degrees));
+}
+
+std::string Effects::grade_of_factor(double factor) const {
+  std::string_view nearest = grade();
+  double least = std::abs(std::log(factor));
+  for (const std::string_view name : graded_names()) {  // by the mean ratio of the sizes that a grade sets
+    double sum = 0, n = 0;
+    for (const EffectGroup& g : groups_)
+      if (g.of != SizedGroup::Of::declared && g.of != SizedGroup::Of::rig)
+        sum += std::log(effect_sigma(*g.effect, {}, name) / effect_sigma(*g.effect, {}, grade())), n += 1;
+    if (const double distance = std::abs(sum / std::max(n, 1.0) - std::log(factor)); distance < least) least = distance, nearest = name;
+  }
+  return std::string(nearest);
+}
+
+std::vector<std::string> Effects::contradicting() const {
+  constexpr double far = 4, sure = 0.99, apart = 2, likely = 0.9;  // times the expected size; apart: from the other effects of the IMU
+  const double told_apart = std::log(3);
+  if (!posterior_) return {};
+  const auto sizes = [&](std::size_t wider, double factor) {
+    VectorXd out(sized_.data.eta.size());
+    for (std::size_t k = 0; k < sized_.groups.size(); ++k)
+      out.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(sized_.hypotheses[best_].sizes[k] * (k == wider ? factor : 1));
+    return out;
+  };
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < sized_.groups.size(); ++k)
+    if (posterior_->exceeds(k, far) > sure && posterior_->stands_out(k, apart) > likely) found.push_back(k);
+  if (found.empty()) return {};
+  // Which others explain the data as well, if all but one have the expected sizes.
+  std::vector<double> evidence(sized_.groups.size(), -HUGE_VAL);
+  for (std::size_t k = 0; k < evidence.size(); ++k)
+    for (double factor = far; factor < 1000; factor *= 2) evidence[k] = std::max(evidence[k], log_evidence(sized_.data, sizes(k, factor)));
+  std::vector<std::string> out;
+  for (const std::size_t k : found) out.push_back(sized_.names[k]);
+  if (found.size() > 1) return out;
+  for (std::size_t k = 0; k < evidence.size(); ++k)
+    if (k != found.front() && evidence[k] > evidence[found.front()] - told_apart) out.push_back(sized_.names[k]);
+  return out;
 }
 
 void Effects::add_to(Parameters& parameters) const {
@@ -98,116 +265,7 @@ EffectTest tested(const EffectGroup& group, const VectorXd& value, const MatrixX
   return out;
 }
 
-/// Of data and priors at a solution.
-double cost_of(const Solution& solution, const Parameters& parameters) {
-  double sum = solution.chi2;
-  for (const Index i : parameters.with(Role::estimated))
-    if (std::isfinite(parameters.sigma[i])) sum += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2);
-  return sum;
-}
-
 }  // namespace
-
-std::optional<Contradicted> contradicted_prior(const Information& data, const Parameters& parameters, const std::vector<PriorGroup>& groups) {
-  constexpr double level = 1e-3, told_apart = 3;  // the latter of the logarithms of two probabilities
-  const Solution before = solve(data, parameters);
-  const VectorXd value = before.x - parameters.offset;
-  std::vector<double> evidence(groups.size(), -HUGE_VAL), factor(groups.size(), 1);
-  for (std::size_t k = 0; k < groups.size(); ++k) {
-    const std::vector<Index>& at = groups[k].at;
-    const VectorXd of_group = value(at), prior = parameters.sigma(at);
-    const MatrixXd covariance = before.covariance(at, at);
-    factor[k] = widening(of_group, prior, covariance);
-    if (factor[k] > 1) evidence[k] = evidence_of_wider(of_group, prior, covariance, factor[k]);
-  }
-  const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
-  if (groups.empty() || !std::isfinite(evidence[static_cast<std::size_t>(best)])) return std::nullopt;
-  const auto found = static_cast<std::size_t>(best);
-  Contradicted out{found, factor[found], evidence[found], {groups[found].name}};
-  Parameters wider = parameters;
-  for (const Index i : groups[out.group].at) wider.sigma[i] *= out.factor;
-  const Solution after = solve(data, wider);
-  const double degrees = std::max(1.0, after.degrees_of_freedom), scale = std::max(1.0, after.chi2 / degrees);
-  const Deviation explained{(cost_of(before, parameters) - cost_of(after, wider)) / scale, static_cast<int>(groups[out.group].at.size())};
-  if (explained.log_probability(degrees) > std::log(level / static_cast<double>(groups.size()))) return std::nullopt;
-  for (std::size_t k = 0; k < groups.size(); ++k)
-    if (k != out.group && evidence[k] > evidence[out.group] - told_apart) out.alike.push_back(groups[k].name);
-  return out;
-}
-
-std::vector<PriorGroup> Effects::prior_groups(Index parameters) const {
-  std::vector<PriorGroup> out;
-  for (const EffectGroup& g : groups_) {
-    PriorGroup& group = out.emplace_back(PriorGroup{std::string(g.effect->name), {}});
-    for (Index k = 0; k < g.size; ++k) group.at.push_back(parameters - size() + g.first + k);
-  }
-  return out;
-}
-
-bool Effects::widen(const Information& data, const Parameters& parameters, double for_another) {
-  const std::optional<Contradicted> found = contradicted_prior(data, parameters, prior_groups(parameters.size()));
-  if ((found ? found->evidence : 0) < for_another) return false;
-  if (!found) return widen_if_likelier(data, parameters);
-  add_causes(found->alike);
-  const double factor = std::min(found->factor, most_widening / groups_[found->group].widened);
-  widen({found->group, std::max(1.0, factor), 0});
-  return factor > 1 || widen_if_likelier(data, parameters);
-}
-
-namespace {
-
-/// Logarithm of the ratio of probabilities: as much in few of a hundred sessions, where the prior is right.
-constexpr double more_likely = 2;
-
-}  // namespace
-
-bool Effects::widen_if_likelier(const Information& data, const Parameters& parameters, double for_another) {
-  const Solution before = solve(data, parameters);
-  const VectorXd value = (before.x - parameters.offset).tail(size());
-  const std::optional<Wider> found = likelier(value, before.covariance);
-  if (!found || found->evidence < for_another) return false;
-  // Noise of another size than stated explains, too: for it speaks as much before, and as much after.
-  Effects wider = *this;
-  wider.widen(*found);
-  Parameters after = parameters;
-  wider.add_to(after);
-  const auto for_noise = [](const Solution& s) { return Deviation{s.chi2, static_cast<int>(s.degrees_of_freedom)}.evidence(); };
-  if (found->evidence + for_noise(solve(data, after)) - for_noise(before) < more_likely) return false;
-  *this = std::move(wider);
-  return true;
-}
-
-std::optional<Effects::Wider> Effects::likelier(const VectorXd& value, const MatrixXd& covariance) const {
-  std::optional<Wider> best;
-  for (std::size_t k = 0; k < groups_.size(); ++k) {
-    const EffectGroup& g = groups_[k];
-    if (g.widened > 1) continue;
-    const Index at = covariance.rows() - size() + g.first;
-    const double evidence = evidence_of_wider(value.segment(g.first, g.size), VectorXd::Constant(g.size, g.sigma),
-                                              covariance.block(at, at, g.size, g.size), most_widening);
-    if (evidence > (best ? best->evidence : more_likely)) best = Wider{k, most_widening, evidence};
-  }
-  return best;
-}
-
-void Effects::add_causes(const std::vector<std::string>& names) {
-  for (const std::string& name : names)
-    if (std::find(causes_.begin(), causes_.end(), name) == causes_.end()) causes_.push_back(name);
-}
-
-std::vector<Effects::Wider> Effects::contradicted(const MatrixXd& covariance) const {
-  std::vector<Wider> found;
-  for (std::size_t k = 0; k < groups_.size(); ++k) {
-    const EffectGroup& g = groups_[k];
-    const Index at = covariance.rows() - size() + g.first;
-    const VectorXd value = value_.segment(g.first, g.size), prior = VectorXd::Constant(g.size, g.sigma);
-    const MatrixXd P = covariance.block(at, at, g.size, g.size);
-    if (const double wanted = widening(value, prior, P); wanted > 1)
-      found.push_back({k, std::min(wanted, most_widening / g.widened), evidence_of_wider(value, prior, P, wanted)});
-  }
-  std::sort(found.begin(), found.end(), [](const Wider& a, const Wider& b) { return a.evidence > b.evidence; });
-  return found;
-}
 
 std::vector<EffectTest> test_effects(const Effects& effects, const MatrixXd& covariance) {
   std::vector<EffectTest> tests;
@@ -253,11 +311,31 @@ void name_assumed(Calibration& calibration, Findings& findings, const Effects& e
     findings.note(
         fmt::format("assumed: {} of {:.3g} {} (one sigma); the data hardly show it, and if it is larger, so are the errors of {}; to see it: {}",
                     g.effect->name, g.sigma / g.effect->unit, g.effect->unit_name, fmt::join(following, ", "), g.effect->advice));
-    if (!(g.widened > 1) || !effects.causes().empty() || calibration.quality.cause) continue;
-    calibration.quality.cause = g.effect->name;
-    findings.doubt(std::string(g.effect->words) +
-                   ", by more than is expected of this IMU where the data show it, and they do not show it everywhere");
   }
+}
+
+/// States how large the IMU's effects are against those of its class; the grade that fits is told where that is not the declared one.
+void judge_unit_size(Quality& quality, Findings& findings, const Effects& effects) {
+  constexpr double worse = 4, better = 0.1, much_worse = 10, sure = 0.99;
+  const SizePosterior& found = *effects.posterior();
+  UnitSize size{.factor = std::exp(found.log_factor), .factor_sigma = found.sigma, .grade = effects.grade()};
+  if (found.weights.size() > 1) {
+    for (std::size_t k = 0; k < found.weights.size(); ++k) size.weights[effects.grade(k)] = found.weights[k];
+    findings.note(
+        fmt::format("no grade declared: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes are "
+                    "averaged over the grades",
+                    size.grade, 100 * size.weights[size.grade]));
+  } else if (found.factor_exceeds(worse) > sure || found.factor_exceeds(better) < 1 - sure) {
+    std::string words = fmt::format("the IMU's effects are {:.2g} times those of its grade, {}", size.factor, size.grade);
+    if (const std::string other = effects.grade_of_factor(size.factor); other != size.grade) words += "; the grade that fits is " + other;
+    if (found.factor_exceeds(much_worse) > sure)
+      findings.doubt(words);
+    else if (size.factor > 1)
+      findings.warn(words);
+    else
+      findings.note(words);
+  }
+  quality.unit_size = std::move(size);
 }
 
 }  // namespace
@@ -273,21 +351,32 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
     if (t.rank == 0) quality.considered.emplace_back(t.effect->name);
   }
   name_assumed(calibration, findings, effects, covariance, coefficients);
-  if (effects.causes().empty()) return;
+  if (effects.posterior()) judge_unit_size(quality, findings, effects);
+  doubt_causes(quality, findings, effects.contradicting());
+}
+
+void doubt_improbable(Findings& findings, const Effects& effects, double p_value) {
+  constexpr double level = 1e-3;
+  if (p_value < level)
+    findings.doubt(
+        fmt::format("noise and an IMU of grade {} explain the data with a probability of {:.1g}: something is wrong that is no known effect",
+                    effects.grade(), p_value));
+}
+
+void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::string>& causes) {
+  if (causes.empty()) return;
   std::vector<std::string> words, advice;  // several effects may have one of them
   const auto add = [](std::vector<std::string>& to, std::string text) {
     if (std::ranges::find(to, text) == to.end()) to.push_back(std::move(text));
   };
-  for (const std::string& name : effects.causes()) {
+  for (const std::string& name : causes) {
     const Effect* const effect = find_effect(name);
     add(words, effect != nullptr ? std::string(effect->words) : name + " is larger");
     if (effect != nullptr) add(advice, std::string(effect->advice));
   }
-  quality.cause = fmt::format("{}", fmt::join(effects.causes(), ", "));
-  const auto is_cause = [&](const EffectGroup& g) { return std::ranges::find(effects.causes(), g.effect->name) != effects.causes().end(); };
-  const bool widened = std::ranges::any_of(effects.groups(), [&](const EffectGroup& g) { return g.widened > 1 && is_cause(g); });
-  if (widened) findings.doubt(fmt::format("{}, by more than is expected of this IMU", fmt::join(words, ", or ")));
-  if (effects.causes().size() > 1 && !advice.empty())
+  quality.cause = fmt::format("{}", fmt::join(causes, ", "));
+  findings.doubt(fmt::format("{}, by more than is expected of this IMU", fmt::join(words, ", or ")));
+  if (causes.size() > 1 && !advice.empty())
     findings.warn(fmt::format("the data do not tell these apart: {}; to do so: {}", *quality.cause, fmt::join(advice, ", or ")));
 }
 

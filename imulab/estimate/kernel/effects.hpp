@@ -5,9 +5,13 @@
 #include "imulab/eigen.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/information.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/size_inference.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/session.hpp"
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,43 +19,23 @@
 
 namespace imulab::kernel {
 
-/// The columns of an effect, which have one prior sigma [SI].
-struct EffectGroup {
+/// The columns of an effect, which have one prior sigma.
+struct EffectGroup : SizedGroup {
   const Effect* effect;
-  Eigen::Index first, size;
-  double sigma;
-  double widened = 1;  ///< the factor in it
+  double sigma;  ///< SI, in use: as declared, of the grade, or as inferred
 };
 
-/// How large the priors are: as declared, by the grade, or by the accelerometers' offset [m/s^2].
+/// How large the priors of effects and optional terms are: as declared, or of a grade.
 struct EffectSizes {
   EffectSigmas declared;
-  std::string grade;
-  double accel_offset = 0;
+  std::vector<LikelyGrade> grades;
+  ImuDeclaration imu = {};  ///< for the terms
+
+  double of(const Effect& effect) const;
 };
 
-/// As a session declares them: by the effect's own key, or elsewhere, a turn-on with the noise and the latitude's sigma with the site. Offsets that
-/// are no small ones [m/s^2] tell nothing: those of a MEMS sensor.
-EffectSizes effect_sizes(const Session& session, const Vector3d& accel_offset);
-
-/// Parameters that share a prior about zero: an effect's, or those of an optional term.
-struct PriorGroup {
-  std::string name;
-  std::vector<Eigen::Index> at;
-};
-
-/// A group whose prior the data contradict.
-struct Contradicted {
-  std::size_t group = 0;
-  double factor = 1;               ///< by which the data ask for a wider one
-  double evidence = 0;             ///< that logarithm
-  std::vector<std::string> alike;  ///< its name, and those of groups that explain the data as well
-};
-
-/// The group for which most speaks: the logarithm of the ratio of the data's probabilities with the wider prior and the present one. `data` are
-/// weighted by noise alone: a prior that is wider explains what the noise does not, and leaves residuals that chance explains better by the F
-/// distribution.
-std::optional<Contradicted> contradicted_prior(const Information& data, const Parameters& parameters, const std::vector<PriorGroup>& groups);
+/// As a session declares them: by the effect's own key, or elsewhere, a turn-on with the noise and the latitude's sigma with the site.
+EffectSizes effect_sizes(const Session& session, const SeenOfUnit& seen = {});
 
 class Effects {
  public:
@@ -70,28 +54,27 @@ class Effects {
   /// Adds the last size() elements of a correction.
   void correct(const Eigen::VectorXd& correction) { value_ += correction.tail(size()); }
 
-  /// The groups as the last size() of so many parameters.
-  std::vector<PriorGroup> prior_groups(Eigen::Index parameters) const;
-  /// Widens the prior of the effect that contradicts it most, at most to `most_widening`, or else of one that is more likely with the widest; whether
-  /// any is. The latter is no cause, as that is no rare event: an honest uncertainty of what it does, not a fault. None for which less speaks than
-  /// `for_another` explanation (a logarithm as Deviation::evidence has it). `data` as of `contradicted_prior`.
-  bool widen(const Information& data, const Parameters& parameters, double for_another = 0);
-  /// That of one more likely with the widest, unless noise of another size than stated explains as much; whether any is.
-  bool widen_if_likelier(const Information& data, const Parameters& parameters, double for_another = 0);
-  /// What explains the data beyond the priors: effects, and optional terms.
-  const std::vector<std::string>& causes() const { return causes_; }
-  void add_causes(const std::vector<std::string>& names);
-  static constexpr double most_widening = 4;
-  /// A wider prior of a group. What speaks for it is the logarithm of the ratio of the data's probabilities, with as wide a prior as the data ask
-  /// for.
-  struct Wider {
-    std::size_t group = 0;
-    double factor = 1;  ///< to be applied: 1 where the prior is as wide as it may be
-    double evidence = 0;
-  };
-  /// The groups whose present values contradict their priors, by their covariance (its last size() rows); that for which most speaks first.
-  std::vector<Wider> contradicted(const Eigen::MatrixXd& covariance) const;
-  void widen(const Wider& wider) { groups_[wider.group].sigma *= wider.factor, groups_[wider.group].widened *= wider.factor; }
+  /// Sizes in use of the optional terms.
+  const PriorSizes& terms() const { return terms_; }
+  /// Infers the sizes of effects and of the optional terms among `coefficients`, the first of the parameters, from a solution under
+  /// the present ones, and puts them in place of these. Returns the largest change of one, in the logarithm.
+  double infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {});
+  /// Absent before `infer`.
+  const std::optional<SizePosterior>& posterior() const { return posterior_; }
+  /// The declared grade, or the likeliest once sizes were inferred.
+  const std::string& grade() const { return hypotheses_.at(best_).grade; }
+  const std::string& grade(std::size_t hypothesis) const { return hypotheses_.at(hypothesis).grade; }
+  /// The grade whose effects are nearest to `factor` times those of `grade`.
+  std::string grade_of_factor(double factor) const;
+  /// What is far larger than expected and stands out of its IMU, and what explains the data as well.
+  std::vector<std::string> contradicting() const;
+  /// By how much the cost of data and priors at their minimum is larger where sizes are the expected ones, or up to four times as large where the
+  /// data say so, than with those in use, under which the solution is.
+  double cost_of_limits(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {}) const;
+  /// The predictive test: the probability of as large a cost. From a solution of so many rows, weighted by known noise alone; `dropped`: rows that
+  /// were left out.
+  double p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
+                 const std::vector<CoefficientIndex>& coefficients = {}) const;
 
   /// Degrees of freedom that the data have in the effects, by their covariance (its last size() rows): as much checks their priors.
   double degrees_of_freedom(const Eigen::MatrixXd& covariance) const;
@@ -102,13 +85,26 @@ class Effects {
   void add_derivatives(Eigen::MatrixXd& jacobian, Eigen::Index row, Triad triad, const Eigen::MatrixXd& by_output, const EffectState& state) const;
 
  private:
-  /// For whose widest prior most speaks, of those with the prior expected, if enough does.
-  std::optional<Wider> likelier(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) const;
+  /// Effects, then optional terms: what the data say of them without their priors. A column has the unit of its group's size.
+  struct Sized {
+    std::vector<SizeHypothesis> hypotheses;
+    std::vector<std::string> names = {};
+    std::vector<SizedGroup> groups = {};
+    std::vector<double> in_use = {};
+    std::vector<const Coefficient*> terms = {};  ///< one of each, after the effects
+    ReducedEffects data = {};
+  };
+  Sized sized(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const;
 
   std::vector<EffectGroup> groups_;
   std::vector<EffectColumn> columns_;
+  std::vector<SizeHypothesis> hypotheses_;  ///< with the sizes of the effects
+  std::size_t best_ = 0;                    ///< of these, once inferred
+  ImuDeclaration imu_;                      ///< for the terms
+  PriorSizes terms_;                        ///< in use
+  std::optional<SizePosterior> posterior_;
+  Sized sized_;
   Eigen::VectorXd value_;
-  std::vector<std::string> causes_;
 };
 
 /// What the data say of an effect by themselves, without its prior.
@@ -124,8 +120,13 @@ struct EffectTest {
 /// From the joint fit: with P_kk the covariance of effect k and S_k its prior, V_k = P_kk^-1 - S_k^-1 and s_k = P_kk^-1 c_k. Every effect once.
 std::vector<EffectTest> test_effects(const Effects& effects, const Eigen::MatrixXd& covariance);
 
-/// Adds the effects to a result: each with value and uncertainty [user units], and whether it is significant among all at `level`; their causes, as
-/// doubts where a prior was widened; and which are assumed to be as small as expected: larger ones would not show, though they shift coefficients.
+/// Doubts data that Effects::p_value finds improbable.
+void doubt_improbable(Findings& findings, const Effects& effects, double p_value);
+/// Doubts a result for these: names of effects, or of terms.
+void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::string>& causes);
+
+/// Adds the effects to a result: each with value and uncertainty [user units], and whether it is significant among all at `level`; what contradicts
+/// its expected size, as a doubt; and which are assumed to be as small as expected: larger ones would not show, though they shift coefficients.
 /// The first rows of the covariance are those of `coefficients`, where it has any.
 void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const Eigen::MatrixXd& covariance, double level,
                  const std::vector<CoefficientIndex>& coefficients = {});

@@ -2,8 +2,8 @@
 // the steps are repeated. Suspects are parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
 #pragma once
 
-#include "imulab/stop.hpp"
 #include "imulab/eigen.hpp"
+#include "imulab/stop.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,35 +1,50 @@
 #include "imulab/estimate/kernel/prior.hpp"
 
-#include "imulab/core/decomposition.hpp"
-#include "imulab/core/statistics.hpp"
 #include "imulab/grade.hpp"
-#include "imulab/model/effects.hpp"
 #include "imulab/units.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
 
 namespace imulab::kernel {
 
 namespace {
 
-/// By the offsets. The least are those of a navigation-grade IMU; MEMS sensors with 30 mg and 1 deg/s get 300 ug/g^2, 2 ppm/(deg/s) and 0.1 deg/s/g.
-/// A firmware may have set the gyros' offsets to zero: their terms are no smaller than those of IMUs with such accelerometers.
-TermSizes sizes_of_offsets(double accel, double gyro) {
-  using namespace unit;
-  const double a = accel / g, w = gyro / deg;  // g, deg/s
-  const TermSizes& alike = grade(grade_of_offset(accel)).terms;
-  return {.accel_quadratic = std::max(30 * ug, 0.01 * a * g) / (g * g),
-          .accel_cubic = std::max(10 * ug, 0.003 * a * g) / (g * g * g),
-          .gyro_quadratic = std::max(alike.gyro_quadratic, std::max(1e-3, 2 * w) * ppm / deg),
-          .gyro_cubic = std::max(alike.gyro_cubic, std::max(1e-3, 2 * w) * 1e-9 / (deg * deg)),
-          .g_sensitivity = std::max(alike.g_sensitivity, std::max(0.01 * deg_per_h, 0.1 * gyro) / g)};
+constexpr std::array<std::string_view, 4> graded{"strategic", "navigation", "tactical", "mems"};
+
+/// Sizes are within a factor of 5 of the grade's. Offsets far below those of any grade were zeroed, and tell nothing.
+double log_probability_of(const Grade& of, const SeenOfUnit& seen) {
+  const double spread = std::log(5), zeroed = 0.1;
+  const Grade& best = grade(graded.front());
+  const auto term = [&](double value, double usual, double least) {
+    return value > least ? -0.5 * std::pow(std::log(value / usual) / spread, 2) : 0;
+  };
+  return term(seen.accel_noise, of.accel_noise.N, 0) + term(seen.gyro_noise, of.gyro_noise.N, 0) +
+         term(seen.accel_offset, of.accel_bias, zeroed * best.accel_bias) + term(seen.gyro_offset, of.gyro_bias, zeroed * best.gyro_bias);
 }
 
-/// The size that the prior of an optional term is proportional to; null for other terms.
+/// Not inlined: valgrind takes a choice between two optional values at once for a read of values never written.
+[[gnu::noinline]] double stated(const std::optional<double>& declared, double usual) { return declared.value_or(usual); }
+
+}  // namespace
+
+std::span<const std::string_view> graded_names() { return graded; }
+
+const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades) { return *std::ranges::max_element(grades, {}, &LikelyGrade::log_weight); }
+
+std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen) {
+  if (imu.grade) return {{*imu.grade}};
+  std::vector<LikelyGrade> out;
+  for (const std::string_view name : graded) out.push_back({std::string(name), log_probability_of(grade(name), seen)});
+  return out;
+}
+
+ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen) {
+  imu.grade = likeliest(likely_grades(imu, seen)).name;
+  return imu;
+}
+
 double* size_of(PriorSizes& sizes, const Coefficient& c) {
   TriadPrior& triad = c.triad == Triad::accel ? sizes.accel : sizes.gyro;
   switch (c.term) {
@@ -46,15 +61,24 @@ double* size_of(PriorSizes& sizes, const Coefficient& c) {
   }
 }
 
-/// Not inlined: valgrind takes a choice between two optional values at once for a read of values never written.
-[[gnu::noinline]] double stated(const std::optional<double>& declared, double usual) { return declared.value_or(usual); }
+bool is_declared(const TermSigmas& declared, const Coefficient& c) {
+  const bool accel = c.triad == Triad::accel;
+  switch (c.term) {
+    case Term::quadratic:
+      return (accel ? declared.accel_quadratic : declared.gyro_quadratic).has_value();
+    case Term::cubic:
+      return (accel ? declared.accel_cubic : declared.gyro_cubic).has_value();
+    case Term::g_sensitivity:
+      return declared.g_sensitivity.has_value();
+    case Term::lever_arm:
+      return declared.lever_arm.has_value();
+    default:
+      return false;
+  }
+}
 
-double rms(const Vector3d& v) { return v.norm() / std::sqrt(3.0); }
-
-}  // namespace
-
-PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset) {
-  const TermSizes usual = imu.grade ? grade(*imu.grade).terms : sizes_of_offsets(rms(accel_offset), rms(gyro_offset));
+PriorSizes optional_priors(const ImuDeclaration& imu) {
+  const TermSizes usual = grade(likeliest(likely_grades(imu, {})).name).terms;
   const TermSigmas& declared = imu.term_sigmas;
   constexpr double lever_arm = 0.05;  // m: of a unit that a hand holds
   PriorSizes sizes;
@@ -76,60 +100,6 @@ std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t re
   };
   const TurnOn out{.accel = sigma("accel.turn_on", noise.accel.turn_on), .gyro = sigma("gyro.turn_on", noise.gyro.turn_on)};
   return out == TurnOn{} ? std::nullopt : std::optional(out);
-}
-
-double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
-  // In units of the prior: where it is true, of covariance I, an estimate of covariance P has itself the covariance I - P.
-  const Eigen::VectorXd unit = prior_sigma.cwiseInverse(), in_sigmas = unit.cwiseProduct(value);
-  const SymmetricEigen posterior = symmetric_eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
-  const Eigen::VectorXd along = posterior.vectors.transpose() * in_sigmas;
-  double chi2 = 0, n = 0;
-  for (Eigen::Index i = 0; i < along.size(); ++i)
-    if (const double learned = 1 - posterior.values[i]; learned > 1e-9) chi2 += along[i] * along[i] / learned, n += 1;
-  return n > 0 && chi2 > chi_square_quantile(0.999, n) ? 2 * std::sqrt(chi2 / n) : 1;
-}
-
-double evidence_of_wider(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance, double factor) {
-  // In units of the prior, along the eigenvectors of P with eigenvalues p, the data alone say V = 1/p - 1 and s = x/p.
-  const Eigen::VectorXd unit = prior_sigma.cwiseInverse(), in_sigmas = unit.cwiseProduct(value);
-  const SymmetricEigen posterior = symmetric_eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
-  const Eigen::VectorXd along = posterior.vectors.transpose() * in_sigmas;
-  const double wide = factor * factor;
-  double sum = 0;
-  for (Eigen::Index i = 0; i < along.size(); ++i) {
-    const double p = std::clamp(posterior.values[i], 1e-12, 1.0), V = 1 / p - 1, s = along[i] / p;
-    sum += 0.5 * (s * s * (wide / (1 + wide * V) - 1 / (1 + V)) - std::log1p(wide * V) + std::log1p(V));
-  }
-  return sum;
-}
-
-void widen_prior(PriorSizes& sizes, const Coefficient& c, double factor) {
-  if (double* const size = size_of(sizes, c)) *size *= factor;
-}
-
-std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
-                                      const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
-  struct Group {
-    std::string name;
-    std::vector<Eigen::Index> members;
-  };
-  std::map<double*, Group> groups;
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    const Coefficient& c = coefficient(indices[i]);
-    double* const size = size_of(sizes, c);
-    const auto at = static_cast<Eigen::Index>(i);
-    if (!size || !(*size > 0) || !std::isfinite(value[at] / prior_sigma[at])) continue;
-    Group& group = groups[size];
-    group.name = fmt::format("{}.{}", to_string(c.triad), to_string(c.term));
-    group.members.push_back(at);
-  }
-  std::vector<std::string> widened;
-  for (const auto& [size, group] : groups)
-    if (const double by = widening(value(group.members), prior_sigma(group.members), covariance(group.members, group.members)); by > 1) {
-      *size *= by;
-      widened.push_back(group.name);
-    }
-  return widened;
 }
 
 }  // namespace imulab::kernel

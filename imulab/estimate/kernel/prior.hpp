@@ -9,7 +9,9 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::kernel {
@@ -48,27 +50,34 @@ inline double needed_sigma(const Coefficient& c, double prior) {
   return (basic ? 0.05 : 0.5) * prior;
 }
 
+/// What the data show of an IMU besides its effects, SI; 0: nothing.
+struct SeenOfUnit {
+  double accel_noise = 0, gyro_noise = 0;    ///< densities at rest
+  double accel_offset = 0, gyro_offset = 0;  ///< RMS of the axes
+};
+
+/// Grades with the logarithms of their probabilities, up to a constant.
+struct LikelyGrade {
+  std::string name;
+  double log_weight = 0;
+};
+const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades);
+/// Grades for which the sizes of effects and terms are stated.
+std::span<const std::string_view> graded_names();
+/// The declared grade, or each by what is seen.
+std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen);
+/// With the likeliest grade where none is declared.
+ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen);
+
 /// Priors of quadratic, cubic, g-sensitivity and lever arms for any method, in fields of the same name; offsets, scales, misalignments and drifts
-/// stay 0. Declared sizes come first, then those of the declared grade, then sizes that grow with the offsets, `accel_offset` [m/s^2] and
-/// `gyro_offset` [rad/s]: a sensor whose zero is far off is not straight either (docs/theory/effects.md).
-PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
+/// stay 0. Declared sizes come first, then those of the grade (docs/theory/effects.md).
+PriorSizes optional_priors(const ImuDeclaration& imu);
+/// The size that the prior of an optional term is proportional to; null for other terms.
+double* size_of(PriorSizes& sizes, const Coefficient& c);
+/// Is it declared by a key of its own?
+bool is_declared(const TermSigmas& declared, const Coefficient& c);
 
 /// The declared sigma of a turn-on over the root of how many were recorded; absent where none is declared.
 std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t recordings);
-
-/// By how much a prior about zero is to be widened that the data contradict: estimates under it, with their covariance, are as large as chance makes
-/// them less than once in a thousand. Twice their size over what is expected of it, so that the prior pulls neither them nor others. Else 1.
-double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
-
-/// The logarithm of the ratio of the data's probabilities under a prior about zero that is wider by `factor`, and under the present one with which
-/// the estimates were made.
-double evidence_of_wider(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance, double factor);
-
-/// Widens that of an optional term.
-void widen_prior(PriorSizes& sizes, const Coefficient& c, double factor);
-
-/// Widens those of `sizes` that these estimates contradict, term by term; their names. Other coefficients among `indices` do not count.
-std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
-                                      const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
 
 }  // namespace imulab::kernel

@@ -184,13 +184,12 @@ std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, dou
 
 void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, double curvature,
                   const Site& site, const std::vector<std::string>& dropped, std::size_t all) {
-  if (problem.effects().size() == 0) kernel::warn_of_widened(findings, problem.widened());
-  for (const std::string& term : problem.effects().size() > 0 ? problem.widened() : std::vector<std::string>{})
-    findings.doubt(term + " is larger than is expected of this IMU");
+  if (problem.effects().size() == 0) kernel::warn_of_widened(findings, problem.effects().contradicting());
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
+  kernel::doubt_improbable(findings, problem.effects(), fit.p_value);
   kernel::add_common_doubts(findings, calibration, site, problem.effects().degrees_of_freedom(fit.under_noise.solution.covariance));
   if (site.latitude) kernel::doubt_latitude(findings, calibration, *site.latitude, site.gravity());
   if (curvature > most_curvature) {

@@ -15,7 +15,7 @@
 //
 // So a fit has three loops, one in the other:
 // - `converge`: Gauss-Newton steps under the present spreads; then the spread of each kind of condition is estimated until both stand still.
-// - `converge_under_true_priors`: optional terms that contradict their prior get a wider one (kernel::refine).
+// - `converge_with_sizes`: effects and optional terms get priors of the size that the data infer.
 // - SuspectFit: the worst suspect is judged by the fit without it, since with it the spread would grow until the suspect fits; what it deviates is
 //   compared with a spread of few degrees of freedom (F distribution), and shared among all suspects.
 // `fit_determined` last leaves the optional terms that the data do not show at zero, considered.
@@ -27,6 +27,7 @@
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/rests/problem.hpp"
+#include "imulab/grade.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,8 @@ struct Fit {
   Adjustment adjustment;
   Adjustment under_noise{};  ///< by the sample noise alone, of what `fit_determined` arrives at
   Spreads spreads{};
-  double excess = 1;  ///< of the residuals over their size with the spreads, where chance does not explain it
+  double p_value = 1;  ///< as Effects::p_value
+  double excess = 1;   ///< of the residuals over their size with the spreads, where chance does not explain it
   bool converged = false;
 
   /// With the effect of the considered parameters on the others.
@@ -104,47 +106,45 @@ double curvature(Problem problem, const Fit& fit) {
 /// The deviation that one coefficient may have: beyond it, chi-square of all together no longer agrees with the covariance.
 inline constexpr double most_curvature = 1;
 
-/// What speaks for one bad rest or rotation, of the size that fits best: the most of all.
+/// Converges with sizes of effects and optional terms that the data infer: first under the samples' noise alone, so that what effects explain is no
+/// spread. Without effects terms have their expected sizes, unless the data contradict one; where the equations are not linear within the
+/// uncertainties that means nothing, since second-order misalignment residuals mimic terms.
 template <class Problem>
-double evidence_for_a_bad_part(const Problem& problem, const Conditions& under_noise) {
-  const Adjustment adjustment = adjust(under_noise, problem.parameters());
-  double most = 0;
-  for (const SuspectRows& suspect : problem.suspects(under_noise))
-    most = std::max(most, deviation_of(under_noise, adjustment, suspect.rows).evidence());
-  return most;
-}
-
-/// Converges, and widens the priors of effects and optional terms that the data contradict, with `suspects` only where that explains more than one
-/// bad part does. An effect that is only more likely with a wider prior gets it where that explains more, in any case: a part that is not bad enough
-/// to be dropped may be the better explanation. Where the equations are not linear within the uncertainties, a contradiction means nothing:
-/// second-order misalignment residuals mimic such a term.
-template <class Problem>
-Fit converge_under_true_priors(Problem& problem, bool suspects) {
-  constexpr int most_rounds = 10;
-  Fit fit;
-  kernel::refine(
-      most_rounds, [&] { fit = converge(problem); },
-      [&] {
-        if (problem.effects().size() > 0) {
-          const Conditions under_noise = problem.conditions({});
-          const double for_a_bad_part = evidence_for_a_bad_part(problem, under_noise);
-          return problem.widen_beside_effects(under_noise, problem.parameters(), suspects ? for_a_bad_part : 0, for_a_bad_part);
-        }
-        Problem wider = problem;
-        if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) return false;
-        problem = std::move(wider);
-        return true;
-      });
+Fit converge_with_sizes(Problem& problem) {
+  constexpr int most_rounds = 5;
+  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
+  const bool with_effects = problem.effects().size() > 0;
+  Fit fit = with_effects ? converge(problem, Spreads{}) : converge(problem);
+  for (int round = 0; round < most_rounds; ++round) {
+    const kernel::Parameters parameters = problem.parameters();
+    kernel::Effects sized = problem.effects();
+    const double change = sized.infer(parameters, adjust(problem.conditions(fit.spreads), parameters).solution, problem.indices());
+    if (change < settled || (!with_effects && (sized.contradicting().empty() || curvature(problem, fit) > most_curvature))) break;
+    problem.take_sizes(std::move(sized));
+    fit = converge(problem);
+  }
   return fit;
 }
 
-/// Optional terms that the data do not show go back to zero, and the others are fitted again. The spreads are those of the fit with all terms. Other
-/// coefficients stay in the fit under their prior, determined or not: a weakly determined one does not bias those that hardly depend on it. But a
-/// gyro's scale that diverged goes back to its prior, with all of the matrix; then rotations carry no information, since the angle that the gyros
-/// measure in one is wrong by their scales.
+/// The predictive test. Offsets may scatter from rest to rest by four times the bias instability of the grade, turns by what a hand does.
 template <class Problem>
-Fit fit_determined(Problem& problem) {
-  Fit fit = problem.effects().size() > 0 ? converge_under_true_priors(problem, false) : converge(problem);
+double p_value(Problem& problem, Spreads spreads) {
+  constexpr double most = 4;
+  const kernel::Effects& effects = problem.effects();
+  if (effects.size() == 0) return 1;
+  const Grade& unit = grade(effects.grade());
+  spreads[0] = std::min(spreads[0], most * unit.accel_noise.B), spreads[1] = std::min(spreads[1], most * unit.gyro_noise.B);
+  const Conditions conditions = problem.conditions(spreads);
+  const kernel::Parameters parameters = problem.parameters();
+  return effects.p_value(parameters, adjust(conditions, parameters).solution, static_cast<int>(conditions.value.size()), 0, problem.indices());
+}
+
+/// From a fit with all terms. Optional terms that the data do not show go back to zero, and the others are fitted again. The spreads are those of the
+/// fit with all terms. Other coefficients stay in the fit under their prior, determined or not: a weakly determined one does not bias those that
+/// hardly depend on it. But a gyro's scale that diverged goes back to its prior, with all of the matrix; then rotations carry no information, since
+/// the angle that the gyros measure in one is wrong by their scales.
+template <class Problem>
+Fit fit_determined(Problem& problem, Fit fit) {
   if (const std::vector<Eigen::Index> matrix = problem.runaway_gyro_matrix(fit.parameters, fit.covariance()); !matrix.empty()) {
     problem.hold(matrix);
     problem.leave_out_rotations();
@@ -156,6 +156,7 @@ Fit fit_determined(Problem& problem) {
     fit = converge(problem, fit.spreads);
   }
   fit.under_noise = adjust(problem.conditions({}), problem.parameters());
+  fit.p_value = p_value(problem, fit.spreads);
   fit.excess = kernel::excess(fit.adjustment.solution.chi2, fit.adjustment.solution.degrees_of_freedom);
   return fit;
 }
@@ -191,7 +192,7 @@ struct SuspectFit {
   std::vector<DroppedPart> dropped{};
 
   SuspectFit(const Problem& p, std::size_t m, const std::vector<DroppedPart>& d) : problem(p), most(m), dropped(d) {}  ///< not yet fitted
-  explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem, true)), most(problem.rests().size() / 3) {}
+  explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_with_sizes(problem)), most(problem.rests().size() / 3) {}
 
   /// The suspect whose removal would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide
   /// it in the spreads, which count with the degrees of freedom behind them.
@@ -226,7 +227,7 @@ struct SuspectFit {
   bool may_drop(std::size_t) const { return true; }
   SuspectFit without(std::size_t) {
     SuspectFit out = std::move(*next);
-    if (out.problem.effects().size() > 0) out.fit = converge_under_true_priors(out.problem, true);
+    out.fit = converge_with_sizes(out.problem);
     return out;
   }
 };

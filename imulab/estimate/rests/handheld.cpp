@@ -240,9 +240,9 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   HandheldProblem whole(recording, start, session.site, indices, turns);
   const std::size_t usable_turns = whole.turns(), parts = start.rests.size() + whole.rotations();
   auto cleaned = kernel::drop_suspects(SuspectFit(std::move(whole)), options.outlier_level);
-  cleaned.fit.next.reset(), cleaned.fit.fit = {};  // each as large as the fit that follows
+  cleaned.fit.next.reset();  // as large as the fit that follows
   HandheldProblem& problem = cleaned.fit.problem;
-  const Fit fit = fit_determined(problem);
+  const Fit fit = fit_determined(problem, std::move(cleaned.fit.fit));
 
   CalibrationResult result{.calibration = calibration_of("handheld", problem, fit, session)};
   Quality& quality = result.calibration.quality;

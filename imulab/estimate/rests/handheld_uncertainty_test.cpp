@@ -2,6 +2,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/effects.hpp"
+#include "imulab/recording/rest_means.hpp"
 #include "imulab/units.hpp"
 
 #include <gtest/gtest.h>

@@ -52,18 +52,6 @@ bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
   return zero.cwiseAbs().maxCoeff() > 1;  // in half ranges
 }
 
-/// Priors of the optional terms by the declaration, or by the offsets at zero readings. Readings in counts may have their zero anywhere: offsets
-/// beyond those of any IMU are that, and tell nothing.
-kernel::PriorSizes expected_terms(const coarse::RestStart& start, const Session& session) {
-  const SensorModel raw = to_raw(start.model, start.scaling);
-  // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
-  const auto plausible = [](const Vector3d& offset, double limit, double usual) {
-    return offset.cwiseAbs().maxCoeff() < limit ? offset : Vector3d(Vector3d::Constant(usual));
-  };
-  return kernel::optional_priors(session.imu, plausible(raw.accel.offset, 0.2 * session.site.gravity(), 0.03 * unit::g),
-                                 plausible(raw.gyro.offset, 1.0, 1 * unit::deg));
-}
-
 }  // namespace
 
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
@@ -83,14 +71,16 @@ std::vector<CoefficientIndex> handheld_coefficients() {
 
 namespace {
 
-/// Gyros that are not calibrated have no effects. Offsets of counts tell nothing: those of a MEMS sensor.
-kernel::Effects expected_effects(const coarse::RestStart& start, const Session& session, bool gyros) {
-  return kernel::Effects(kernel::effect_sizes(session, to_raw(start.model, start.scaling).accel.offset),
-                         {.accel = true,
-                          .gyro = gyros,
-                          .thermometer = start.recorded->thermometer(),
-                          .latitude = session.site.latitude.has_value(),
-                          .recordings = start.recorded->recordings()});
+/// Gyros that are not calibrated have no effects.
+kernel::Effects expected_effects(const coarse::RestStart& start, const Recording& recording, const Session& session, bool with_effects, bool gyros) {
+  EffectSetting setting;
+  if (with_effects)
+    setting = {.accel = true,
+               .gyro = gyros,
+               .thermometer = start.recorded->thermometer(),
+               .latitude = session.site.latitude.has_value(),
+               .recordings = start.recorded->recordings()};
+  return kernel::Effects(kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity())), setting);
 }
 
 }  // namespace
@@ -122,13 +112,12 @@ std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, cons
                                                   const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
                                                   std::string_view method) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied, method);
-  start.terms = expected_terms(start, session);
   const auto of_gyros = [](CoefficientIndex index) { return coefficient(index).triad == Triad::gyro; };
   if (with_effects) {
     start.recorded.emplace(recording, session, start.model, start.scaling);
-    start.effects = expected_effects(start, session, std::any_of(chosen.begin(), chosen.end(), of_gyros));
     start.states = rest_states(recording, start, *start.recorded);
   }
+  start.effects = expected_effects(start, recording, session, with_effects, std::any_of(chosen.begin(), chosen.end(), of_gyros));
   start.named = !wanted.empty();
   for (const CoefficientIndex index : supplied) {
     if (contains(chosen, index)) continue;
@@ -150,14 +139,11 @@ RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::
       noise_{scaled(start.means.sample, scaling_), scaled(start.means.rounding, scaling_), scaled(start.means.step, scaling_)},
       model_(start.model),
       prior_(start.prior),
-      sizes_(start.terms),
       effects_(start.effects),
       indices_(std::move(indices)),
       roles_(indices_.size(), kernel::Role::estimated) {
   for (std::size_t k = 0; k < start.rests.size(); ++k)
     rests_.push_back({start.rests[k], start.states.empty() ? EffectState{.gravity = gravity_} : start.states[k]});
-  sizes_.accel.offset = 0.2 * gravity_, sizes_.gyro.offset = 1.0;
-  for (kernel::TriadPrior* triad : {&sizes_.accel, &sizes_.gyro}) triad->scale = 0.2, triad->misalignment = 1e-2;
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     unstated_.push_back(!start.named && bends_far_from_zero(coefficient(indices_[i]), scaling_));
     if (unstated_.back()) roles_[i] = kernel::Role::considered;
@@ -165,7 +151,9 @@ RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::
 }
 
 double RestProblem::prior_sigma(const Coefficient& c) const {
-  kernel::PriorSizes sizes = sizes_;
+  kernel::PriorSizes sizes = effects_.terms();
+  sizes.accel.offset = 0.2 * gravity_, sizes.gyro.offset = 1.0;
+  for (kernel::TriadPrior* triad : {&sizes.accel, &sizes.gyro}) triad->scale = 0.2, triad->misalignment = 1e-2;
   const auto row = triad_model(prior_, c.triad).matrix.row(c.row);
   if (std::abs(row[c.row]) <= 0.9 * row.norm()) sizes.accel.misalignment = sizes.gyro.misalignment = 0.2;
   return kernel::prior_sigma(sizes, c, row.norm());
@@ -207,47 +195,6 @@ std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& pa
     runaway = runaway || (!known && std::abs(coefficient_value(model_, index) - coefficient_value(prior_, index)) > away * parameters.sigma[i]);
   }
   return runaway ? matrix : std::vector<Index>{};
-}
-
-bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
-  const auto n = std::ssize(indices_);
-  VectorXd moved = coefficient_values(model_, indices_) - coefficient_values(prior_, indices_);
-  for (Index i = 0; i < n; ++i)
-    if (roles_[static_cast<std::size_t>(i)] != kernel::Role::estimated) moved[i] = 0;
-  const std::vector<std::string> names = kernel::widen_priors(sizes_, indices_, moved, parameters.sigma.head(n), covariance.topLeftCorner(n, n));
-  for (const std::string& name : names)
-    if (std::find(widened_.begin(), widened_.end(), name) == widened_.end()) widened_.push_back(name);
-  return !names.empty();
-}
-
-bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another,
-                                       double likelier_than) {
-  std::vector<kernel::PriorGroup> groups = effects_.prior_groups(parameters.size());
-  std::map<std::string, std::vector<Index>> terms;
-  for (const Index i : parameters.with(kernel::Role::estimated)) {
-    if (i >= std::ssize(indices_)) break;
-    const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
-    if (is_optional(c.term)) terms[fmt::format("{}.{}", to_string(c.triad), to_string(c.term))].push_back(i);
-  }
-  for (const auto& [name, at] : terms) groups.push_back({name, at});
-  const std::optional<kernel::Contradicted> found = kernel::contradicted_prior(under_noise.information(), parameters, groups);
-  if (!found) return effects_.widen_if_likelier(under_noise.information(), parameters, likelier_than);
-  if (found->evidence < for_another) return false;
-  effects_.add_causes(found->alike);
-  const kernel::PriorGroup& group = groups[found->group];
-  const bool effect = found->group < effects_.groups().size();
-  double& by = widening_.try_emplace(group.name, 1).first->second;
-  if (effect) by = effects_.groups()[found->group].widened;
-  const double factor = std::min(found->factor, kernel::Effects::most_widening / by);
-  if (!(factor > 1)) return false;
-  by *= factor;
-  if (effect) {
-    effects_.widen({found->group, factor, 0});
-  } else {
-    kernel::widen_prior(sizes_, coefficient(indices_[static_cast<std::size_t>(group.at.front())]), factor);
-    if (std::find(widened_.begin(), widened_.end(), group.name) == widened_.end()) widened_.push_back(group.name);
-  }
-  return true;
 }
 
 VectorXd RestProblem::longest_step(Index nuisances) const {

@@ -33,7 +33,7 @@ std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
 std::vector<CoefficientIndex> handheld_coefficients();
 
 /// kernel::chosen_coefficients, once `start.model` has both triads; those of `supplied` that are not chosen are set to their prior. Sets
-/// `start.terms`, `start.effects` with `start.states`, and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen,
+/// `start.effects` with `start.states`, and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen,
 /// too.
 std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const Recording& recording, bool with_effects,
                                                   const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
@@ -58,12 +58,8 @@ class RestProblem {
   /// The prior of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point
   /// along its axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;
-  /// Widens the priors of optional terms that the fit contradicts; whether any was.
-  bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
-  /// Widens the prior of the effect or optional term that the data contradict most, to at most four times, if no more speaks `for_another`
-  /// explanation (a logarithm as Deviation::evidence has it), or else of the effect that is likelier with a wider one, by more than `likelier_than`;
-  /// whether any was. From conditions weighted by noise alone.
-  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another, double likelier_than);
+  /// The effects with other sizes.
+  void take_sizes(kernel::Effects sized) { effects_ = std::move(sized); }
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
@@ -76,7 +72,6 @@ class RestProblem {
   const std::vector<Rest>& rests() const { return rests_; }
   const kernel::Effects& effects() const { return effects_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
-  const std::vector<std::string>& widened() const { return widened_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
   const SensorModel& prior() const { return prior_; }
   const Scaling& scaling() const { return scaling_; }
@@ -102,13 +97,10 @@ class RestProblem {
   Scaling scaling_;
   MeanNoise noise_;  ///< scaled
   SensorModel model_, prior_;
-  kernel::PriorSizes sizes_;
   kernel::Effects effects_;
   std::vector<CoefficientIndex> indices_;
-  std::vector<kernel::Role> roles_;         ///< of the coefficients
-  std::vector<std::string> widened_;        ///< names of terms
-  std::map<std::string, double> widening_;  ///< with effects: the factors in their priors
-  std::vector<char> unstated_;              ///< considered, but not in the result: nonlinearity of counts
+  std::vector<kernel::Role> roles_;  ///< of the coefficients
+  std::vector<char> unstated_;       ///< considered, but not in the result: nonlinearity of counts
 };
 
 /// The gyros' start: Cheng's linear solution where they resolve Earth's rate, else as declared, with a note why. False: they are not calibrated.

@@ -42,9 +42,8 @@ double mean_noise(const RestStart& start, const Matrix3d& matrix) {
 }
 
 /// How far the offsets of such gyros drift in a session [rad/s], one sigma.
-double expected_drift(const RestStart& start, const Session& session) {
-  const kernel::EffectSizes sizes = kernel::effect_sizes(session, to_raw(start.model, start.scaling).accel.offset);
-  return effect_sigma(*find_effect("gyro.drift"), sizes.declared, sizes.grade, sizes.accel_offset);
+double expected_drift(const RestStart& start, const Recording& recording, const Session& session) {
+  return kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity())).of(*find_effect("gyro.drift"));
 }
 
 bool has_no_gyros(const Recording& recording) {
@@ -63,7 +62,7 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   const bool counts = recording.gyro_unit == "count";
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
   constexpr double limit = resolvable_part * earth_rate;
-  const double noise = unit ? mean_noise(start, *unit) : 0, drift = expected_drift(start, session);
+  const double noise = unit ? mean_noise(start, *unit) : 0, drift = expected_drift(start, recording, session);
   if (noise > limit) return not_resolved(noise);
   // The headings are found from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
@@ -138,7 +137,7 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
   }
   if (recording.gyro_unit == "count") gyro.reason += "; they stay in counts";
   start.findings.warn("the gyros were not calibrated: " + gyro.reason);
-  if (gyro.doubt.empty() && unit && output_steps(start, *unit, expected_drift(start, session))) gyro.doubt = gyros_change;
+  if (gyro.doubt.empty() && unit && output_steps(start, *unit, expected_drift(start, recording, session))) gyro.doubt = gyros_change;
   if (!gyro.doubt.empty()) start.findings.doubt(gyro.doubt);
   return false;
 }
@@ -178,7 +177,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   StaticProblem& problem = cleaned.fit.problem;
-  const Fit fit = fit_determined(problem);
+  const Fit fit = fit_determined(problem, std::move(cleaned.fit.fit));
   if (with_gyros) check_turns(start, recording, problem.model().gyro.matrix);
 
   CalibrationResult result{.calibration = calibration_of("static", problem, fit, session)};

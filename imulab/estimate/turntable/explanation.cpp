@@ -6,14 +6,11 @@
 #include "imulab/estimate/turntable/explanation.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/rig/table_states.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
-#include <utility>
 
 namespace imulab::turntable {
 
@@ -23,34 +20,16 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Logarithm of the ratio of probabilities from which on an explanation is believed, and by which two can be told apart.
-constexpr double convincing = 5, told_apart = 3;
+/// Logarithm of the ratio of probabilities from which on an explanation is believed.
+constexpr double convincing = 5;
+/// Of noise and a table that are worse than declared, beyond which an explanation by them is not weighed.
+constexpr double most_enlarged = 4;
 
 struct Candidate {
-  enum class Kind { none, step, move, effect, term } kind = Kind::none;
+  enum class Kind { none, step, move } kind = Kind::none;
   double evidence = 0;
-  std::size_t place = 0;  ///< of a step among the parts, of a move among the steps, of a term among those with a prior
-  kernel::Effects::Wider wider{};
+  std::size_t place = 0;  ///< of a step among the parts, of a move among the steps
 };
-
-struct TermPrior {
-  std::string_view name;
-  double& (*size)(kernel::PriorSizes&);
-};
-constexpr std::array<TermPrior, 5> term_priors{{{"accel.quadratic", [](kernel::PriorSizes& s) -> double& { return s.accel.quadratic; }},
-                                                {"accel.cubic", [](kernel::PriorSizes& s) -> double& { return s.accel.cubic; }},
-                                                {"gyro.quadratic", [](kernel::PriorSizes& s) -> double& { return s.gyro.quadratic; }},
-                                                {"gyro.cubic", [](kernel::PriorSizes& s) -> double& { return s.gyro.cubic; }},
-                                                {"gyro.g_sensitivity", [](kernel::PriorSizes& s) -> double& { return s.g_sensitivity; }}}};
-
-using Widened = std::array<double, term_priors.size()>;  ///< by how much the priors of the terms were
-
-/// The fit with its effects in the options, from which `contradicted` judges.
-kernel::Effects found_effects(const Fit& fit) {
-  kernel::Effects effects = fit.options.effects.table;
-  effects.correct(fit.estimator.effects(fit.readings) - effects.value());
-  return effects;
-}
 
 Candidate bad_step(const Fit& fit, double level) {
   const std::vector<double> log_p = fit.estimator.log_probabilities(fit.readings);
@@ -78,7 +57,7 @@ Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
           sum.tail<3>() += weight * change.rate;
         }
       }
-  const double sigma = effect_sigma(effect, sizes.declared, sizes.grade, sizes.accel_offset);
+  const double sigma = sizes.of(effect);
   const std::vector<Estimator::Score> scores = fit.estimator.scores(fit.readings, from);
   Candidate best;
   for (std::size_t step = 1; step < steps; ++step) {
@@ -95,107 +74,87 @@ Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
   return best;
 }
 
-std::vector<Candidate> large_effects(const Fit& fit) {
-  std::vector<Candidate> out;
-  for (const kernel::Effects::Wider& wider : found_effects(fit).contradicted(fit.estimator.effects_covariance()))
-    out.push_back({Candidate::Kind::effect, wider.evidence, wider.group, wider});
-  return out;
-}
+}  // namespace
 
-std::vector<Candidate> large_terms(const Fit& fit, const Widened& widened) {
-  if (!fit.options.optional) return {};
-  const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
-  const VectorXd values = coefficient_values(fit.model, uncertainty.stated), priors = fit.estimator.prior_sigma(fit.model, uncertainty.stated);
-  std::vector<Candidate> out;
-  for (std::size_t k = 0; k < term_priors.size(); ++k) {
-    const std::vector<CoefficientIndex> of_term = select_coefficients(std::string(term_priors[k].name));
-    std::vector<Index> members;
-    for (std::size_t i = 0; i < uncertainty.stated.size(); ++i)
-      if (contains(of_term, uncertainty.stated[i]) && !contains(uncertainty.considered, uncertainty.stated[i]))
-        members.push_back(static_cast<Index>(i));
-    if (members.empty()) continue;
-    const VectorXd value = values(members), prior = priors(members);
-    const MatrixXd covariance = uncertainty.covariance(members, members);
-    const double wanted = kernel::widening(value, prior, covariance), evidence = kernel::evidence_of_wider(value, prior, covariance, wanted);
-    if (wanted > 1) out.push_back({Candidate::Kind::term, evidence, k, {k, std::min(wanted, kernel::Effects::most_widening / widened[k]), evidence}});
+namespace {
+
+/// Coefficients and effects of a fit, about its model.
+struct Joint {
+  std::vector<CoefficientIndex> coefficients;
+  kernel::Parameters parameters;
+  kernel::Solution solution;
+
+  explicit Joint(const Fit& fit) {
+    const Estimator::Uncertainty found = fit.estimator.uncertainty(fit.model);
+    coefficients = found.stated;
+    const Index n = std::ssize(coefficients), m = fit.options.effects.table.size();
+    parameters = kernel::Parameters(n + m);
+    for (std::size_t i = 0; i < coefficients.size(); ++i)
+      if (!fit.options.optional || contains(found.considered, coefficients[i])) parameters.role[i] = kernel::Role::considered;
+    parameters.offset << -coefficient_values(fit.model, coefficients), -fit.estimator.effects(fit.readings);
+    parameters.sigma << fit.estimator.prior_sigma(fit.model, coefficients), fit.options.effects.table.sigma();
+    solution.x.setZero(n + m);
+    solution.covariance = joint_covariance(fit, coefficients, found.covariance);
   }
-  return out;
-}
-
-std::string name_of(const Candidate& c, const Fit& fit) {
-  if (c.kind == Candidate::Kind::term) return std::string(term_priors[c.place].name);
-  return c.kind == Candidate::Kind::move ? "mount.change" : std::string(fit.options.effects.table.groups()[c.place].effect->name);
-}
-
-/// All that explains something, the best first. A bad step, which may be off by anything, explains whatever one pair of turns shows of an effect: it
-/// is left out where that is convincingly better than any prior that can still be widened.
-std::vector<Candidate> candidates(const Fit& fit, const kernel::EffectSizes& sizes, const Widened& widened, double level) {
-  std::vector<Candidate> all = large_effects(fit);
-  for (const Candidate& c : large_terms(fit, widened)) all.push_back(c);
-  for (const Candidate& c : {bad_step(fit, level), move(fit, sizes)})
-    if (c.kind != Candidate::Kind::none) all.push_back(c);
-  std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.evidence > b.evidence; });
-  const auto rival = std::find_if(all.begin(), all.end(), [](const Candidate& c) { return c.kind != Candidate::Kind::step && c.wider.factor > 1; });
-  if (rival != all.end() && all.front().kind == Candidate::Kind::step && rival->evidence > all.front().evidence - convincing)
-    std::rotate(all.begin(), rival, rival + 1);
-  return all;
-}
-
-/// Takes the best, and widens the priors of all that cannot be told apart from it: the uncertainties cover what the coefficients differ by among
-/// them. Whether anything changed.
-bool take(Explained& out, EstimatorOptions& options, Widened& widened, const std::vector<Candidate>& all, const kernel::EffectSizes& sizes) {
-  const auto add_once = [](std::vector<std::string>& names, const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  };
-  const Candidate& best = all.front();
-  if (best.kind == Candidate::Kind::step) {
-    out.dropped.push_back(out.fit.suspects()[best.place].name);
-    options.left_out.push_back(best.place);
-    return true;
-  }
-  const TableProblem& problem = *out.fit.problem;
-  bool changed = false;
-  for (const Candidate& c : all) {
-    if (c.kind == Candidate::Kind::step || !(c.evidence > best.evidence - told_apart)) continue;
-    const std::string name = name_of(c, out.fit);
-    add_once(out.causes, name);
-    if (!(c.wider.factor > 1)) continue;  // as wide as it may be
-    changed = true;
-    if (c.kind == Candidate::Kind::effect) options.effects.table.widen(c.wider);
-    if (c.kind != Candidate::Kind::term) continue;
-    term_priors[c.place].size(*options.optional) *= c.wider.factor;
-    widened[c.place] *= c.wider.factor;
-    add_once(out.widened, name);
-  }
-  if (best.kind != Candidate::Kind::move) return changed;
-  options.effects = with_move(options.effects, best.place, sizes, problem.motion, problem.seen.parts, problem.site);
-  return true;
-}
+};
 
 }  // namespace
 
+Fit with_inferred_sizes(Fit now) {
+  constexpr int most_rounds = 4;
+  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
+  for (int round = 0; round < most_rounds; ++round) {
+    EstimatorOptions options = now.options;
+    const Joint joint(now);
+    kernel::Effects& effects = options.effects.table;
+    if (effects.infer(joint.parameters, joint.solution, joint.coefficients) < settled) break;
+    if (options.optional) options.optional = effects.terms();
+    now = fit(*now.problem, options);
+  }
+  return now;
+}
+
+double p_value(const Fit& fit) {
+  const Joint joint(fit);
+  const double cost = fit.chi2 + fit.options.effects.table.cost_of_limits(joint.parameters, joint.solution, joint.coefficients);
+  return chi_square_tail(cost, std::max(1, fit.estimator.degrees_of_freedom()));
+}
+
+Eigen::MatrixXd joint_covariance(const Fit& fit, const std::vector<CoefficientIndex>& coefficients, const MatrixXd& covariance) {
+  const Estimator& estimator = fit.estimator;
+  const Index n = covariance.rows(), m = fit.options.effects.table.size();
+  MatrixXd joint(n + m, n + m);
+  joint.topLeftCorner(n, n) = covariance;
+  joint.topRightCorner(n, m) =
+      -estimator.sensitivity(fit.model, coefficients) * estimator.readings_by_effects() * estimator.effects_sigma().cwiseAbs2().asDiagonal();
+  joint.bottomLeftCorner(m, n) = joint.topRightCorner(n, m).transpose();
+  joint.bottomRightCorner(m, m) = estimator.effects_covariance();
+  return joint;
+}
+
 Explained explained(const Fit& fit_with_effects, const kernel::EffectSizes& sizes, double level) {
   constexpr int most_rounds = 20;
-  Explained out{fit_with_effects, {}, {}, {}, {}, false};
-  Widened widened;
-  widened.fill(1);
+  Explained out{fit_with_effects, {}, {}, false};
   for (int round = 0; round < most_rounds; ++round) {
     const Fit& now = out.fit;
     const TableProblem& problem = *now.problem;
-    const std::vector<Candidate> all = candidates(now, sizes, widened, level);
-    const Candidate best = all.empty() ? Candidate{} : all.front();
-    const Fit larger = enlarged(now, kernel::Effects::most_widening);
+    const Candidate step = bad_step(now, level), moved = move(now, sizes), best = step.evidence > moved.evidence ? step : moved;
+    const Fit larger = enlarged(now, most_enlarged);
     const double of_size = larger.estimator.log_likelihood(larger.readings) - now.estimator.log_likelihood(now.readings);
     if (of_size > std::max(best.evidence, convincing)) {
       out.by_size = true;
-      for (const Candidate& c : all)
-        if (c.kind == Candidate::Kind::step) out.worst = now.suspects()[c.place].name;
+      if (step.kind == Candidate::Kind::step) out.worst = now.suspects()[step.place].name;
       break;
     }
     if (!(best.evidence > convincing)) break;
     EstimatorOptions options = now.options;
-    if (!take(out, options, widened, all, sizes)) break;
-    out.fit = fit(problem, options);
+    if (best.kind == Candidate::Kind::step) {
+      out.dropped.push_back(now.suspects()[best.place].name);
+      options.left_out.push_back(best.place);
+    } else {
+      options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, best.place);
+    }
+    out.fit = with_inferred_sizes(fit(problem, options));
   }
   return out;
 }

@@ -254,10 +254,10 @@ std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientI
   return chosen;
 }
 
-EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset) {
+EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu) {
   for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"})) options.terms.push_back(index);
   std::sort(options.terms.begin(), options.terms.end());
-  options.optional = kernel::optional_priors(imu, accel_offset, gyro_offset);
+  options.optional = kernel::optional_priors(imu);
   return options;
 }
 

@@ -61,7 +61,7 @@ kernel::Cleaned<Fit> without_outliers(const Fit& fit, double level);
 std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, std::string_view accel_unit,
                                                   std::string_view gyro_unit);
 
-/// The options with every term that an IMU may have, under its prior: as it is declared, or with the offsets that the IMU shows [m/s^2, rad/s].
-EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
+/// The options with every term that an IMU may have, under its prior.
+EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu);
 
 }  // namespace imulab::turntable

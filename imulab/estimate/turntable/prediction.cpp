@@ -150,7 +150,7 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
   if (!terms.empty()) return plan;
   EstimatorOptions asked;
   asked.terms = plan.terms;
-  const EstimatorOptions all = with_optional_terms(asked, procedure.imu, Vector3d::Zero(), Vector3d::Zero());
+  const EstimatorOptions all = with_optional_terms(asked, procedure.imu);
   plan.terms = all.terms;
   plan.optional = all.optional;
   return plan;

@@ -41,7 +41,7 @@ void expect_stated(const std::vector<Step>& steps, const std::vector<Coefficient
     imu.grade = "tactical";  // whose priors do not depend on the drawn offsets
     EstimatorOptions asked;
     asked.terms = chosen_coefficients({}, "m/s^2", "rad/s");
-    asked = with_optional_terms(asked, imu, Vector3d::Zero(), Vector3d::Zero());
+    asked = with_optional_terms(asked, imu);
     plan.terms = asked.terms, plan.optional = asked.optional;
   }
   const Prediction predicted = predict(plan);

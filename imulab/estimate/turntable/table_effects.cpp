@@ -36,13 +36,4 @@ TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& 
   return on_motion({kernel::Effects(sizes, setting), moved_at, {}}, motion, plan, site);
 }
 
-TableEffects with_move(const TableEffects& effects, std::size_t step, const kernel::EffectSizes& sizes, const TableMotion& motion,
-                       const TablePlan& plan, const Site& site) {
-  TableEffects out = table_effects(sizes, motion, plan, site, step);
-  for (const kernel::EffectGroup& before : effects.table.groups())
-    for (std::size_t k = 0; k < out.table.groups().size(); ++k)
-      if (out.table.groups()[k].effect == before.effect && before.widened > 1) out.table.widen({k, before.widened, 0});
-  return out;
-}
-
 }  // namespace imulab::turntable

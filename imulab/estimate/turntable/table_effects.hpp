@@ -19,9 +19,6 @@ struct TableEffects {
 /// All that a unit on a table can have, with their functions at the states of a motion: of a hold at its state, of a turn integrated along it.
 TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
                            std::optional<std::size_t> moved_at = {});
-/// Those effects, widened as they are, and a move of the unit in its mount before a step.
-TableEffects with_move(const TableEffects& effects, std::size_t step, const kernel::EffectSizes& sizes, const TableMotion& motion,
-                       const TablePlan& plan, const Site& site);
 /// The same effects on another motion.
 TableEffects on_motion(TableEffects effects, const TableMotion& motion, const TablePlan& plan, const Site& site);
 

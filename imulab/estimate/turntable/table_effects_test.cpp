@@ -24,7 +24,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const kernel::EffectSizes mems_sizes{{}, "mems", 0};
+const kernel::EffectSizes mems_sizes{{}, {{"mems"}}};
 
 /// What each effect of c changes in the raw readings of a unit (a column each), sample by sample along the rig's motion: of each hold the means, of
 /// each turn the gyros' sum.
@@ -113,7 +113,7 @@ TEST(TableEffects, EstimatesAreWithinTheirUncertainty) {
   const TableRun run = run_of(zhang_steps(), rig, 4, 0);
   EstimatorOptions options;
   options.terms = linear_terms();
-  options.effects = table_effects({{}, "navigation", 0}, run.motion, run.seen.parts, table_site());
+  options.effects = table_effects({{}, {{"navigation"}}}, run.motion, run.seen.parts, table_site());
   const RawNoise noise{raw_density(table_accel_noise, run.truth.accel.matrix), raw_density(table_gyro_noise, run.truth.gyro.matrix)};
   const Estimator estimator(run.motion, run.truth, noise, options);
   const Index n = options.effects.table.size();
@@ -131,7 +131,7 @@ TEST(TableEffects, PredictionAgreesWithMonteCarlo) {
   session.imu.grade = "navigation";
   Plan plan = plan_of(session);
   const Prediction without = predict(plan);
-  plan.effects = kernel::EffectSizes{{}, "navigation", 0};
+  plan.effects = kernel::EffectSizes{{}, {{"navigation"}}};
   const Prediction closed = predict(plan);
   const MonteCarloResult sampled = monte_carlo(plan, 4000, 1);
   ASSERT_EQ(sampled.coefficients, closed.coefficients);

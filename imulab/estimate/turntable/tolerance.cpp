@@ -163,7 +163,7 @@ Tolerances tolerances_of(const Plan& plan, const std::vector<Requirement>& requi
 
 Prediction predict(const Session& procedure, const PredictionOptions& options) {
   Plan plan = plan_of(procedure, options.terms);
-  if (options.effects) plan.effects = kernel::effect_sizes(procedure, Vector3d::Zero());
+  if (options.effects) plan.effects = kernel::effect_sizes(procedure);
   if (options.classical) plan = classical(std::move(plan));
   expect_estimated(options.requirements, plan);
   const bool is_part = options.runs > 0 && options.sharing && options.sharing->part;  // of the Monte Carlo alone

@@ -7,6 +7,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/explanation.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
@@ -140,30 +141,22 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
   }
 }
 
-/// The sizes of effects: as declared, of the grade, or by the offset that the accelerometers show; none of theirs is beyond that of a MEMS sensor.
-kernel::EffectSizes sizes_of_effects(const TableProblem& problem, const Site& site, const SensorModel& model) {
-  const double offset = sensor_offset(model.accel, problem.seen.accel_unit).norm() / std::sqrt(3.0);
-  Session declared;
-  declared.imu = problem.imu, declared.site = site;
-  kernel::EffectSizes sizes = kernel::effect_sizes(declared, Vector3d::Zero());
-  sizes.accel_offset = std::min(offset, 0.03 * unit::g);
-  return sizes;
+/// What the readings show of the unit, by which its grade is told.
+kernel::SeenOfUnit seen_of(const TableProblem& problem, const SensorModel& model) {
+  const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
+  const auto density = [&](const Matrix3d& matrix, const Vector3d& raw) { return rms((matrix.cwiseAbs2() * raw.cwiseAbs2()).cwiseSqrt()); };
+  return {.accel_noise = density(model.accel.matrix, problem.seen.accel_density),
+          .gyro_noise = density(model.gyro.matrix, problem.seen.gyro_density),
+          .accel_offset = rms(sensor_offset(model.accel, problem.seen.accel_unit)),
+          .gyro_offset = rms(sensor_offset(model.gyro, problem.seen.gyro_unit))};
 }
 
 /// The effects with values and uncertainties, and what explains the contradictions that the verdict rests on.
-void add_effects(Calibration& calibration, Findings& findings, const Explained& explained, const Fit& last) {
+void add_effects(Calibration& calibration, Findings& findings, const Fit& last) {
   kernel::Effects effects = last.options.effects.table;
   effects.correct(last.estimator.effects(last.readings) - effects.value());
-  effects.add_causes(explained.causes);
-  const Index n = std::ssize(calibration.estimated), m = effects.size();
-  Eigen::MatrixXd joint(n + m, n + m);
-  joint.topLeftCorner(n, n) = calibration.covariance;
-  joint.topRightCorner(n, m) = -last.estimator.sensitivity(last.model, calibration.estimated) * last.estimator.readings_by_effects() *
-                               last.estimator.effects_sigma().cwiseAbs2().asDiagonal();
-  joint.bottomLeftCorner(m, n) = joint.topRightCorner(n, m).transpose();
-  joint.bottomRightCorner(m, m) = last.estimator.effects_covariance();
+  const Eigen::MatrixXd joint = joint_covariance(last, calibration.estimated, calibration.covariance);
   kernel::add_effects(calibration, findings, effects, joint, unlikely, calibration.estimated);
-  for (const std::string& term : explained.widened) findings.doubt(term + " is larger than is expected of this IMU");
   if (const std::optional<std::size_t> step = last.options.effects.moved_at) {
     const TableProblem& problem = *last.problem;
     const Effect& effect = *find_effect("mount.change");
@@ -179,16 +172,14 @@ void add_effects(Calibration& calibration, Findings& findings, const Explained& 
 
 /// The options of a fit with all terms that an IMU may have, under their priors.
 EstimatorOptions all_terms(const Fit& free) {
-  const TableProblem& problem = *free.problem;
-  return with_optional_terms(free.options, problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
-                             sensor_offset(free.model.gyro, problem.seen.gyro_unit));
+  return with_optional_terms(free.options, kernel::of_likeliest_grade(free.problem->imu, seen_of(*free.problem, free.model)));
 }
 
 /// The fit with all terms that an IMU may have, and what explains the readings beyond the priors. `is_right`: the steps are.
 Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, const CalibrationOptions& options, bool is_right) {
   EstimatorOptions all = options.terms.empty() ? all_terms(free) : free.options;
   all.all_optional = true;
-  Explained out{fit(*free.problem, all), {}, {}, {}, {}, false};
+  Explained out{with_inferred_sizes(fit(*free.problem, all)), {}, {}, false};
   if (is_right) out = explained(out.fit, sizes, options.outlier_level);
   all = out.fit.options;
   all.all_optional = false;
@@ -244,7 +235,9 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   asked.bias_while_turning = options.turntable.bias_while_turning;
   Fit free = fit(problem, asked);
   expect_units(problem, free.model);
-  const kernel::EffectSizes sizes = sizes_of_effects(problem, site, free.model);
+  Session declared;
+  declared.imu = imu, declared.site = site;
+  const kernel::EffectSizes sizes = kernel::effect_sizes(declared, seen_of(problem, free.model));
   if (options.effects) {
     asked.effects = table_effects(sizes, problem.motion, problem.seen.parts, site);
     free = fit(problem, asked);
@@ -274,11 +267,13 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     findings.warn(reversal);
     findings.doubt("the sign of an axis seems to be wrong");
   }
-  if (explanation) kernel::warn_of_widened(findings, explanation->widened);
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   doubt_many_dropped(findings, cleaned.fit);
   if (options.terms.empty() && site.latitude) kernel::doubt_latitude(findings, calibration_of(free), *site.latitude, site.gravity());
-  if (explanation) add_effects(calibration, findings, *explanation, last);
+  if (explanation) {
+    add_effects(calibration, findings, last);
+    kernel::doubt_improbable(findings, explanation->fit.options.effects.table, p_value(explanation->fit));
+  }
   judge_residuals(findings, cleaned.fit, last, cleaned.worst, by_size);
   kernel::add_common_doubts(findings, calibration, site);
   kernel::conclude(calibration, findings);

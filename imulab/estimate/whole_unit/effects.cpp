@@ -102,9 +102,9 @@ void PointProblem::set_place() {
   }
 }
 
-void PointProblem::add_effects(const Vector3d& accel_offset) {
+void PointProblem::add_effects(const kernel::SeenOfUnit& seen) {
   const Reached all = reached(*this);
-  kernel::EffectSizes sizes = kernel::effect_sizes(*session, accel_offset);
+  kernel::EffectSizes sizes = kernel::effect_sizes(*session, seen);
   for (const char* name : {"accel.offset_temperature", "gyro.offset_temperature"}) sizes.declared[name] = 0;  // coefficients of their own
   effects = kernel::Effects(sizes, {.accel = true,
                                     .gyro = true,

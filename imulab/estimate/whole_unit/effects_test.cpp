@@ -45,7 +45,7 @@ const EffectEstimate& effect_of(const Calibration& c, const std::string& name) {
 TEST(WholeUnitEffects, ColumnsAreTheDerivativesOfTheResiduals) {
   const WholeUnitSession s = navigation_session(1);
   PointProblem problem = problem_of(s);
-  problem.add_effects(Vector3d::Zero());
+  problem.add_effects({});
   ASSERT_GT(problem.effects.size(), 100);
   const auto& points = problem.points.all;
   for (const std::size_t at : {std::size_t{3}, std::size_t{20}, points.size() - 1}) {

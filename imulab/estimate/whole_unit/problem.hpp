@@ -79,7 +79,7 @@ struct PointProblem {
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()) + effects.size(); }
   /// Estimates the effects of the table, too; `accel_offset` [m/s^2] tells their size where no grade is declared.
-  void add_effects(const Vector3d& accel_offset);
+  void add_effects(const kernel::SeenOfUnit& seen);
   /// Takes the latitude as that on the other side of the equator.
   void mirror_latitude();
   /// The effects at the present motion of the machines.

@@ -81,7 +81,10 @@ void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) 
   if (options.effects && !options.whole_unit.stepwise) {
     PointProblem without = problem;
     fit(without, Priors::all);
-    problem.add_effects(without.model.accel.offset);
+    const Vector6d variance = without.measured_noise();
+    const auto density = [&](const Vector3d& v) { return std::sqrt(v.mean() * problem.points.interval_s); };
+    const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
+    problem.add_effects({density(variance.head<3>()), density(variance.tail<3>()), rms(without.model.accel.offset), rms(without.model.gyro.offset)});
   }
   fit(problem, Priors::all);
 }
@@ -106,11 +109,14 @@ void check_noise(kernel::Findings& findings, const PointProblem& problem) {
   check("gyros", problem.session->imu.gyro_noise_density, measured.tail<3>());
 }
 
-/// Widens priors of effects that the points contradict, and fits again.
-void widen_effects(PointProblem& problem) {
-  constexpr int most_rounds = 10;
+/// Infers the sizes of effects from the points, and fits again.
+void infer_sizes(PointProblem& problem) {
+  constexpr int most_rounds = 5;
+  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
+  if (problem.effects.size() == 0) return;
   for (int round = 0; round < most_rounds; ++round) {
-    if (problem.effects.size() == 0 || !problem.effects.widen(problem.information(), problem.parameters())) return;
+    const kernel::Parameters parameters = problem.parameters();
+    if (problem.effects.infer(parameters, kernel::solve(problem.information(), parameters, "the points")) < settled) return;
     fit_determined(problem);
   }
 }
@@ -130,24 +136,29 @@ void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
   if (!(by_more(problem, mirrored) > more_likely)) return;
   // Unless some other effect is larger than expected, which may be so on either side.
   PointProblem here = problem, there = mirrored;
-  widen_effects(here), widen_effects(there);
+  infer_sizes(here), infer_sizes(there);
   if (!(by_more(std::move(here), std::move(there)) > more_likely)) return;
   problem = std::move(mirrored);
   findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
   findings.doubt(kernel::wrong_latitude);
 }
 
-/// Drops outliers, named in the findings. An effect may explain what would be outliers without it; one that only outliers contradict keeps its prior.
+/// Drops outliers, named in the findings. An effect may explain what would be outliers without it.
 void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findings& findings) {
   const std::size_t points = problem.points.all.size();
-  const kernel::Effects expected = problem.effects;
-  widen_effects(problem);
+  infer_sizes(problem);
   const std::vector<std::string> dropped = drop_bad_points(problem, outlier_level);
   kernel::add_dropped(findings, dropped, points, "points");
-  if (dropped.empty()) return;
-  problem.effects = expected;
-  fit_determined(problem);
-  widen_effects(problem);
+  if (!dropped.empty()) {
+    fit_determined(problem);
+    infer_sizes(problem);
+  }
+  if (problem.effects.size() == 0) return;
+  const kernel::Parameters parameters = problem.parameters();
+  const kernel::Information data = problem.information();
+  kernel::doubt_improbable(
+      findings, problem.effects,
+      problem.effects.p_value(parameters, kernel::solve(data, parameters, "the points"), data.rows, 6 * dropped.size(), problem.coefficients));
 }
 
 /// Enlarges the noise until the residuals are as large as noise and declarations explain: by how much.

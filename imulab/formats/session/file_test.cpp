@@ -315,7 +315,7 @@ TEST(SessionFile, EveryEffectMayBeDeclaredAbsent) {
   EXPECT_EQ(parse_session(session_text(session), "again.toml").imu.effect_sigmas, session.imu.effect_sigmas);
   const EffectSetting all{
       .accel = true, .gyro = true, .thermometer = true, .mount = true, .moved = true, .centrifuge = true, .latitude = true, .recordings = 3};
-  EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session, Vector3d::Zero()), all).size(), 0) << "an absent effect has no column";
+  EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session), all).size(), 0) << "an absent effect has no column";
 }
 
 }  // namespace

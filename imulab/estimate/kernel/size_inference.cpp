@@ -1,0 +1,226 @@
+#include "imulab/estimate/kernel/size_inference.hpp"
+
+#include "imulab/core/decomposition.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double log_unit_spread = 1.6094379124341003;  // ln 5, one sigma of ln lambda
+constexpr double log_own_spread = std::numbers::ln2;    // one sigma of ln t and ln o
+constexpr int grid_points = 24;                         // of ln lambda, four sigmas to either side
+constexpr double negligible = 8;                        // of ln weight below the largest: three ten thousandths
+
+double log_lambda(int point) {
+  const double begin = std::log(0.0016), end = std::log(125.0);
+  return begin + (end - begin) * point / (grid_points - 1);
+}
+
+/// The most probable ln of a factor of m columns with squares q about it, and its variance: the maximum of -m u - q exp(-2u)/2 - u^2/(2 spread^2).
+struct Factor {
+  double log = 0, variance = log_own_spread * log_own_spread;
+};
+Factor most_probable(double m, double q, double start) {
+  constexpr double weight = 1 / (log_own_spread * log_own_spread);
+  double u = start;
+  for (int step = 0; step < 50; ++step) {
+    const double pull = q * std::exp(-2 * u), change = (pull - m - weight * u) / (2 * pull + weight);
+    u += std::clamp(change, -1.0, 1.0);
+    if (std::abs(change) < 1e-6) break;
+  }
+  return {u, 1 / (2 * q * std::exp(-2 * u) + weight)};
+}
+
+bool has_unit_factor(SizedGroup::Of of) { return of != SizedGroup::Of::declared && of != SizedGroup::Of::rig; }
+int triad_of(SizedGroup::Of of) { return of == SizedGroup::Of::accel ? 0 : of == SizedGroup::Of::gyro ? 1 : -1; }
+
+/// The factors of all groups and triads at one lambda.
+struct Factors {
+  std::vector<Factor> own;
+  std::array<Factor, 2> triad = {};
+
+  double log_of(std::size_t k, SizedGroup::Of of) const {
+    return own[k].log + (triad_of(of) < 0 ? 0 : triad[static_cast<std::size_t>(triad_of(of))].log);
+  }
+  double variance_of(std::size_t k, SizedGroup::Of of) const {
+    return own[k].variance + (triad_of(of) < 0 ? 0 : triad[static_cast<std::size_t>(triad_of(of))].variance);
+  }
+};
+
+/// Of c under given sizes.
+struct Conditional {
+  VectorXd value, variance;
+  double log_evidence = 0;
+};
+
+/// With S = diag(size^2): P = (L + S^-1)^-1, c = P eta, ln p(r | sizes) = -1/2 ln det(I + S^1/2 L S^1/2) + 1/2 eta.c.
+Conditional conditional(const ReducedEffects& data, const VectorXd& size) {
+  MatrixXd root = size.asDiagonal() * data.L * size.asDiagonal();
+  root.diagonal().array() += 1;
+  const Cholesky factor(root);
+  const MatrixXd inverse = factor.inverse_lower();
+  Conditional out;
+  const VectorXd whitened = inverse * size.cwiseProduct(data.eta);
+  out.value = size.cwiseProduct(inverse.transpose() * whitened);
+  out.variance = size.cwiseAbs2().cwiseProduct(inverse.colwise().squaredNorm().transpose());
+  out.log_evidence = 0.5 * whitened.squaredNorm() - factor.lower().diagonal().array().log().sum();
+  return out;
+}
+
+/// One hypothesis.
+class Sizes {
+ public:
+  Sizes(const ReducedEffects& data, const std::vector<SizedGroup>& groups, const SizeHypothesis& hypothesis)
+      : data_(data), groups_(groups), hypothesis_(hypothesis) {}
+
+  /// Not yet weighed against the others. `factors` are the start, and then those of this node: the next one's start.
+  SizeNode at(double log_factor, Factors& factors) const {
+    constexpr int most_rounds = 20;
+    constexpr double still = 0.01;
+    Conditional c = conditional(data_, sizes(log_factor, factors));
+    for (int round = 0; round < most_rounds && update(factors, c, log_factor) > still; ++round) c = conditional(data_, sizes(log_factor, factors));
+    SizeNode node;
+    node.log_factor = log_factor;
+    node.weight = c.log_evidence + hypothesis_.log_weight - 0.5 * std::pow(log_factor / log_unit_spread, 2);
+    const auto add = [&](const Factor& f) {  // Laplace: the density at the most probable value times its width
+      node.weight += 0.5 * (std::log(f.variance) - std::pow(f.log / log_own_spread, 2)) - std::log(log_own_spread);
+    };
+    for (const Factor& f : factors.triad) add(f);
+    for (std::size_t k = 0; k < groups_.size(); ++k) {
+      const bool declared = groups_[k].of == SizedGroup::Of::declared;
+      if (!declared) add(factors.own[k]);
+      node.log_own.push_back(declared ? 0 : factors.own[k].log), node.own_variance.push_back(declared ? 0 : factors.own[k].variance);
+      node.log_all.push_back(log_size(k, log_factor, factors)), node.all_variance.push_back(declared ? 0 : factors.variance_of(k, groups_[k].of));
+    }
+    return node;
+  }
+
+ private:
+  /// Logarithm of all factors in a group's size.
+  double log_size(std::size_t k, double log_factor, const Factors& factors) const {
+    const SizedGroup::Of of = groups_[k].of;
+    return (has_unit_factor(of) ? log_factor : 0) + (of == SizedGroup::Of::declared ? 0 : factors.log_of(k, of));
+  }
+
+  /// By column, the most probable sizes.
+  VectorXd sizes(double log_factor, const Factors& factors) const {
+    VectorXd out(data_.eta.size());
+    for (std::size_t k = 0; k < groups_.size(); ++k)
+      out.segment(groups_[k].first, groups_[k].size).setConstant(hypothesis_.sizes[k] * std::exp(log_size(k, log_factor, factors)));
+    return out;
+  }
+
+  /// The factors that are most probable with this answer; returns the largest change of a logarithm.
+  double update(Factors& factors, const Conditional& c, double log_factor) const {
+    double moved = 0;
+    std::array<double, 2> columns{}, squares{};
+    for (std::size_t k = 0; k < groups_.size(); ++k) {
+      const SizedGroup& g = groups_[k];
+      if (g.of == SizedGroup::Of::declared) continue;
+      const double size = hypothesis_.sizes[k] * std::exp(has_unit_factor(g.of) ? log_factor : 0);
+      const double square = (c.value.segment(g.first, g.size).squaredNorm() + c.variance.segment(g.first, g.size).sum()) / (size * size);
+      const int triad = triad_of(g.of);
+      const double of_triad = triad < 0 ? 0 : factors.triad[static_cast<std::size_t>(triad)].log;
+      const auto m = static_cast<double>(g.size);
+      const Factor own = most_probable(m, square * std::exp(-2 * of_triad), factors.own[k].log);
+      moved = std::max(moved, std::abs(own.log - factors.own[k].log));
+      factors.own[k] = own;
+      if (triad >= 0) columns[static_cast<std::size_t>(triad)] += m, squares[static_cast<std::size_t>(triad)] += square * std::exp(-2 * own.log);
+    }
+    for (std::size_t t = 0; t < 2; ++t) {
+      const Factor of_triad = most_probable(columns[t], squares[t], factors.triad[t].log);
+      moved = std::max(moved, std::abs(of_triad.log - factors.triad[t].log));
+      factors.triad[t] = of_triad;
+    }
+    return moved;
+  }
+
+  const ReducedEffects& data_;
+  const std::vector<SizedGroup>& groups_;
+  const SizeHypothesis& hypothesis_;
+};
+
+/// The nodes of a hypothesis that matter, from the middle of the grid to either side.
+std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups) {
+  std::vector<SizeNode> out;
+  double most = -HUGE_VAL;
+  const Factors start{std::vector<Factor>(groups)};
+  constexpr int middle = grid_points * 4 / 7;  // lambda of about 1
+  for (const int direction : {1, -1}) {
+    Factors factors = start;
+    for (int point = direction > 0 ? middle : middle - 1; point >= 0 && point < grid_points; point += direction) {
+      out.push_back(sizes.at(log_lambda(point), factors));
+      const double weight = out.back().weight;
+      if (weight < most - negligible) break;
+      most = std::max(most, weight);
+    }
+  }
+  return out;
+}
+
+/// Probability that a normal variable is above a limit; without a variance: whether it is.
+double above(double limit, double mean, double variance) {
+  return variance > 0 ? 0.5 * std::erfc((limit - mean) / std::sqrt(2 * variance)) : mean > limit ? 1 : 0;
+}
+
+template <class Probability>
+double mean_over(const std::vector<SizeNode>& nodes, Probability&& probability) {
+  double sum = 0;
+  for (const SizeNode& node : nodes) sum += node.weight * probability(node);
+  return sum;
+}
+
+}  // namespace
+
+double SizePosterior::exceeds(std::size_t group, double factor) const {
+  return mean_over(nodes, [&](const SizeNode& n) { return above(std::log(factor), n.log_all[group], n.all_variance[group]); });
+}
+
+double SizePosterior::stands_out(std::size_t group, double factor) const {
+  return mean_over(nodes, [&](const SizeNode& n) { return above(std::log(factor), n.log_own[group], n.own_variance[group]); });
+}
+
+double SizePosterior::factor_exceeds(double factor) const {
+  return mean_over(nodes, [&](const SizeNode& n) { return n.log_factor > std::log(factor) ? 1.0 : 0.0; });
+}
+
+double log_evidence(const ReducedEffects& data, const VectorXd& size) { return conditional(data, size).log_evidence; }
+double explained_cost(const ReducedEffects& data, const VectorXd& size) { return data.eta.dot(conditional(data, size).value); }
+
+SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGroup>& groups, const std::vector<SizeHypothesis>& hypotheses) {
+  SizePosterior out;
+  for (std::size_t h = 0; h < hypotheses.size(); ++h)
+    for (SizeNode& node : nodes_of(Sizes(data, groups, hypotheses[h]), groups.size())) {
+      node.hypothesis = h;
+      out.nodes.push_back(std::move(node));
+    }
+  double most = -HUGE_VAL, sum = 0, at_ends = 0;
+  for (const SizeNode& node : out.nodes) most = std::max(most, node.weight);
+  for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
+  out.rms.resize(groups.size()), out.weights.resize(hypotheses.size());
+  for (SizeNode& node : out.nodes) {
+    const double w = node.weight /= sum, log_factor = node.log_factor;
+    // The mean square of a size: the most probable one is too small where the data hardly show the effect.
+    for (std::size_t k = 0; k < groups.size(); ++k)
+      out.rms[k] += w * std::pow(hypotheses[node.hypothesis].sizes[k] * std::exp(node.log_all[k] + node.all_variance[k]), 2);
+    out.weights[node.hypothesis] += w;
+    out.log_factor += w * log_factor, out.sigma += w * log_factor * log_factor;
+    if (log_factor <= log_lambda(0) || log_factor >= log_lambda(grid_points - 1)) at_ends += w;
+  }
+  for (double& size : out.rms) size = std::sqrt(size);
+  out.sigma = std::sqrt(std::max(0.0, out.sigma - out.log_factor * out.log_factor));
+  constexpr double notable = 0.01;
+  out.beyond_grid = at_ends > notable;
+  return out;
+}
+
+}  // namespace imulab::kernel
