@@ -29,12 +29,16 @@ Module["preRun"] = [].concat(Module["preRun"] || [], () => {
     }
   };
   const noMemory = 48;
+  let kept; // the first: each pass over a file maps it, and a browser reads it more slowly than the pass
   WORKERFS.stream_ops.mmap = (stream, address, length, position) => {
+    const asked = JSON.stringify([stream.path, length, position]);
+    if (kept && kept.asked === asked) return { ptr: kept.place, allocated: false };
     const place = mmapAlloc(length);
     if (!place) throw new FS.ErrnoError(noMemory);
     const piece = 1 << 26; // the browser holds each once more
     for (let at = 0; at < length; at += piece) WORKERFS.stream_ops.read(stream, HEAP8, place + at, Math.min(piece, length - at), position + at);
-    return { ptr: place, allocated: true };
+    if (!kept) kept = { asked, place };
+    return { ptr: place, allocated: kept.place !== place }; // what is allocated is freed when it is unmapped
   };
   const expand = MEMFS.expandFileStorage; // files in memory are the browser's: an error of the system, which the command puts into words
   MEMFS.expandFileStorage = (node, size) => {

@@ -16,6 +16,7 @@ const made = (tag, text, more = {}) => Object.assign(document.createElement(tag)
 const state = {
   /** @type {Record<string, Content>} */ files: {},
   /** @type {Record<string, string>} */ declared: {},
+  /** @type {string[]} */ topic: [], // of files with several tables
   /** @type {Answer | null} */ inspection: null,
   inspected: "", // with which declarations
   /** @type {string | null} */ given: null, // the session that was opened
@@ -77,7 +78,7 @@ async function open(files, declared = {}) {
 
 /** What belongs to a log goes with it. */
 function forget() {
-  Object.assign(state, { files: {}, declared: {}, inspection: null, inspected: "", given: null, session: null });
+  Object.assign(state, { files: {}, declared: {}, topic: [], inspection: null, inspected: "", given: null, session: null });
   at("work-form").reset();
   for (const id of ["inspection", "work", "result"]) at(id).hidden = true;
 }
@@ -114,10 +115,19 @@ async function openExample(kind) {
 // 2. What it holds
 
 async function inspectAgain() {
-  const answer = await runs("Inspecting", (options) => inspect(state.files, { ...options, set: state.declared }));
+  const answer = await runs("Inspecting", (options) => inspect(state.files, { ...options, set: state.declared, topic: state.topic }));
+  if (!answer && !at("problem").hidden) askForTopic(at("problem").textContent);
   if (!answer) return;
   takeInspection(answer, state.declared);
   showInspection(answer);
+}
+
+/** The tables that an error names are a question. @param {string} problem */
+function askForTopic(problem) {
+  const [, names, two] = /; expected a topic of (.*?)( \(--topic, once for each of two\))?$/.exec(problem) ?? [];
+  if (!names) return;
+  const ambiguous = [`${two ? "topic, topic" : "topic"}: ${names}`];
+  showInspection({ data: { headline: "several tables", columns: [], evidence: [], ambiguous, problems: [problem], methods: [] }, page: null });
 }
 
 /** @param {Answer} answer @param {Record<string, string>} declared */
@@ -125,7 +135,7 @@ function takeInspection(answer, declared) {
   Object.assign(state, { inspection: answer, inspected: JSON.stringify(declared) });
 }
 
-/** @param {Answer} answer */
+/** @param {Pick<Answer, "data" | "page">} answer */
 function showInspection(answer) {
   const { headline, columns, evidence, ambiguous, problems, methods } = answer.data;
   at("inspection-headline").textContent = headline;
@@ -138,6 +148,8 @@ function showInspection(answer) {
   });
   at("columns").replaceChildren(head, ...rows);
   at("evidence").replaceChildren(...evidence.map((/** @type {string} */ text) => made("li", text)));
+  at("columns").hidden = columns.length === 0;
+  at("evidence").parentElement.hidden = evidence.length === 0;
   at("question-fields").replaceChildren(
     ...ambiguous.map((/** @type {string} */ text) => questionFields(text, state.declared, columns.map((/** @type {any} */ column) => column.name))));
   at("questions").hidden = ambiguous.length === 0;
@@ -204,7 +216,7 @@ async function compute() {
   const calibration = state.calibration?.content ?? "";
   at("result").hidden = true;
   const answer = await runs("Computing", async (options) => {
-    const all = { ...options, set };
+    const all = { ...options, set, topic: state.topic };
     if (state.inspected !== JSON.stringify(set)) takeInspection(await inspect(state.files, all), set);
     state.session = graded(state.inspection?.files["session.toml"], form.grade.value);
     const session = form.grade.value || Object.keys(state.files).length > 1 ? state.session : null; // files of one recording belong together there
@@ -275,7 +287,10 @@ function listen() {
     button.addEventListener("click", () => openExample(/** @type {HTMLElement} */ (button).dataset.example ?? ""));
   at("questions").addEventListener("submit", (/** @type {Event} */ event) => {
     event.preventDefault();
-    for (const { name, value } of at("question-fields").querySelectorAll("input"))
+    const fields = [...at("question-fields").querySelectorAll("input")];
+    const topics = fields.flatMap(({ name, value }) => (name === "topic" && value.trim() !== "" ? [value.trim()] : []));
+    if (topics.length > 0) state.topic = topics;
+    for (const { name, value } of fields.filter((field) => field.name !== "topic"))
       if (value.trim() !== "") state.declared[name] = value;
       else delete state.declared[name];
     inspectAgain();

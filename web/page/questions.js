@@ -14,9 +14,10 @@ function consequence(question, choice) {
   return begin < 0 ? "" : question.slice(begin + choice.length + 1).split(";")[0];
 }
 
-/** The answers that there are: units, or three columns that stand together. @param {string} key @param {string} question @param {string[]} columns @returns {string[][]} */
+/** The answers that there are: units, tables, or three columns that stand together. @param {string} key @param {string} question @param {string[]} columns @returns {string[][]} */
 function choicesOf(key, question, columns) {
   if (units[key]) return units[key].split(" ").map((unit) => [unit, consequence(question, unit)]);
+  if (key === "topic") return question.slice(question.indexOf(": ") + 2).split(", ").map((name) => [name, ""]);
   if (!key.endsWith(".columns")) return [];
   const names = columns.map((name, i) => (/^$|[,;\s]/.test(name) ? String(i + 1) : name)); // as a declaration names them
   return names.slice(2).map((_, i) => [names.slice(i, i + 3).join(","), ""]);

@@ -157,6 +157,28 @@ async function twoKeys() {
   await tab.until("/^gyro.unit: |\\ngyro.unit: /.test(document.getElementById('question-fields').innerText)");
 }
 
+/** Compressed logs; of an archive of two, one is asked for. */
+async function archives() {
+  const [head, ...rows] = fs.readFileSync(recording, "utf8").split("\n");
+  fs.mkdirSync("two");
+  fs.writeFileSync("two/first.csv", [head, ...rows].join("\n"));
+  fs.writeFileSync("two/second.csv", [head.replace(/^t,/, "time_s,"), ...rows].join("\n"));
+  execFileSync("tar", ["-czf", "two.tgz", "-C", "two", "first.csv", "second.csv"]);
+  execFileSync("xz", ["-1k", "two/first.csv"]);
+  await tab.choose("#files", [file("two/first.csv.xz")]);
+  await shown("work");
+  await tab.choose("#files", [file("two.tgz")]);
+  await tab.until("document.getElementById('question-fields').innerText.startsWith('topic: first, second')");
+  assert.match(await text("problem"), /^two\.tgz: several tables .* expected a topic of first, second$/);
+  await set("[name=topic]", "second");
+  await tab.click("#questions [type=submit]");
+  await shown("work");
+  assert.ok((await text("columns")).includes("time_s"));
+  await set("[name=latitude_deg]", "45"); // inspected anew
+  await tab.click("#work-form [type=submit]");
+  await shown("result");
+}
+
 /** A grade changes what is assumed of the noise, and is in the session that can be saved. */
 async function grade() {
   await tab.choose("#files", [recording]);
@@ -350,7 +372,7 @@ function expectOwnRequests() {
 }
 
 try {
-  const flows = [firstVisit, calibrateAFile, exportAndCompensate, anotherUnit, noiseOfTheExample, questions, twoKeys, grade, keyboard];
+  const flows = [firstVisit, calibrateAFile, exportAndCompensate, anotherUnit, noiseOfTheExample, questions, twoKeys, archives, grade, keyboard];
   const limits = [wrongFiles, withoutStorage, outOfMemory, large, cancel, speed];
   for (const step of [...flows, records, ...limits, live, serial, offline]) {
     const begin = Date.now();
