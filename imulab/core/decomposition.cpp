@@ -153,8 +153,9 @@ MatrixXd part_of(const BlockTridiagonal& blocks, const std::vector<Index>& rows)
   return MatrixXd::NullaryExpr(n, n, [&](Index a, Index b) { return element(blocks, place(a), place(b)); });
 }
 
-MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x) {
+MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x, double* log_determinant) {
   MatrixXd factor;  // of the block before
+  if (log_determinant != nullptr) *log_determinant = 0;
   Index first = 0, size = 0;
   for (const CovarianceBlock& block : blocks) {
     MatrixXd own = block.covariance;
@@ -165,6 +166,7 @@ MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x) {
       right -= coupled * x.middleRows(first, size);
     }
     factor = own.llt().matrixL();
+    if (log_determinant != nullptr) *log_determinant += 2 * factor.diagonal().array().log().sum();
     first = block.first, size = block.size;
     x.middleRows(first, size) = factor.triangularView<Eigen::Lower>().solve(right);
   }

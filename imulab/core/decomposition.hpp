@@ -121,7 +121,7 @@ Eigen::VectorXd variances(const BlockTridiagonal& covariance);
 Eigen::MatrixXd part_of(const BlockTridiagonal& covariance, const std::vector<Eigen::Index>& rows);
 
 /// L^-1 x for the covariance L L^T: of errors, uncorrelated ones of unit variance.
-Eigen::MatrixXd whitened(const BlockTridiagonal& covariance, Eigen::MatrixXd x);
+Eigen::MatrixXd whitened(const BlockTridiagonal& covariance, Eigen::MatrixXd x, double* log_determinant = nullptr);  ///< of L L^T
 
 // An estimate with the Cholesky factor of its covariance, for Kalman filters: exactly known observations after wide priors destroy a covariance
 // numerically, not its factor.

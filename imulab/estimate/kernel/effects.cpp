@@ -137,6 +137,9 @@ double Effects::infer(const Parameters& parameters, const Solution& solution, co
   for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
   for (std::size_t k = 0; k < sized_.terms.size(); ++k) *size_of(terms_, *sized_.terms[k]) = rms[groups_.size() + k];
   sized_.in_use = rms;
+  VectorXd size(sized_.data.eta.size());
+  for (std::size_t k = 0; k < rms.size(); ++k) size.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(rms[k]);
+  log_gain_ = posterior_->log_evidence - log_evidence(sized_.data, size);
   return change;
 }
 

@@ -68,6 +68,8 @@ class Effects {
   std::string grade_of_factor(double factor) const;
   /// What is far larger than expected and stands out of its IMU, and what explains the data as well.
   std::vector<std::string> contradicting() const;
+  /// What the last `infer` adds to the logarithm of the data's probability under the sizes in use, since it averages over all sizes.
+  double log_gain() const { return log_gain_; }
   /// By how much the cost of data and priors at their minimum is larger where sizes are the expected ones, or up to four times as large where the
   /// data say so, than with those in use, under which the solution is.
   double cost_of_limits(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {}) const;
@@ -103,6 +105,7 @@ class Effects {
   ImuDeclaration imu_;                      ///< for the terms
   PriorSizes terms_;                        ///< in use
   std::optional<SizePosterior> posterior_;
+  double log_gain_ = 0;
   Sized sized_;
   Eigen::VectorXd value_;
 };

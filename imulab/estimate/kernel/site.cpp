@@ -26,8 +26,8 @@ void SiteChanges::fill(EffectState& state, const Matrix3d& C_bn) const {
 }
 
 Site farther_north(Site site, double angle) {
-  constexpr double pole = std::numbers::pi / 2;
-  if (site.latitude) site.latitude = std::clamp(*site.latitude + angle, -pole, pole);
+  constexpr double most = std::numbers::pi / 2 - 1e-3;  // beside a pole, where there is a north
+  if (site.latitude) site.latitude = std::clamp(*site.latitude + angle, std::min(-most, *site.latitude), std::max(most, *site.latitude));
   return site;
 }
 

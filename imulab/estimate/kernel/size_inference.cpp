@@ -206,16 +206,26 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
   double most = -HUGE_VAL, sum = 0, at_ends = 0;
   for (const SizeNode& node : out.nodes) most = std::max(most, node.weight);
   for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
+  for (SizeNode& node : out.nodes) node.weight /= sum;
+  out.log_evidence = most + std::log(sum);
+  // A unit far worse than its class is not assumed where the data do not make it likelier than it was: that would be the mean square of a guess.
+  constexpr double far_worse = 4, was = 0.195, ratio = 2;
+  const double worse = out.factor_exceeds(far_worse);
+  const bool of_class = worse < ratio * was / (1 - was + ratio * was);
+  double kept = 0;
   out.rms.resize(groups.size()), out.weights.resize(hypotheses.size());
-  for (SizeNode& node : out.nodes) {
-    const double w = node.weight /= sum, log_factor = node.log_factor;
-    // The mean square of a size: the most probable one is too small where the data hardly show the effect.
-    for (std::size_t k = 0; k < groups.size(); ++k)
-      out.rms[k] += w * std::pow(hypotheses[node.hypothesis].sizes[k] * std::exp(node.log_all[k] + node.all_variance[k]), 2);
+  for (const SizeNode& node : out.nodes) {
+    const double w = node.weight, log_factor = node.log_factor;
     out.weights[node.hypothesis] += w;
     out.log_factor += w * log_factor, out.sigma += w * log_factor * log_factor;
     if (log_factor <= log_lambda(0) || log_factor >= log_lambda(grid_points - 1)) at_ends += w;
+    if (of_class && log_factor > std::log(far_worse)) continue;
+    kept += w;
+    // The mean square of a size: the most probable one is too small where the data hardly show the effect.
+    for (std::size_t k = 0; k < groups.size(); ++k)
+      out.rms[k] += w * std::pow(hypotheses[node.hypothesis].sizes[k] * std::exp(node.log_all[k] + node.all_variance[k]), 2);
   }
+  for (double& size : out.rms) size /= kept;
   for (double& size : out.rms) size = std::sqrt(size);
   out.sigma = std::sqrt(std::max(0.0, out.sigma - out.log_factor * out.log_factor));
   constexpr double notable = 0.01;

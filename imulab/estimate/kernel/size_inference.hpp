@@ -7,7 +7,8 @@
 //
 // A method hands over what its data say of c after everything else is eliminated, ln p(r | c) = -1/2 c.L c + eta.c. For each of a grid of lambda the
 // most probable t and o_k are found; the sizes are the roots of their mean squares over the grid, and over the grades where none is declared. With
-// priors of these sizes the answer is that of the mixture (in the linear problem of the test to a hundredth). No pass over the samples.
+// priors of these sizes the answer is that of the mixture (in the linear problem of the test to a hundredth). Of a lambda above 4 that the data do
+// not make likelier the mean square is not taken: that an IMU is of its class is assumed. No pass over the samples.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -58,6 +59,7 @@ struct SizePosterior {
   bool beyond_grid = false;          ///< an end of the grid has more than 1 % of the weight
   std::vector<double> weights;       ///< of the hypotheses; their sum is 1
   std::vector<SizeNode> nodes;
+  double log_evidence = 0;  ///< logarithm of p(r) over p(r | c = 0), averaged over the sizes; up to a constant
 
   /// Probability that a group's factors together exceed `factor`: its size is so many times the hypothesis'.
   double exceeds(std::size_t group, double factor) const;

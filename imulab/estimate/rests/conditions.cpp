@@ -65,6 +65,12 @@ std::vector<Stretch> stretches_of(const Conditions& conditions) {
 
 }  // namespace
 
+double Conditions::log_determinant() const {
+  double out = 0;
+  whitened(blocks, MatrixXd(value.size(), 0), &out);
+  return out;
+}
+
 kernel::Information Conditions::information() const {
   MatrixXd joined(value.size(), jacobian.cols() + 1);
   joined << jacobian, value;

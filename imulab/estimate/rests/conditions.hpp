@@ -27,6 +27,8 @@ struct Conditions {
   Conditions(Eigen::Index rows, Eigen::Index parameters)
       : value(Eigen::VectorXd::Zero(rows)), jacobian(Eigen::MatrixXd::Zero(rows, parameters)), kind(static_cast<std::size_t>(rows), Kind::gravity) {}
   kernel::Information information() const;
+  /// Of the covariance.
+  double log_determinant() const;
 };
 
 struct Adjustment {

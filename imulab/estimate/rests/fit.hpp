@@ -106,15 +106,14 @@ double curvature(Problem problem, const Fit& fit) {
 /// The deviation that one coefficient may have: beyond it, chi-square of all together no longer agrees with the covariance.
 inline constexpr double most_curvature = 1;
 
-/// Converges with sizes of effects and optional terms that the data infer: first under the samples' noise alone, so that what effects explain is no
-/// spread. Without effects terms have their expected sizes, unless the data contradict one; where the equations are not linear within the
-/// uncertainties that means nothing, since second-order misalignment residuals mimic terms.
+/// Infers the sizes of effects and optional terms from a fit, and fits again. Without effects terms have their expected sizes, unless the data
+/// contradict one; where the equations are not linear within the uncertainties that means nothing, since second-order misalignment residuals mimic
+/// terms.
 template <class Problem>
-Fit converge_with_sizes(Problem& problem) {
+Fit with_inferred_sizes(Problem& problem, Fit fit) {
   constexpr int most_rounds = 5;
   constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
   const bool with_effects = problem.effects().size() > 0;
-  Fit fit = with_effects ? converge(problem, Spreads{}) : converge(problem);
   for (int round = 0; round < most_rounds; ++round) {
     const kernel::Parameters parameters = problem.parameters();
     kernel::Effects sized = problem.effects();
@@ -124,6 +123,26 @@ Fit converge_with_sizes(Problem& problem) {
     fit = converge(problem);
   }
   return fit;
+}
+
+/// Logarithm of the data's probability, whatever coefficients, effects, and the effects' sizes are within their priors.
+template <class Problem>
+double log_probability(Problem& problem, const Fit& fit) {
+  const Conditions conditions = problem.conditions(fit.spreads);
+  return kernel::log_probability(conditions.information(), problem.parameters(), "the rests") - 0.5 * conditions.log_determinant() +
+         problem.effects().log_gain();
+}
+
+/// Residuals that are larger than the noise may be effects or spreads, each of which hides the other: of both starts the more probable end counts.
+template <class Problem>
+Fit converge_with_sizes(Problem& problem) {
+  Problem by_effects = problem;
+  Fit fit = with_inferred_sizes(problem, converge(problem));
+  if (problem.effects().size() == 0 || fit.spreads == Spreads{}) return fit;
+  Fit other = with_inferred_sizes(by_effects, converge(by_effects, Spreads{}));
+  if (!(log_probability(by_effects, other) > log_probability(problem, fit))) return fit;
+  problem = std::move(by_effects);
+  return other;
 }
 
 /// The predictive test. Offsets may scatter from rest to rest by four times the bias instability of the grade, turns by what a hand does.
