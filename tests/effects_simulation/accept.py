@@ -18,6 +18,7 @@ from statistics import NormalDist
 
 import numpy as np
 
+import simulate
 import study
 
 
@@ -111,6 +112,23 @@ def judged(case: Case, results: list[dict]) -> tuple[str, list[str]]:
     return line, wrong
 
 
+def priced(title: str, results: list[dict], without: list[dict]) -> tuple[str, list[str]]:
+    """Of clean sessions: what the effects cost, and what is wrong. `without`: the same sessions with the effects declared absent."""
+    kinds: dict[str, list[float]] = {}
+    for r, w in zip(results, without):
+        for name, u in r.get("u", {}).items():
+            triad, term, place = name.split(".")
+            kind = f"{triad}.{term}" + (" diagonal" if term == "matrix" and place[0] == place[-1] else "")
+            if name in w.get("u", {}):
+                kinds.setdefault(kind, []).append(u / w["u"][name])
+    doubted = sum(r["verdict"] != "good" for r in results)
+    cost = {k: float(np.median(v)) for k, v in kinds.items()}
+    known = [r for r in results if "chi2" in r]
+    line = (f"{title:<70} good {len(results) - doubted}/{len(results)}  chi2/m {np.mean([r['chi2'] for r in known]):.2f}  "
+            f"u over that without effects: most {max(cost.values()):.2g} ({max(cost, key=cost.get)}), median {np.median(list(cost.values())):.2g}")
+    return line, [f"{doubted} false alarms"] if doubted > max(1, 0.05 * len(results)) else []
+
+
 def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("command")
@@ -124,11 +142,26 @@ def main() -> int:
         seeds = {c.title(): 1 if o.quick else 5 * o.seeds // 2 if c.clean else o.seeds for c in chosen}  # a false alarm is rare
         work = [[pool.submit(study.studied, o.command, c.method, c.grade, seed, c.effects, c.special, ["--effects", "table"])
                  for seed in range(1, seeds[c.title()] + 1)] for c in chosen]
+        prices = {}
+        for method, grades in {} if o.quick else GRADES.items():
+            for grade in grades if o.method in (None, method) else ():
+                place = simulate.GRADES.index(grade)
+                others = {"right": grade, "one better": simulate.GRADES[place - 1], "one worse": simulate.GRADES[min(place + 1, 3)], "none": ""}
+                cells = {f"{method}, {grade}: clean, declared {words}": (declared, "table") for words, declared in others.items() if declared != grade or words == "right"}
+                for title, (declared, effects) in {**cells, (method, grade): (grade, "none")}.items():
+                    prices[title] = [pool.submit(study.studied, o.command, method, grade, seed, {}, {}, ["--effects", effects], declared)
+                                     for seed in range(1, o.seeds + 1)]
         for case, futures in zip(chosen, work):
             line, wrong = judged(case, [f.result() for f in futures])
             print(line + "".join(f"\n    WRONG: {w}" for w in wrong), flush=True)
             failed += bool(wrong)
-    print(f"{failed} of {len(work)} cases failed")
+        results = {title: [f.result() for f in futures] for title, futures in prices.items()}
+        for title in [t for t in results if isinstance(t, str)]:
+            method, _, grade = title.split(":")[0].partition(", ")
+            line, wrong = priced(title, results[title], results[method, grade])
+            print(line + "".join(f"\n    WRONG: {w}" for w in wrong), flush=True)
+            failed += bool(wrong)
+    print(f"{failed} of {len(work) + len([t for t in prices if isinstance(t, str)])} cases failed")
     return 1 if failed else 0
 
 

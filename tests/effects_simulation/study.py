@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -18,10 +19,16 @@ import whole_unit
 SIMULATORS = {"hybrid": hybrid, "turntable": turntable, "whole-unit": whole_unit}  # others: a unit turned by hand
 
 
-def studied(command: str, method: str, grade: str, seed: int, effects: dict[str, float], special: dict[str, float], extra: list[str]) -> dict:
+def studied(command: str, method: str, grade: str, seed: int, effects: dict[str, float], special: dict[str, float], extra: list[str],
+            declared: str | None = None) -> dict:
+    """`declared`: a grade in place of the simulated one; empty: none."""
     with tempfile.TemporaryDirectory() as folder:
         session = Path(folder)
         unit = SIMULATORS.get(method, simulate).write_session(session, seed, grade, effects, **special)
+        if declared is not None:
+            line = f'grade = "{declared}"' if declared else ""
+            file = session / "session.toml"
+            file.write_text(re.sub('(?m)^grade = ".*"$', line, file.read_text()))
         run = subprocess.run([command, "calibrate", "session.toml", "--method", method, "-o", "c.json", *extra], cwd=folder, capture_output=True, text=True)
         if not (session / "c.json").exists():
             return {"verdict": f"exit {run.returncode}: {run.stderr.strip()[:200]}"}
@@ -41,7 +48,7 @@ def studied(command: str, method: str, grade: str, seed: int, effects: dict[str,
     z = np.abs(e) / np.sqrt(np.diag(P))
     chi2 = float(e @ np.linalg.lstsq(P, e, rcond=1e-14)[0]) / len(e)
     return {"verdict": c["quality"]["verdict"], "because": c["quality"].get("because", []), "worst": float(z.max()), "name": names[int(z.argmax())],
-            "chi2": chi2, "count": len(e), "cause": c["quality"].get("cause", ""), "considered": c["quality"].get("considered", [])}
+            "chi2": chi2, "count": len(e), "covered": float(np.mean(z < 1.96)), "u": dict(zip(names, np.sqrt(np.diag(P)))), "cause": c["quality"].get("cause", ""), "considered": c["quality"].get("considered", [])}
 
 
 def main() -> None:

@@ -10,8 +10,6 @@
 #include "imulab/model/effects.hpp"
 #include "imulab/session.hpp"
 
-#include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>

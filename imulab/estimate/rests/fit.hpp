@@ -152,7 +152,10 @@ double p_value(Problem& problem, Spreads spreads) {
   const kernel::Effects& effects = problem.effects();
   if (effects.size() == 0) return 1;
   const Grade& unit = grade(effects.grade());
-  spreads[0] = std::min(spreads[0], most * unit.accel_noise.B), spreads[1] = std::min(spreads[1], most * unit.gyro_noise.B);
+  const auto limit = [](double& spread, double instability) {
+    if (instability > 0) spread = std::min(spread, most * instability);
+  };
+  limit(spreads[0], unit.accel_noise.B), limit(spreads[1], unit.gyro_noise.B);
   const Conditions conditions = problem.conditions(spreads);
   const kernel::Parameters parameters = problem.parameters();
   return effects.p_value(parameters, adjust(conditions, parameters).solution, static_cast<int>(conditions.value.size()), 0, problem.indices());
