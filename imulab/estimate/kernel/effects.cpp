@@ -29,8 +29,7 @@ SizedGroup::Of owner_of(const Effect& effect, const EffectSizes& sizes) {
 }
 
 SizedGroup::Of owner_of(const Coefficient& term, const ImuDeclaration& imu) {
-  if (is_declared(imu.term_sigmas, term)) return SizedGroup::Of::declared;
-  return term.term == Term::lever_arm ? SizedGroup::Of::rig : term.triad == Triad::accel ? SizedGroup::Of::accel : SizedGroup::Of::gyro;
+  return is_declared(imu.term_sigmas, term) ? SizedGroup::Of::declared : SizedGroup::Of::rig;  // an IMU without effects may have it all the same
 }
 
 double size_in(PriorSizes sizes, const Coefficient& c) {

@@ -22,7 +22,7 @@ namespace imulab::kernel {
 struct SizedGroup {
   enum class Of {
     declared,  ///< the size is known: no factors
-    rig,       ///< also of the site or the mount: its own factor alone
+    rig,       ///< also of the site or the mount, and of a term: its own factor alone
     unit,      ///< of both triads: its own factor and that of the IMU
     accel,     ///< also the factor of its triad
     gyro,

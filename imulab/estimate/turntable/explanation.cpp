@@ -132,30 +132,32 @@ Eigen::MatrixXd joint_covariance(const Fit& fit, const std::vector<CoefficientIn
   return joint;
 }
 
-Explained explained(const Fit& fit_with_effects, const kernel::EffectSizes& sizes, double level) {
+Explained explained(const Fit& with_expected_sizes, const kernel::EffectSizes& sizes, double level) {
   constexpr int most_rounds = 20;
-  Explained out{fit_with_effects, {}, {}, false};
+  Explained out{with_expected_sizes, {}, {}, false};
+  Fit expected = with_expected_sizes;
   for (int round = 0; round < most_rounds; ++round) {
-    const Fit& now = out.fit;
-    const TableProblem& problem = *now.problem;
-    const Candidate step = bad_step(now, level), moved = move(now, sizes), best = step.evidence > moved.evidence ? step : moved;
-    const Fit larger = enlarged(now, most_enlarged);
-    const double of_size = larger.estimator.log_likelihood(larger.readings) - now.estimator.log_likelihood(now.readings);
-    if (of_size > std::max(best.evidence, convincing)) {
-      out.by_size = true;
-      if (step.kind == Candidate::Kind::step) out.worst = now.suspects()[step.place].name;
-      break;
-    }
-    if (!(best.evidence > convincing)) break;
-    EstimatorOptions options = now.options;
+    const TableProblem& problem = *expected.problem;
+    out.fit = with_inferred_sizes(expected);
+    const double of_sizes = out.fit.estimator.log_likelihood(out.fit.readings) + out.fit.options.effects.table.log_gain() -
+                            expected.estimator.log_likelihood(expected.readings);
+    const Candidate step = bad_step(expected, level), moved = move(expected, sizes), best = step.evidence > moved.evidence ? step : moved;
+    if (best.kind == Candidate::Kind::none || best.evidence < convincing + std::max(of_sizes, 0.0)) break;
+    const Fit larger = enlarged(expected, most_enlarged);
+    if (larger.estimator.log_likelihood(larger.readings) - expected.estimator.log_likelihood(expected.readings) > best.evidence) break;
+    EstimatorOptions options = expected.options;
     if (best.kind == Candidate::Kind::step) {
-      out.dropped.push_back(now.suspects()[best.place].name);
+      out.dropped.push_back(expected.suspects()[best.place].name);
       options.left_out.push_back(best.place);
     } else {
       options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, best.place);
     }
-    out.fit = with_inferred_sizes(fit(problem, options));
+    expected = fit(problem, options);
   }
+  const Fit& now = out.fit;
+  const Fit larger = enlarged(now, most_enlarged);
+  out.by_size = larger.estimator.log_likelihood(larger.readings) - now.estimator.log_likelihood(now.readings) > convincing;
+  if (const Candidate step = bad_step(now, level); out.by_size && step.kind == Candidate::Kind::step) out.worst = now.suspects()[step.place].name;
   return out;
 }
 

@@ -179,8 +179,11 @@ EstimatorOptions all_terms(const Fit& free) {
 Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, const CalibrationOptions& options, bool is_right) {
   EstimatorOptions all = options.terms.empty() ? all_terms(free) : free.options;
   all.all_optional = true;
-  Explained out{with_inferred_sizes(fit(*free.problem, all)), {}, {}, false};
-  if (is_right) out = explained(out.fit, sizes, options.outlier_level);
+  Explained out{fit(*free.problem, all), {}, {}, false};
+  if (is_right)
+    out = explained(out.fit, sizes, options.outlier_level);
+  else
+    out.fit = with_inferred_sizes(out.fit);
   all = out.fit.options;
   all.all_optional = false;
   out.fit = fit(*free.problem, all);
