@@ -135,10 +135,13 @@ double Effects::infer(const Parameters& parameters, const Solution& solution, co
   for (std::size_t k = 0; k < rms.size(); ++k) change = std::max(change, std::abs(std::log(rms[k] / sized_.in_use[k])));
   for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
   for (std::size_t k = 0; k < sized_.terms.size(); ++k) *size_of(terms_, *sized_.terms[k]) = rms[groups_.size() + k];
+  const auto gain = [&](const std::vector<double>& sizes) {
+    VectorXd size(sized_.data.eta.size());
+    for (std::size_t k = 0; k < sizes.size(); ++k) size.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(sizes[k]);
+    return posterior_->log_evidence - log_evidence(sized_.data, size);
+  };
+  log_gain_ = gain(rms), log_gain_over_before_ = gain(sized_.in_use);
   sized_.in_use = rms;
-  VectorXd size(sized_.data.eta.size());
-  for (std::size_t k = 0; k < rms.size(); ++k) size.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(rms[k]);
-  log_gain_ = posterior_->log_evidence - log_evidence(sized_.data, size);
   return change;
 }
 

@@ -30,9 +30,10 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
              b_is_better = std::ranges::any_of(pairs, [&](const Pair&p) { return p.of_b < (1 - least) * p.of_a; });
   std::optional<SecondOpinion> worst;
   for (const Pair& p : pairs) {
-    if (!(std::abs(p.of_b - p.of_a) >= least * std::max(p.of_a, p.of_b))) continue;
+    const bool independent = a_is_better && b_is_better;
+    if (!independent && !(std::abs(p.of_b - p.of_a) >= least * std::max(p.of_a, p.of_b))) continue;
     // Each infers the sizes of effects from its own part of the data: the estimates may differ by as much as the better one is uncertain.
-    const double variance = a_is_better && b_is_better ? p.of_a + p.of_b : std::max(std::abs(p.of_b - p.of_a), std::min(p.of_a, p.of_b));
+    const double variance = independent ? p.of_a + p.of_b : std::max(std::abs(p.of_b - p.of_a), std::min(p.of_a, p.of_b));
     const double sigmas = (coefficient_value(b.model, p.index) - coefficient_value(a.model, p.index)) / std::sqrt(variance);
     if (!worst || std::abs(sigmas) > std::abs(worst->sigmas)) worst = SecondOpinion{b.method, std::string(coefficient(p.index).name), sigmas};
   }

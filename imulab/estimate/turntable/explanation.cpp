@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::turntable {
 
@@ -138,9 +139,10 @@ Explained explained(const Fit& with_expected_sizes, const kernel::EffectSizes& s
   Fit expected = with_expected_sizes;
   for (int round = 0; round < most_rounds; ++round) {
     const TableProblem& problem = *expected.problem;
-    out.fit = with_inferred_sizes(expected);
-    const double of_sizes = out.fit.estimator.log_likelihood(out.fit.readings) + out.fit.options.effects.table.log_gain() -
-                            expected.estimator.log_likelihood(expected.readings);
+    const Joint joint(expected);
+    kernel::Effects sized = expected.options.effects.table;
+    sized.infer(joint.parameters, joint.solution, joint.coefficients);
+    const double of_sizes = sized.log_gain_over_before();
     const Candidate step = bad_step(expected, level), moved = move(expected, sizes), best = step.evidence > moved.evidence ? step : moved;
     if (best.kind == Candidate::Kind::none || best.evidence < convincing + std::max(of_sizes, 0.0)) break;
     const Fit larger = enlarged(expected, most_enlarged);
@@ -154,6 +156,7 @@ Explained explained(const Fit& with_expected_sizes, const kernel::EffectSizes& s
     }
     expected = fit(problem, options);
   }
+  out.fit = with_inferred_sizes(std::move(expected));
   const Fit& now = out.fit;
   const Fit larger = enlarged(now, most_enlarged);
   out.by_size = larger.estimator.log_likelihood(larger.readings) - now.estimator.log_likelihood(now.readings) > convincing;
