@@ -11,6 +11,7 @@
 
 #include "tests/fleet_draw.hpp"
 #include "tests/temporary_folder.hpp"
+#include <array>
 #include <csignal>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -220,19 +221,28 @@ TEST(FleetStore, WhatIsKilledLeavesWholeCalibrations) {
   const TemporaryFolder folder;
   std::size_t before = 0;
   for (int k = 0; k < 10; ++k) {
+    std::array<int, 2> written{};  // a byte a calibration
+    ASSERT_EQ(pipe(written.data()), 0);
     const pid_t id = child([&] {
       FleetStore store(folder / "fleet.db", Access::write);
-      for (std::uint64_t unit = 0;; ++unit) store.add_calibration(drawn_calibration(1, unit, static_cast<std::uint64_t>(k)), monday);
+      for (std::uint64_t unit = 0;; ++unit) {
+        store.add_calibration(drawn_calibration(1, unit, static_cast<std::uint64_t>(k)), monday);
+        if (write(written[1], "+", 1) != 1) return;
+      }
     });
-    usleep(static_cast<useconds_t>(20'000 + 7'919 * k));
+    close(written[1]);
+    char byte = 0;
+    const bool has_begun = k % 2 == 1;  // the others are killed anywhere, also while they make the store
+    if (has_begun) EXPECT_EQ(read(written[0], &byte, 1), 1);
+    usleep(static_cast<useconds_t>(7'919 * k));
     kill(id, SIGKILL);
     waitpid(id, nullptr, 0);
+    close(written[0]);
     FleetStore store(folder / "fleet.db", Access::write);
     EXPECT_THAT(store.check().damaged, IsEmpty());
-    EXPECT_GE(store.records().size(), before);
+    EXPECT_GE(store.records().size(), before + (has_begun ? 1 : 0));
     before = store.records().size();
   }
-  EXPECT_GT(before, 0u);
 }
 
 TEST(FleetStore, MergesWhatIsMissing) {

@@ -3,6 +3,7 @@
 #include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/encoding.hpp"
+#include "imulab/formats/recording/table.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/inspection/names.hpp"
@@ -79,7 +80,7 @@ std::size_t TableLayout::find(const Column& column) const {
   }
   const std::string& name = std::get<std::string>(column);
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) throw Error(fmt::format("{}: column {} is not there{}", file, excerpt(name), text::expected_excerpt(name, names)));
+  if (found == names.end()) throw no_column(file, name, names);
   if (std::find(found + 1, names.end(), name) != names.end())
     throw Error(fmt::format("{}: column {} is there more than once; expected one of that name, or columns by number", file, excerpt(name)));
   return static_cast<std::size_t>(found - names.begin());

@@ -260,8 +260,12 @@ TEST(RecordingFile, AReadingMayBeASumOfColumns) {
   EXPECT_THAT(r.accel[1], ElementsAre(20, 40, 60));
   EXPECT_THAT(r.accel[2], ElementsAre(2, 5, 8));
   EXPECT_THAT(r.gyro[0], ElementsAre(1, 4, 7));
-  source.accel.columns[0] = "ux + none";
-  EXPECT_THAT([&] { parse_recording("t,gx,gy,gz,ux,uy,vx\n1,1,2,3,10,20,100\n", source); }, testing::ThrowsMessage<Error>(HasSubstr("none")));
+  for (const auto& [wrong, message] : {std::pair{"ux + none", "column none is not there"},
+                                       {"ux + ", "column \"\" is not there"},
+                                       {"ux+vx", "a sum is written A + B, with blanks, and is one of readings"}}) {
+    source.accel.columns[0] = wrong;
+    EXPECT_THAT([&] { parse_recording("t,gx,gy,gz,ux,uy,vx\n1,1,2,3,10,20,100\n", source); }, testing::ThrowsMessage<Error>(HasSubstr(message)));
+  }
 }
 
 TEST(RecordingFile, TriadsOfDifferentRatesAreJoinedByTime) {

@@ -56,6 +56,11 @@ Column column_named(const std::string& name, std::size_t index) {
   return name;
 }
 
+Error no_column(const std::string& where, const std::string& name, const std::vector<std::string>& names) {
+  const char* const sum = name.find('+') != std::string::npos ? "; a sum is written A + B, with blanks, and is one of readings" : "";
+  return Error(fmt::format("{}: column {} is not there{}{}", where, name.empty() ? "\"\"" : excerpt(name), text::expected_excerpt(name, names), sum));
+}
+
 std::size_t find_column(const TableDescription& table, const Column& column, const std::string& file) {
   const std::string where = table.name.empty() ? file : fmt::format("{}: {}", file, table.name);
   if (const int* number = std::get_if<int>(&column)) {
@@ -67,7 +72,7 @@ std::size_t find_column(const TableDescription& table, const Column& column, con
   if (found != table.columns.end()) return static_cast<std::size_t>(found - table.columns.begin());
   std::vector<std::string> names;
   for (const ColumnDescription& c : table.columns) names.push_back(c.name);
-  throw Error(fmt::format("{}: column {} is not there{}", where, excerpt(name), text::expected_excerpt(name, names)));
+  throw no_column(where, name, names);
 }
 
 }  // namespace imulab::recording_io

@@ -1,6 +1,7 @@
 // The tables of a file, and rows of a table, as a format gives them.
 #pragma once
 
+#include "imulab/error.hpp"
 #include "imulab/session.hpp"
 
 #include <cstddef>
@@ -72,6 +73,8 @@ struct TableRows {
 const TableDescription& find_table(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file);
 /// How a session names a column: by its name, or its number where it has none or one that would read as a sum.
 Column column_named(const std::string& name, std::size_t index);
+/// Of a column that is not among these names: what there is, and how a sum is written.
+Error no_column(const std::string& where, const std::string& name, const std::vector<std::string>& names);
 /// The index of a column, by name or number from 1. Throws Error that lists the columns there are.
 std::size_t find_column(const TableDescription& table, const Column& column, const std::string& file);
 
