@@ -135,15 +135,20 @@ double Effects::infer(const Parameters& parameters, const Solution& solution, co
   for (std::size_t k = 0; k < rms.size(); ++k) change = std::max(change, std::abs(std::log(rms[k] / sized_.in_use[k])));
   for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
   for (std::size_t k = 0; k < sized_.terms.size(); ++k) *size_of(terms_, *sized_.terms[k]) = rms[groups_.size() + k];
-  const auto gain = [&](const std::vector<double>& sizes) {
+  const auto by_column = [&](const std::vector<double>& sizes) {
     VectorXd size(sized_.data.eta.size());
     for (std::size_t k = 0; k < sizes.size(); ++k) size.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(sizes[k]);
-    return posterior_->log_evidence - log_evidence(sized_.data, size);
+    return size;
   };
-  log_gain_ = gain(rms), log_gain_over_before_ = gain(sized_.in_use);
+  const VectorXd before = by_column(sized_.in_use);
+  log_gain_ = posterior_->log_evidence - log_evidence(sized_.data, by_column(rms));
+  log_gain_over_before_ = posterior_->log_evidence - log_evidence(sized_.data, before);
+  cost_gain_ = explained_cost(sized_.data, by_column(posterior_->rms)) - explained_cost(sized_.data, before);
   sized_.in_use = rms;
   return change;
 }
+
+double Effects::log_gain_over_before(double cost) const { return log_gain_over_before_ - std::max(0.0, 0.5 * (cost_gain_ - cost)); }
 
 double Effects::cost_of_limits(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const {
   constexpr double most = 4;

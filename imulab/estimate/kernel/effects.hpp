@@ -68,8 +68,9 @@ class Effects {
   std::vector<std::string> contradicting() const;
   /// What the last `infer` adds to the logarithm of the data's probability under the sizes in use, since it averages over all sizes.
   double log_gain() const { return log_gain_; }
-  /// And to that under the sizes before.
-  double log_gain_over_before() const { return log_gain_over_before_; }
+  /// And to that under the sizes before. Of a cost of data and priors under these no more than all is explained: the covariance of effects far beyond
+  /// their sizes is known to some thousandths alone.
+  double log_gain_over_before(double cost) const;
   /// By how much the cost of data and priors at their minimum is larger where sizes are the expected ones, or up to four times as large where the
   /// data say so, than with those in use, under which the solution is.
   double cost_of_limits(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {}) const;
@@ -105,7 +106,7 @@ class Effects {
   ImuDeclaration imu_;                      ///< for the terms
   PriorSizes terms_;                        ///< in use
   std::optional<SizePosterior> posterior_;
-  double log_gain_ = 0, log_gain_over_before_ = 0;
+  double log_gain_ = 0, log_gain_over_before_ = 0, cost_gain_ = 0;
   Sized sized_;
   Eigen::VectorXd value_;
 };

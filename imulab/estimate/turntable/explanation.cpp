@@ -75,10 +75,6 @@ Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
   return best;
 }
 
-}  // namespace
-
-namespace {
-
 /// Coefficients and effects of a fit, about its model.
 struct Joint {
   std::vector<CoefficientIndex> coefficients;
@@ -98,6 +94,14 @@ struct Joint {
     solution.covariance = joint_covariance(fit, coefficients, found.covariance);
   }
 };
+
+/// By how much effects of any size make the data more probable than effects of the sizes in use, in the logarithm.
+double gain_of_sizes(const Fit& fit) {
+  const Joint joint(fit);
+  kernel::Effects sized = fit.options.effects.table;
+  sized.infer(joint.parameters, joint.solution, joint.coefficients);
+  return sized.log_gain_over_before(fit.chi2);
+}
 
 }  // namespace
 
@@ -139,22 +143,19 @@ Explained explained(const Fit& with_expected_sizes, const kernel::EffectSizes& s
   Fit expected = with_expected_sizes;
   for (int round = 0; round < most_rounds; ++round) {
     const TableProblem& problem = *expected.problem;
-    const Joint joint(expected);
-    kernel::Effects sized = expected.options.effects.table;
-    sized.infer(joint.parameters, joint.solution, joint.coefficients);
-    const double of_sizes = sized.log_gain_over_before();
     const Candidate step = bad_step(expected, level), moved = move(expected, sizes), best = step.evidence > moved.evidence ? step : moved;
-    if (best.kind == Candidate::Kind::none || best.evidence < convincing + std::max(of_sizes, 0.0)) break;
+    if (best.kind == Candidate::Kind::none || best.evidence < convincing) break;
+    EstimatorOptions options = expected.options;
+    if (best.kind == Candidate::Kind::step)
+      options.left_out.push_back(best.place);
+    else
+      options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, best.place);
+    Fit next = fit(problem, options);
+    if (best.evidence + gain_of_sizes(next) < convincing + gain_of_sizes(expected)) break;
     const Fit larger = enlarged(expected, most_enlarged);
     if (larger.estimator.log_likelihood(larger.readings) - expected.estimator.log_likelihood(expected.readings) > best.evidence) break;
-    EstimatorOptions options = expected.options;
-    if (best.kind == Candidate::Kind::step) {
-      out.dropped.push_back(expected.suspects()[best.place].name);
-      options.left_out.push_back(best.place);
-    } else {
-      options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, best.place);
-    }
-    expected = fit(problem, options);
+    if (best.kind == Candidate::Kind::step) out.dropped.push_back(expected.suspects()[best.place].name);
+    expected = std::move(next);
   }
   out.fit = with_inferred_sizes(std::move(expected));
   const Fit& now = out.fit;
