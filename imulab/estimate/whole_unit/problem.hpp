@@ -76,9 +76,10 @@ struct PointProblem {
   Vector6d noise;                                        ///< variance of one sample of force and rate
   std::vector<Vector6d> point_variance;  ///< by recording: of a point's means, from declared noise that is independent from point to point
   double noise_factor = 1;               ///< of the standard deviations
+  bool ideal = false;                    ///< points without errors: sizes of effects stay the expected ones
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()) + effects.size(); }
-  /// Estimates the effects of the table, too; `accel_offset` [m/s^2] tells their size where no grade is declared.
+  /// Estimates the effects of the table, too; their grade is that of what is seen if none is declared.
   void add_effects(const kernel::SeenOfUnit& seen);
   /// Takes the latitude as that on the other side of the equator.
   void mirror_latitude();

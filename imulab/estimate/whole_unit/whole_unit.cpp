@@ -113,7 +113,7 @@ void check_noise(kernel::Findings& findings, const PointProblem& problem) {
 void infer_sizes(PointProblem& problem) {
   constexpr int most_rounds = 5;
   constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
-  if (problem.effects.size() == 0) return;
+  if (problem.effects.size() == 0 || problem.ideal) return;
   for (int round = 0; round < most_rounds; ++round) {
     const kernel::Parameters parameters = problem.parameters();
     if (problem.effects.infer(parameters, kernel::solve(problem.information(), parameters, "the points")) < settled) return;
@@ -301,6 +301,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& asked) {
   const MachinePoints points = planned_points(procedure, variance);
   const Vector6d center = reading_center(points);
   PointProblem problem(points, procedure, starting_model(points, procedure, center), center);
+  problem.ideal = true;
   for (MachinePoint& point : problem.points.all) {  // with the errors of the machines that are known exactly
     const Motion motion = problem.motion(point);
     point.raw << motion.force, motion.rate;
