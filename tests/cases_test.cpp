@@ -112,8 +112,12 @@ TEST_F(Cases, LiveAndInspectionAnswerAlike) {
   const CommandResult phone = live("rounded_phone", "phone.csv");
   EXPECT_THAT(phone.output, HasSubstr("25 rests in 190 s"));
   EXPECT_THAT(run("inspect cases/rounded_phone/phone.csv").output, HasSubstr("rests: 25 found"));
-  EXPECT_EQ(live("live_answers", "live.csv").exit_code, 0);
+  // Misalignments are not yet as certain as is required by default, but the calibration is that of `calibrate`.
+  EXPECT_THAT(live("live_answers", "live.csv").output, HasSubstr("8 rests in 67 s: good; written: live_answers.json"));
   EXPECT_THAT(run("inspect cases/live_answers/live.csv").output, testing::ContainsRegex("handheld +yes +8 rests"));
+  EXPECT_EQ(run("calibrate cases/live_answers/session.toml --method handheld -o calibrated.json").exit_code, 0);
+  const auto model_of = [&](const char* file) { return nlohmann::json::parse(read_text(folder_ / file)).at("model"); };
+  EXPECT_EQ(model_of("live_answers.json"), model_of("calibrated.json"));
 }
 
 TEST_F(Cases, AHangingGyroIsNamed) {
