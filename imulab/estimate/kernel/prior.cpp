@@ -13,15 +13,19 @@ namespace {
 
 constexpr std::array<std::string_view, 4> graded{"strategic", "navigation", "tactical", "mems"};
 
-/// Sizes are within a factor of 5 of the grade's. Offsets far below those of any grade were zeroed, and tell nothing.
+/// Sizes are within a factor of 5 of the grade's. One offset of ten was taken out by the maker or the firmware, and may have any smaller size.
 double log_probability_of(const Grade& of, const SeenOfUnit& seen) {
-  const double spread = std::log(5), zeroed = 0.1;
-  const Grade& best = grade(graded.front());
-  const auto term = [&](double value, double usual, double least) {
-    return value > least ? -0.5 * std::pow(std::log(value / usual) / spread, 2) : 0;
+  const auto within = [](double value, double usual) {
+    const double spread = std::log(5);
+    return value > 0 ? std::exp(-0.5 * std::pow(std::log(value / usual) / spread, 2)) : 0;
   };
-  return term(seen.accel_noise, of.accel_noise.N, 0) + term(seen.gyro_noise, of.gyro_noise.N, 0) +
-         term(seen.accel_offset, of.accel_bias, zeroed * best.accel_bias) + term(seen.gyro_offset, of.gyro_bias, zeroed * best.gyro_bias);
+  const auto noise = [&](double value, double usual) { return value > 0 ? std::log(within(value, usual)) : 0; };
+  const auto offset = [&](double value, double usual) {
+    constexpr double taken_out = 0.1;
+    return std::log((1 - taken_out) * within(value, usual) + (value < usual ? taken_out : 0));
+  };
+  return noise(seen.accel_noise, of.accel_noise.N) + noise(seen.gyro_noise, of.gyro_noise.N) + offset(seen.accel_offset, of.accel_bias) +
+         offset(seen.gyro_offset, of.gyro_bias);
 }
 
 /// Not inlined: valgrind takes a choice between two optional values at once for a read of values never written.
