@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace imulab::kernel {
 
@@ -53,6 +54,20 @@ ReducedEffects without_priors(const VectorXd& value, const MatrixXd& covariance)
   for (Index i = 0; i < value.size(); ++i)
     if (const double p = std::clamp(P.values[i], 1e-14, 1.0); 1 / p - 1 > nothing) V[i] = 1 / p - 1, s[i] = along[i] / p;
   return {P.vectors * V.asDiagonal() * P.vectors.transpose(), P.vectors * s};
+}
+
+/// Do they say the same of columns of these sizes, to some percent of a sigma? So they do under other priors where the equations are linear.
+bool alike(const ReducedEffects& a, const ReducedEffects& b, const VectorXd& size) {
+  constexpr double close = 0.02;
+  if (a.eta.size() != b.eta.size()) return false;
+  const VectorXd sigmas = size.cwiseProduct(b.L.diagonal().cwiseSqrt());  // before the data, of what they say
+  const auto differs = [&](double difference, double scale) { return std::abs(difference) > close * (1 + scale); };
+  for (Index i = 0; i < size.size(); ++i) {
+    if (differs(size[i] * (a.eta[i] - b.eta[i]), std::abs(size[i] * b.eta[i]))) return false;
+    for (Index k = 0; k <= i; ++k)
+      if (differs(size[i] * size[k] * (a.L(i, k) - b.L(i, k)), sigmas[i] * sigmas[k])) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -120,10 +135,17 @@ Effects::Sized Effects::sized(const Parameters& parameters, const Solution& solu
   return out;
 }
 
+VectorXd Effects::by_column(const Sized& of, const std::vector<double>& sizes) {
+  VectorXd size(of.data.eta.size());
+  for (std::size_t k = 0; k < sizes.size(); ++k) size.segment(of.groups[k].first, of.groups[k].size).setConstant(sizes[k]);
+  return size;
+}
+
 double Effects::infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) {
   if (hypotheses_.empty()) return 0;
-  sized_ = sized(parameters, solution, coefficients);
+  const ReducedEffects before_this = std::exchange(sized_, sized(parameters, solution, coefficients)).data;
   if (sized_.groups.empty()) return 0;
+  if (posterior_ && alike(before_this, sized_.data, by_column(sized_, sized_.in_use))) return 0;
   posterior_ = infer_sizes(sized_.data, sized_.groups, sized_.hypotheses);
   const std::vector<double>& weights = posterior_->weights;
   best_ = static_cast<std::size_t>(std::ranges::max_element(weights) - weights.begin());
@@ -135,15 +157,10 @@ double Effects::infer(const Parameters& parameters, const Solution& solution, co
   for (std::size_t k = 0; k < rms.size(); ++k) change = std::max(change, std::abs(std::log(rms[k] / sized_.in_use[k])));
   for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
   for (std::size_t k = 0; k < sized_.terms.size(); ++k) *size_of(terms_, *sized_.terms[k]) = rms[groups_.size() + k];
-  const auto by_column = [&](const std::vector<double>& sizes) {
-    VectorXd size(sized_.data.eta.size());
-    for (std::size_t k = 0; k < sizes.size(); ++k) size.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(sizes[k]);
-    return size;
-  };
-  const VectorXd before = by_column(sized_.in_use);
-  log_gain_ = posterior_->log_evidence - log_evidence(sized_.data, by_column(rms));
+  const VectorXd before = by_column(sized_, sized_.in_use);
+  log_gain_ = posterior_->log_evidence - log_evidence(sized_.data, by_column(sized_, rms));
   log_gain_over_before_ = posterior_->log_evidence - log_evidence(sized_.data, before);
-  cost_gain_ = explained_cost(sized_.data, by_column(posterior_->rms)) - explained_cost(sized_.data, before);
+  cost_gain_ = explained_cost(sized_.data, by_column(sized_, posterior_->rms)) - explained_cost(sized_.data, before);
   sized_.in_use = rms;
   return change;
 }
@@ -155,13 +172,9 @@ double Effects::cost_of_limits(const Parameters& parameters, const Solution& sol
   if (hypotheses_.empty()) return 0;
   const Sized now = sized(parameters, solution, coefficients);
   if (now.groups.empty()) return 0;
-  const std::vector<double>& expected = now.hypotheses.at(best_).sizes;
-  VectorXd in_use(now.data.eta.size()), limited = in_use;
-  for (std::size_t k = 0; k < now.groups.size(); ++k) {
-    in_use.segment(now.groups[k].first, now.groups[k].size).setConstant(now.in_use[k]);
-    limited.segment(now.groups[k].first, now.groups[k].size).setConstant(std::min(now.in_use[k], most * expected[k]));
-  }
-  return explained_cost(now.data, in_use) - explained_cost(now.data, limited);
+  std::vector<double> limited = now.hypotheses.at(best_).sizes;
+  for (std::size_t k = 0; k < limited.size(); ++k) limited[k] = std::min(now.in_use[k], most * limited[k]);
+  return explained_cost(now.data, by_column(now, now.in_use)) - explained_cost(now.data, by_column(now, limited));
 }
 
 double Effects::p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
@@ -197,10 +210,9 @@ std::vector<std::string> Effects::contradicting() const {
   const double told_apart = std::log(3);
   if (!posterior_) return {};
   const auto sizes = [&](std::size_t wider, double factor) {
-    VectorXd out(sized_.data.eta.size());
-    for (std::size_t k = 0; k < sized_.groups.size(); ++k)
-      out.segment(sized_.groups[k].first, sized_.groups[k].size).setConstant(sized_.hypotheses[best_].sizes[k] * (k == wider ? factor : 1));
-    return out;
+    std::vector<double> of_groups = sized_.hypotheses[best_].sizes;
+    of_groups[wider] *= factor;
+    return by_column(sized_, of_groups);
   };
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < sized_.groups.size(); ++k)

@@ -97,6 +97,7 @@ class Effects {
     std::vector<const Coefficient*> terms = {};  ///< one of each, after the effects
     ReducedEffects data = {};
   };
+  static Eigen::VectorXd by_column(const Sized& of, const std::vector<double>& sizes);
   Sized sized(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const;
 
   std::vector<EffectGroup> groups_;

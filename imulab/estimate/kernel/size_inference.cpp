@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <numeric>
 
 namespace imulab::kernel {
 
@@ -62,16 +64,22 @@ struct Conditional {
   double log_evidence = 0;
 };
 
-/// With S = diag(size^2): P = (L + S^-1)^-1, c = P eta, ln p(r | sizes) = -1/2 ln det(I + S^1/2 L S^1/2) + 1/2 eta.c.
+/// With S = diag(size^2): P = (L + S^-1)^-1, c = P eta, ln p(r | sizes) = -1/2 ln det(I + S^1/2 L S^1/2) + 1/2 eta.c. Of columns that the data do not
+/// see at this size, P = S: it is a matter of a ten thousandth.
 Conditional conditional(const ReducedEffects& data, const VectorXd& size) {
-  MatrixXd root = size.asDiagonal() * data.L * size.asDiagonal();
+  constexpr double unseen = 1e-4;
+  Conditional out{size.cwiseAbs2().cwiseProduct(data.eta), size.cwiseAbs2()};
+  std::vector<Index> seen;
+  for (Index k = 0; k < size.size(); ++k)
+    if (out.variance[k] * std::max(data.L(k, k), data.eta[k] * data.eta[k]) > unseen) seen.push_back(k);
+  const VectorXd s = size(seen);
+  MatrixXd root = s.asDiagonal() * data.L(seen, seen) * s.asDiagonal();
   root.diagonal().array() += 1;
   const Cholesky factor(root);
   const MatrixXd inverse = factor.inverse_lower();
-  Conditional out;
-  const VectorXd whitened = inverse * size.cwiseProduct(data.eta);
-  out.value = size.cwiseProduct(inverse.transpose() * whitened);
-  out.variance = size.cwiseAbs2().cwiseProduct(inverse.colwise().squaredNorm().transpose());
+  const VectorXd whitened = inverse * s.cwiseProduct(data.eta(seen));
+  out.value(seen) = s.cwiseProduct(inverse.transpose() * whitened);
+  out.variance(seen) = s.cwiseAbs2().cwiseProduct(inverse.colwise().squaredNorm().transpose());
   out.log_evidence = 0.5 * whitened.squaredNorm() - factor.lower().diagonal().array().log().sum();
   return out;
 }
@@ -149,16 +157,28 @@ class Sizes {
   const SizeHypothesis& hypothesis_;
 };
 
+/// Factors of the next lambda as the last two continue: most of them follow lambda at a constant rate.
+Factors continued(const Factors& last, const Factors& before) {
+  Factors out = last;
+  for (std::size_t k = 0; k < out.own.size(); ++k) out.own[k].log += last.own[k].log - before.own[k].log;
+  for (std::size_t t = 0; t < out.triad.size(); ++t) out.triad[t].log += last.triad[t].log - before.triad[t].log;
+  return out;
+}
+
 /// The nodes of a hypothesis that matter, from the middle of the grid to either side.
 std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups) {
   std::vector<SizeNode> out;
   double most = -HUGE_VAL;
-  const Factors start{std::vector<Factor>(groups)};
+  Factors middle_factors{std::vector<Factor>(groups)};
   constexpr int middle = grid_points * 4 / 7;  // lambda of about 1
   for (const int direction : {1, -1}) {
-    Factors factors = start;
+    Factors factors = middle_factors, before = factors;
     for (int point = direction > 0 ? middle : middle - 1; point >= 0 && point < grid_points; point += direction) {
+      const Factors last = factors;
+      factors = point == middle || point == middle + 1 || point == middle - 1 ? last : continued(last, before);
+      before = last;
       out.push_back(sizes.at(log_lambda(point), factors));
+      if (point == middle) middle_factors = factors;
       const double weight = out.back().weight;
       if (weight < most - negligible) break;
       most = std::max(most, weight);
@@ -198,11 +218,18 @@ double explained_cost(const ReducedEffects& data, const VectorXd& size) { return
 
 SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGroup>& groups, const std::vector<SizeHypothesis>& hypotheses) {
   SizePosterior out;
-  for (std::size_t h = 0; h < hypotheses.size(); ++h)
+  std::vector<std::size_t> likeliest_first(hypotheses.size());
+  std::iota(likeliest_first.begin(), likeliest_first.end(), std::size_t{0});
+  std::ranges::sort(likeliest_first, std::greater<>(), [&](std::size_t h) { return hypotheses[h].log_weight; });
+  for (const std::size_t h : likeliest_first) {
+    // The factors let any hypothesis have the sizes of any other, at a price.
+    constexpr double hopeless = 20;
+    if (hypotheses[h].log_weight < hypotheses[likeliest_first.front()].log_weight - hopeless) break;
     for (SizeNode& node : nodes_of(Sizes(data, groups, hypotheses[h]), groups.size())) {
       node.hypothesis = h;
       out.nodes.push_back(std::move(node));
     }
+  }
   double most = -HUGE_VAL, sum = 0, at_ends = 0;
   for (const SizeNode& node : out.nodes) most = std::max(most, node.weight);
   for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
