@@ -179,8 +179,8 @@ struct SourceFile {
   bool operator==(const SourceFile&) const = default;
 };
 
-/// The offsets of the turn-ons that were recorded, or their mean, about those of the unit: one sigma, SI, as it is declared. The covariance does not
-/// contain it; a comparison of calibrations does.
+/// The offsets of the turn-ons that were recorded, or their mean, about those of the unit: one sigma, SI, as it is declared, or as several recordings
+/// show it. The covariance does not contain it; a comparison of calibrations does.
 struct TurnOn {
   double accel = 0, gyro = 0;
   bool operator==(const TurnOn&) const = default;
@@ -211,6 +211,8 @@ struct Calibration {
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Quality quality;
   std::optional<TurnOn> turn_on = {};        ///< absent: not declared, or in the covariance
+  /// Standard uncertainties of the offsets at the next switch-on, by the name of the coefficient, SI: empty where the recordings are of one alone.
+  std::map<std::string, double> next_switch_on = {};
   std::optional<RestNoise> rest_noise = {};  ///< absent: not known, or the recordings have no rests
 };
 

@@ -58,6 +58,11 @@ std::string time_base_text(const Calibration& c) {
                "contain its U.";
 }
 
+std::string next_power_on_text(const Calibration& c) {
+  const std::string next = next_switch_on_text(c);
+  return next.empty() ? next : " At the next power-on the standard uncertainties are " + escaped(readable_unit(next)) + ", as the recordings differ.";
+}
+
 /// Offsets and matrix of a triad; elements that the choice of axes makes zero are no results.
 std::string triad_results(const Calibration& c, Triad triad) {
   std::string rows;
@@ -100,7 +105,7 @@ std::string results_part(const Certificate& certificate) {
          "the "
          "effective degrees of freedom corresponds to a coverage probability of 95.45 % (JCGM 100). It holds at the time and under the conditions of "
          "the calibration and contains no drift, no change from one power-on to the next, and nothing outside these conditions." +
-         time_base_text(c) + " 1 g = 9.80665 m/s².</p>\n";
+         time_base_text(c) + next_power_on_text(c) + " 1 g = 9.80665 m/s².</p>\n";
 }
 
 std::string conformity_part(const Calibration& c) {

@@ -134,6 +134,19 @@ std::string fit_text(const Calibration& calibration) {
 
 }  // namespace
 
+std::string next_switch_on_text(const Calibration& calibration) {
+  std::string worst;
+  for (const char* triad : {"accel.offset", "gyro.offset"}) {
+    const std::string text = worst_text(triad, [&](CoefficientIndex index) {
+      const auto next = calibration.next_switch_on.find(std::string(coefficient(index).name));
+      const double u = standard_uncertainty(calibration, index).value_or(NAN);
+      return next == calibration.next_switch_on.end() ? NAN : std::hypot(judged_uncertainty(calibration, index), std::sqrt(next->second * next->second - u * u));
+    });
+    if (!text.empty()) worst += (worst.empty() ? "" : ", ") + std::string(triad) + " " + text;
+  }
+  return worst;
+}
+
 std::size_t clearest_axis(const EffectEstimate& effect) {
   std::size_t best = 0;
   for (std::size_t k = 1; k < effect.values.size(); ++k)
@@ -183,7 +196,9 @@ std::string calibration_document(const Calibration& calibration) {
 
 std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", conclusion_text(conclusion_of(calibration))) + "\n";
-  text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); }) + fit_text(calibration) +
+  text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); });
+  if (const std::string next = next_switch_on_text(calibration); !next.empty()) text += wrapped("  next switch-on  ", next + ", as the recordings differ");
+  text += fit_text(calibration) +
           requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
                                          excerpt(calibration.method), calibration.frame));

@@ -22,6 +22,9 @@ std::string calibration_document(const Calibration& calibration);
 /// with the digits that its standard uncertainty supports.
 std::string calibration_summary(const Calibration& calibration);
 
+/// Standard uncertainties of the offsets at the next switch-on, "accel.offset 210 ug, gyro.offset 1.1 deg/h"; empty where they are not known.
+std::string next_switch_on_text(const Calibration& calibration);
+
 /// All the rest: every estimated coefficient in SI and in user units, what was used, and the tests of optional terms. With the model before the
 /// estimate, `coarse`: also its value and the correction.
 std::string calibration_details(const Calibration& calibration, const SensorModel* coarse = nullptr);

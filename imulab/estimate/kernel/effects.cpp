@@ -362,6 +362,24 @@ void judge_unit_size(Quality& quality, Findings& findings, const Effects& effect
 
 }  // namespace
 
+namespace {
+
+/// The offsets of n recorded switch-ons that differ by one sigma s are those of the IMU, or of its next switch-on, to s / sqrt(n) or s sqrt(1 + 1/n).
+void state_turn_on(Calibration& calibration, const Effects& effects) {
+  for (const EffectGroup& g : effects.groups()) {
+    const bool accel = g.effect->name == "accel.turn_on";
+    if (!accel && g.effect->name != "gyro.turn_on") continue;
+    const double n = 1 + static_cast<double>(g.size) / 3;
+    if (!calibration.turn_on) calibration.turn_on.emplace();
+    (accel ? calibration.turn_on->accel : calibration.turn_on->gyro) = g.sigma / std::sqrt(n);
+    for (const CoefficientIndex index : calibration.estimated)
+      if (const Coefficient& c = coefficient(index); c.term == Term::offset && c.triad == (accel ? Triad::accel : Triad::gyro))
+        calibration.next_switch_on[std::string(c.name)] = std::hypot(*standard_uncertainty(calibration, index), g.sigma * std::sqrt(1 + 1 / n));
+  }
+}
+
+}  // namespace
+
 void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance, double level,
                  const std::vector<CoefficientIndex>& coefficients) {
   const std::vector<EffectTest> tests = test_effects(effects, covariance);
@@ -372,6 +390,7 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
     quality.effects.push_back(std::move(out));
     if (t.rank == 0) quality.considered.emplace_back(t.effect->name);
   }
+  state_turn_on(calibration, effects);
   name_assumed(calibration, findings, effects, covariance, coefficients);
   if (effects.posterior()) judge_unit_size(quality, findings, effects);
   doubt_causes(quality, findings, effects.contradicting());

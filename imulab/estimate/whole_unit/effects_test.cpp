@@ -104,6 +104,10 @@ TEST(WholeUnitEffects, AnotherZeroInOneRecordingIsATurnOn) {
     for (double& x : s.recordings[2].accel[axis]) x += shift[static_cast<Index>(axis)];
   const Calibration named = calibrate(s.input(), with_effects()).calibration;
   EXPECT_TRUE(effect_of(named, "accel.turn_on").significant);
+  const double next = named.next_switch_on.at("accel.offset.x") / unit::ug;
+  EXPECT_GT(next, 80) << "the shifts of one recording of three have an RMS of 115 ug";
+  EXPECT_LT(next, 400);
+  EXPECT_NEAR(named.turn_on->accel, 200 * unit::ug / 3, 100 * unit::ug / 3);
   SensorModel mean = s.truth.model;  // of the three recordings
   mean.accel.offset -= shift / 3;
   const VectorXd errors = errors_of(named, mean);

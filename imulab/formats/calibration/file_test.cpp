@@ -67,6 +67,7 @@ Calibration any_calibration() {
   c.references = {{"rotation", "table 7", "T 12", "2026-03-31", "U = 2 arcsec"}, {"time", "counter", "C 1", "", ""}};
   c.sources = {{"recording.csv", std::string(64, 'a'), 123456789012, -0.5, 511.7, std::array{20.5, 31.0}, std::nullopt}};
   c.options = {{"terms", "auto"}};
+  c.turn_on = {.accel = 1e-4, .gyro = 2e-6}, c.next_switch_on = {{"accel.offset.x", 3e-4}, {"gyro.offset.z", 1.0 / 3}};
   return c;
 }
 
@@ -86,6 +87,8 @@ void expect_equal(const Calibration& a, const Calibration& b) {
   EXPECT_EQ(std::tie(a.filter, a.station, a.measured, a.valid_until), std::tie(b.filter, b.station, b.measured, b.valid_until));
   EXPECT_EQ(std::tie(a.firmware, a.warm_up, a.power_cycles, a.references), std::tie(b.firmware, b.warm_up, b.power_cycles, b.references));
   EXPECT_TRUE(a.sources == b.sources);
+  EXPECT_EQ(a.turn_on, b.turn_on);
+  EXPECT_EQ(a.next_switch_on, b.next_switch_on);
 }
 
 TEST(CalibrationFile, ReadsBackBitForBit) {
