@@ -197,7 +197,7 @@ std::string calibration_document(const Calibration& calibration) {
 std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", conclusion_text(conclusion_of(calibration))) + "\n";
   text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); });
-  if (const std::string next = next_switch_on_text(calibration); !next.empty()) text += wrapped("  next switch-on  ", next + ", as the recordings differ");
+  if (const std::string next = next_switch_on_text(calibration); !next.empty()) text += wrapped("  next switch-on  ", next);
   text += fit_text(calibration) +
           requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
