@@ -294,8 +294,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   if (options.second_opinion && options.effects && !method.second.empty()) add_second_opinion(result.calibration, method, used, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
   kernel::state_clock(result.calibration, used.session, gains);
-  if (!method.takes_aids && !result.calibration.turn_on)
-    result.calibration.turn_on = kernel::declared_turn_on(input.session.imu, recordings.size());
+  if (!method.takes_aids && !result.calibration.turn_on) result.calibration.turn_on = kernel::declared_turn_on(input.session.imu, recordings.size());
   if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
   for (const Recording& recording : recordings)

@@ -108,7 +108,8 @@ std::string warnings_section(const Quality& q) { return q.warnings.empty() ? "" 
 
 std::string next_switch_on_note(const Calibration& c) {
   const std::string next = next_switch_on_text(c);
-  return next.empty() ? next : paragraph("Offsets at the next switch-on, standard uncertainty: " + readable_unit(next) + ", as the recordings differ.");
+  return next.empty() ? next
+                      : paragraph("Offsets at the next switch-on, standard uncertainty: " + readable_unit(next) + ", as the recordings differ.");
 }
 
 std::string missing_section(const std::vector<std::string>& missing) {
@@ -127,11 +128,11 @@ std::string calibration_page(const CalibrationReport& r) {
   page.subtitle = subtitle_of(c);
   page.verdict = verdict_of(r);
   page.figures = key_figures([&](CoefficientIndex index) { return judged_uncertainty(c, index); });
-  page.body = worst_axis_note(page.figures) + next_switch_on_note(c) + before_and_after(r) + requirements_section(c.quality) + warnings_section(c.quality) +
-              missing_section(r.missing) + coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) +
-              uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) +
-              tests_section(c) + effects_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) +
-              origin_section(r);
+  page.body = worst_axis_note(page.figures) + next_switch_on_note(c) + before_and_after(r) + requirements_section(c.quality) +
+              warnings_section(c.quality) + missing_section(r.missing) + coefficients_section(c) + recordings_section(r) + residuals_section(c) +
+              coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) +
+              nonlinearity_section(r) + tests_section(c) + effects_section(c) + identification_section(r) + not_covered_section(r) +
+              traceability_section(r) + origin_section(r);
   return page_text(page);
 }
 

@@ -140,7 +140,9 @@ std::string next_switch_on_text(const Calibration& calibration) {
     const std::string text = worst_text(triad, [&](CoefficientIndex index) {
       const auto next = calibration.next_switch_on.find(std::string(coefficient(index).name));
       const double u = standard_uncertainty(calibration, index).value_or(NAN);
-      return next == calibration.next_switch_on.end() ? NAN : std::hypot(judged_uncertainty(calibration, index), std::sqrt(next->second * next->second - u * u));
+      return next == calibration.next_switch_on.end()
+                 ? NAN
+                 : std::hypot(judged_uncertainty(calibration, index), std::sqrt(next->second * next->second - u * u));
     });
     if (!text.empty()) worst += (worst.empty() ? "" : ", ") + std::string(triad) + " " + text;
   }
@@ -198,8 +200,7 @@ std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", conclusion_text(conclusion_of(calibration))) + "\n";
   text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); });
   if (const std::string next = next_switch_on_text(calibration); !next.empty()) text += wrapped("  next switch-on  ", next);
-  text += fit_text(calibration) +
-          requirements_text(calibration);
+  text += fit_text(calibration) + requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
                                          excerpt(calibration.method), calibration.frame));
   if (calibration.clock) text += wrapped("", "seconds of the gyros: " + clock_text(calibration.clock));

@@ -29,7 +29,8 @@ using Eigen::Index;
 /// the terms are as large as the prior says. All terms of a session have the same one; by the golden ratio it is spread evenly over any seeds in a
 /// row, as drawn ones would scatter the mean square of all errors more than chi-square does.
 void add_optional_terms(SensorModel& model, const ImuDeclaration& imu, std::uint64_t seed, const RandomStream& random) {
-  const kernel::PriorSizes sizes = kernel::optional_priors(kernel::of_likeliest_grade(imu, {.accel_offset = model.accel.offset.norm() / std::sqrt(3.0)}));
+  const kernel::PriorSizes sizes =
+      kernel::optional_priors(kernel::of_likeliest_grade(imu, {.accel_offset = model.accel.offset.norm() / std::sqrt(3.0)}));
   const double turns = std::numbers::phi * static_cast<double>(seed), factor = 0.366 * std::pow(5.0, turns - std::floor(turns));
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);

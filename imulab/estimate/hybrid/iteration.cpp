@@ -20,17 +20,14 @@
 // begins with a tilt of 3e-4 rad, whose square is 1e-7; the third pass moves nothing by a hundredth of its sigma. Three or four passes are usual.
 //
 // The difficulties:
-// - Each pass has the same prior about the coarse solution: `total` keeps what was corrected since. The posterior of a pass as the prior of the next
-// would
-//   count the data twice (83 % instead of 95 % coverage).
+// - Each pass has the same prior about the coarse solution: `total` keeps what was corrected since. The posterior of a pass as the prior of the
+//   next would count the data twice (83 % instead of 95 % coverage).
 // - Some states have no place in the model (Linearity in states.hpp): each pass estimates them anew, and no step moves them.
 // - The heading at the start may be anything, where one rest hardly shows the Earth's rate, and an equal g-sensitivity of all axes turns it further.
-// The
-//   error equations hold for small angles: find_heading reads angle and rate from all rests together.
+//   The error equations hold for small angles: find_heading reads angle and rate from all rests together.
 // - Barely determined directions converge slowly along one line, or oscillate about it: extrapolation shortens the series.
 // - The sizes of effects and terms are not known, and a bump is no error of the model: infer_sizes and outlying_blocks change priors and data, and
-// the
-//   passes go on (kernel::refine).
+//   the passes go on (kernel::refine).
 #include "imulab/estimate/hybrid/iteration.hpp"
 
 #include "imulab/core/rotation.hpp"

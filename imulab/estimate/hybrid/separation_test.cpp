@@ -163,7 +163,8 @@ TEST(Separation, ColumnsAreTheDerivativesOfTheNavigation) {
 TEST(Separation, EffectsThatAreAsGoodAsNoneChangeNothing) {
   HybridSession s = hybrid_session(3);
   for (const Effect& effect : effects()) s.session.imu.effect_sigmas[std::string(effect.name)] = 1e-9 * effect.prior[0] * effect.unit;
-  s.session.imu.term_sigmas = {.accel_quadratic = 1e-6, .accel_cubic = 1e-7, .gyro_quadratic = 1e-6, .gyro_cubic = 1e-6, .g_sensitivity = 1e-9, .lever_arm = 0.05};
+  s.session.imu.term_sigmas = {
+      .accel_quadratic = 1e-6, .accel_cubic = 1e-7, .gyro_quadratic = 1e-6, .gyro_cubic = 1e-6, .g_sensitivity = 1e-9, .lever_arm = 0.05};
   const CalibrationResult none = calibrated(s, {.effects = false}), table = calibrated(s, {.effects = true});
   ASSERT_EQ(none.calibration.estimated, table.calibration.estimated);
   EXPECT_TRUE(none.calibration.quality.effects.empty());
