@@ -152,7 +152,17 @@ double Effects::infer(const Parameters& parameters, const Solution& solution, co
   // What is far beyond that is no effect; and the equations hold for small ones.
   constexpr double most = 100;
   std::vector<double> rms = posterior_->rms;
-  for (std::size_t k = 0; k < rms.size(); ++k) rms[k] = std::min(rms[k], most * sized_.hypotheses[best_].sizes[k]);
+  for (std::size_t k = 0; k < rms.size(); ++k) {
+    const SizedGroup& g = sized_.groups[k];
+    const double expected = sized_.hypotheses[best_].sizes[k];
+    rms[k] = std::min(rms[k], most * expected);
+    if (g.of == SizedGroup::Of::declared) continue;
+    // That an IMU is better than its class says little of an effect that the data would not show: no size is below half of what is expected of it, or
+    // of what the data resolve.
+    constexpr double least = 0.5;
+    const double information = sized_.data.L.diagonal().segment(g.first, g.size).mean();
+    rms[k] = std::max(rms[k], least / std::sqrt(information + 1 / (expected * expected)));
+  }
   double change = 0;
   for (std::size_t k = 0; k < rms.size(); ++k) change = std::max(change, std::abs(std::log(rms[k] / sized_.in_use[k])));
   for (std::size_t k = 0; k < groups_.size(); ++k) groups_[k].sigma = rms[k];
