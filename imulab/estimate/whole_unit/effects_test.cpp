@@ -96,6 +96,13 @@ TEST(WholeUnitEffects, WithoutThemNothingIsAdded) {
   EXPECT_FALSE(c.quality.cause);
 }
 
+/// A chamber with one mount does not show it, however good all that it shows is.
+TEST(WholeUnitEffects, WhatThePointsDoNotShowKeepsHalfOfItsSize) {
+  const Calibration c = calibrate(navigation_session(3).input(), with_effects()).calibration;
+  const Effect& hidden = *find_effect("accel.scale_temperature");
+  for (const double sigma : effect_of(c, std::string(hidden.name)).sigma) EXPECT_GT(sigma, 0.45 * hidden.prior[1]);
+}
+
 /// A turn-on of 200 ug between recordings is found, declared or not: eight times what is expected of the grade.
 TEST(WholeUnitEffects, AnotherZeroInOneRecordingIsATurnOn) {
   WholeUnitSession s = navigation_session(3);
