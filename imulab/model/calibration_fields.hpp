@@ -167,7 +167,9 @@ void describe(Fields& f, Calibration& c) {
   f("quality", c.quality, fields::optional);
   f("turn_on", c.turn_on, fields::if_any);
   f("standard_uncertainty_next_switch_on", c.next_switch_on, fields::if_any);
-  for (const auto& [name, u] : c.next_switch_on) fields::expect(f, u >= 0, "standard_uncertainty_next_switch_on", "uncertainties from 0 on");
+  for (const auto& [name, u] : c.next_switch_on)
+    fields::expect(f, u >= 0 && contains(select_each({"accel.offset", "gyro.offset"}), coefficient_index(name)),
+                   "standard_uncertainty_next_switch_on", "uncertainties of offsets, from 0 on");
   f("rest_noise", c.rest_noise, fields::if_any);
   const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
   if (Fields::reads || c.recorded_accel || c.recorded_gyro) f.table("recorded", recorded, fields::optional);

@@ -41,6 +41,8 @@ std::string_view Effect::simulated() const {
   return keys.at(name);
 }
 
+std::span<const std::string_view> graded_names() { return graded; }
+
 const Effect* find_effect(std::string_view name) {
   const auto at = std::ranges::find(effects(), name, &Effect::name);
   return at == effects().end() ? nullptr : &*at;

@@ -107,6 +107,8 @@ const Effect* find_effect(std::string_view name);
 /// Declared sizes by the name of the effect, one sigma in SI.
 using EffectSigmas = std::map<std::string, double, std::less<>>;
 
+/// The grades for which the sizes of effects and terms are stated, the best first.
+std::span<const std::string_view> graded_names();
 /// One sigma of an effect, SI: as declared, or of a grade.
 double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade);
 

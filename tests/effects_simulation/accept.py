@@ -142,26 +142,28 @@ def main() -> int:
         seeds = {c.title(): 1 if o.quick else 5 * o.seeds // 2 if c.clean else o.seeds for c in chosen}  # a false alarm is rare
         work = [[pool.submit(study.studied, o.command, c.method, c.grade, seed, c.effects, c.special, ["--effects", "table"])
                  for seed in range(1, seeds[c.title()] + 1)] for c in chosen]
-        prices = {}
+        prices = []  # title, with effects, without
         for method, grades in {} if o.quick else GRADES.items():
             for grade in grades if o.method in (None, method) else ():
+                def clean(declared: str, effects: str) -> list:
+                    return [pool.submit(study.studied, o.command, method, grade, seed, {}, {}, ["--effects", effects], declared)
+                            for seed in range(1, o.seeds + 1)]
+
                 place = simulate.GRADES.index(grade)
-                others = {"right": grade, "one better": simulate.GRADES[place - 1], "one worse": simulate.GRADES[min(place + 1, 3)], "none": ""}
-                cells = {f"{method}, {grade}: clean, declared {words}": (declared, "table") for words, declared in others.items() if declared != grade or words == "right"}
-                for title, (declared, effects) in {**cells, (method, grade): (grade, "none")}.items():
-                    prices[title] = [pool.submit(study.studied, o.command, method, grade, seed, {}, {}, ["--effects", effects], declared)
-                                     for seed in range(1, o.seeds + 1)]
+                better, worse = simulate.GRADES[max(place - 1, 0)], simulate.GRADES[min(place + 1, 3)]
+                without = clean(grade, "none")
+                for words, declared in {"right": grade, "one better": better, "one worse": worse, "none": ""}.items():
+                    if declared != grade or words == "right":
+                        prices.append((f"{method}, {grade}: clean, declared {words}", clean(declared, "table"), without))
         for case, futures in zip(chosen, work):
             line, wrong = judged(case, [f.result() for f in futures])
             print(line + "".join(f"\n    WRONG: {w}" for w in wrong), flush=True)
             failed += bool(wrong)
-        results = {title: [f.result() for f in futures] for title, futures in prices.items()}
-        for title in [t for t in results if isinstance(t, str)]:
-            method, _, grade = title.split(":")[0].partition(", ")
-            line, wrong = priced(title, results[title], results[method, grade])
+        for title, with_effects, without in prices:
+            line, wrong = priced(title, [f.result() for f in with_effects], [f.result() for f in without])
             print(line + "".join(f"\n    WRONG: {w}" for w in wrong), flush=True)
             failed += bool(wrong)
-    print(f"{failed} of {len(work) + len([t for t in prices if isinstance(t, str)])} cases failed")
+    print(f"{failed} of {len(work) + len(prices)} cases failed")
     return 1 if failed else 0
 
 

@@ -48,7 +48,8 @@ def studied(command: str, method: str, grade: str, seed: int, effects: dict[str,
     z = np.abs(e) / np.sqrt(np.diag(P))
     chi2 = float(e @ np.linalg.lstsq(P, e, rcond=1e-14)[0]) / len(e)
     return {"verdict": c["quality"]["verdict"], "because": c["quality"].get("because", []), "worst": float(z.max()), "name": names[int(z.argmax())],
-            "chi2": chi2, "count": len(e), "covered": float(np.mean(z < 1.96)), "u": dict(zip(names, np.sqrt(np.diag(P)))), "cause": c["quality"].get("cause", ""), "considered": c["quality"].get("considered", [])}
+            "chi2": chi2, "count": len(e), "u": dict(zip(names, np.sqrt(np.diag(P)))),
+            "cause": c["quality"].get("cause", ""), "considered": c["quality"].get("considered", [])}
 
 
 def main() -> None:

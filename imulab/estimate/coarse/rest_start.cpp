@@ -137,18 +137,15 @@ void limit_noise(RestStart& start) {
 
 kernel::SeenOfUnit seen_of(const RestStart& start, const Recording& recording, double gravity) {
   const SensorModel model = to_raw(start.model, start.scaling);
-  const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
-  const auto density = [&](const Matrix3d& matrix, const Vector3d& sample) {
-    return rms((matrix.cwiseAbs2() * sample.cwiseAbs2()).cwiseSqrt()) * std::sqrt(recording.interval_s);
-  };
+  const double per_sample = std::sqrt(recording.interval_s);
   Vector3d rate = Vector3d::Zero();
   for (const RestMeans& rest : start.rests) rate += model.gyro.matrix * rest.gyro / static_cast<double>(start.rests.size());
+  kernel::SeenOfUnit seen = kernel::seen_of_axes(per_sample * kernel::output_sigma(model.accel.matrix, start.noise.accel),
+                                                 per_sample * kernel::output_sigma(model.gyro.matrix, start.noise.gyro), model.accel.offset, rate);
   // Offsets beyond those of any IMU are those of counts; gyros' below the Earth's rate are not told from it.
-  const double accel = rms(model.accel.offset), gyro = rms(rate);
-  return {.accel_noise = density(model.accel.matrix, start.noise.accel),
-          .gyro_noise = density(model.gyro.matrix, start.noise.gyro),
-          .accel_offset = accel < 0.2 * gravity ? accel : 0,
-          .gyro_offset = gyro > 2 * earth_rate && gyro < 1 ? gyro : 0};
+  if (!(seen.accel_offset < 0.2 * gravity)) seen.accel_offset = 0;
+  if (!(seen.gyro_offset > 2 * earth_rate && seen.gyro_offset < 1)) seen.gyro_offset = 0;
+  return seen;
 }
 
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu) {

@@ -6,6 +6,7 @@
 #include "imulab/estimate/drive/quality.hpp"
 #include "imulab/estimate/drive/together.hpp"
 #include "imulab/estimate/drive/unmodeled.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/prediction.hpp"

@@ -101,7 +101,7 @@ Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recordin
   const NoiseModels declared = declared_terms(imu);
   const bool full = imu.noise == NoiseTerms::full;
   const auto density = [&](const TriadModel& triad, const Vector3d& sigma, double least, double of_grade) {
-    const Vector3d shown = std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt();
+    const Vector3d shown = std::sqrt(recording.interval_s) * kernel::output_sigma(triad.matrix, sigma);
     return full && of_grade > 0 ? Vector3d(Vector3d::Constant(of_grade)) : Vector3d(shown.cwiseMax(least));
   };
   return in_place::noise_of(density(coarse.gyro, raw.gyro, imu.gyro_noise_density ? 0 : least_gyro_density, declared.gyro.N),

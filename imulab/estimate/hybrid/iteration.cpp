@@ -239,14 +239,14 @@ std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, d
 
 /// Infers the sizes of effects and optional terms, as Effects::infer. Without effects terms have their expected sizes, unless the data contradict
 /// one.
-double infer_sizes(Data& data, Iterate& c) {
+bool infer_sizes(Data& data, Iterate& c) {
   const States& states = c.states;
   const std::vector<Index> at = states.corrections();
   std::vector<CoefficientIndex> indices;
   for (const Index s : at) indices.push_back(states.corrects(s));
   kernel::Effects effects = data.unmodeled.effects;
   const Index n = std::ssize(at), m = c.pass.effects.value.size();
-  if (m != effects.size()) return 0;
+  if (m != effects.size()) return false;
   kernel::Parameters parameters(n + m);
   parameters.offset.head(n) = -(c.total + c.pass.x.head(states.constants()))(at);
   parameters.sigma.head(n) = states.prior(at);
@@ -260,12 +260,12 @@ double infer_sizes(Data& data, Iterate& c) {
     covariance.bottomLeftCorner(m, n) = covariance.topRightCorner(n, m).transpose();
     covariance.bottomRightCorner(m, m) = c.pass.effects.covariance;
   }
-  const double change = effects.infer(parameters, solution, indices);
-  if (m == 0 && effects.contradicting().empty()) return 0;
+  const bool changed = effects.infer(parameters, solution, indices);
+  if (m == 0 && effects.contradicting().empty()) return false;
   data.unmodeled.effects = std::move(effects);
   data.terms.priors.sizes = data.unmodeled.effects.terms();
   c.states = States(data.terms, data.place, data.noise);
-  return change;
+  return changed;
 }
 
 /// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
@@ -307,10 +307,9 @@ Converged converge(Data& data, double significance) {
   constexpr int most_rounds = 10;
   Converged out{first_iterate(data), {}, {}, {}};
   const auto infer = [&] {
-    constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
     if (is_hopeless(data, out.last)) return false;
     out.tests = tests_of_terms(data, out.last, significance);
-    return out.last.converged && !(scatter_of(data, out.last) > other_data) && infer_sizes(data, out.last) > settled;
+    return out.last.converged && !(scatter_of(data, out.last) > other_data) && infer_sizes(data, out.last);
   };
   const auto drop = [&] {
     if (!out.last.converged || scatter_of(data, out.last) > other_data) return false;

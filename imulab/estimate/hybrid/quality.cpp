@@ -3,6 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid/turns.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/recording/compensated_readings.hpp"
 #include "imulab/units.hpp"
 
@@ -238,7 +239,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.term_tests = result.tests;
   calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
-  if (data.unmodeled.size() == 0) kernel::warn_of_widened(findings, data.unmodeled.effects.contradicting());
+  if (data.unmodeled.size() == 0) kernel::warn_of_larger_terms(findings, data.unmodeled.effects.contradicting());
   judge_whiteness(last, findings);
   kernel::add_dropped(findings, result.lost, result.lost.size() + motions_of(data.blocks).size(), "rotations");
   add_left_out(data, result.left_out, findings);

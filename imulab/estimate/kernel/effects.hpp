@@ -3,7 +3,6 @@
 #pragma once
 
 #include "imulab/eigen.hpp"
-#include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/size_inference.hpp"
@@ -55,8 +54,8 @@ class Effects {
   /// Sizes in use of the optional terms.
   const PriorSizes& terms() const { return terms_; }
   /// Infers the sizes of effects and of the optional terms among `coefficients`, the first of the parameters, from a solution under
-  /// the present ones, and puts them in place of these. Returns the largest change of one, in the logarithm.
-  double infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {});
+  /// the present ones, and puts them in place of these. Returns true if one changed by more than 5 %: a fit under them is another.
+  bool infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {});
   /// Absent before `infer`.
   const std::optional<SizePosterior>& posterior() const { return posterior_; }
   /// The declared grade, or the likeliest once sizes were inferred.
@@ -97,6 +96,8 @@ class Effects {
     std::vector<const Coefficient*> terms = {};  ///< one of each, after the effects
     ReducedEffects data = {};
   };
+  /// Sizes of the optional terms of a grade.
+  static PriorSizes terms_of(ImuDeclaration imu, const std::string& grade);
   static Eigen::VectorXd by_column(const Sized& of, const std::vector<double>& sizes);
   Sized sized(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients) const;
 
@@ -111,29 +112,5 @@ class Effects {
   Sized sized_;
   Eigen::VectorXd value_;
 };
-
-/// What the data say of an effect by themselves, without its prior.
-struct EffectTest {
-  const Effect* effect = nullptr;
-  int rank = 0;          ///< of its columns: those that the data see
-  double statistic = 0;  ///< chi-square of that rank where the effect is absent
-  double p_value = 1;
-  double log_evidence = 0;       ///< of the effect against its absence: logarithm of the ratio of the likelihoods, with its prior
-  Eigen::VectorXd value, sigma;  ///< of its columns, with the prior
-};
-
-/// From the joint fit: with P_kk the covariance of effect k and S_k its prior, V_k = P_kk^-1 - S_k^-1 and s_k = P_kk^-1 c_k. Every effect once.
-std::vector<EffectTest> test_effects(const Effects& effects, const Eigen::MatrixXd& covariance);
-
-/// Doubts data that Effects::p_value finds improbable.
-void doubt_improbable(Findings& findings, const Effects& effects, double p_value);
-/// Doubts a result for these: names of effects, or of terms.
-void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::string>& causes);
-
-/// Adds the effects to a result: each with value and uncertainty [user units], and whether it is significant among all at `level`; what contradicts
-/// its expected size, as a doubt; and which are assumed to be as small as expected: larger ones would not show, though they shift coefficients.
-/// The first rows of the covariance are those of `coefficients`, where it has any.
-void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const Eigen::MatrixXd& covariance, double level,
-                 const std::vector<CoefficientIndex>& coefficients = {});
 
 }  // namespace imulab::kernel

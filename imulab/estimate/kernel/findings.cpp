@@ -44,7 +44,7 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
         fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread, unit_name));
 }
 
-void warn_of_widened(Findings& findings, std::vector<std::string> terms) {
+void warn_of_larger_terms(Findings& findings, std::vector<std::string> terms) {
   std::sort(terms.begin(), terms.end());
   terms.erase(std::unique(terms.begin(), terms.end()), terms.end());
   for (const std::string& term : terms)

@@ -42,8 +42,8 @@ void check_declared_noise(Findings& findings, std::string_view triad, double rat
 /// Notes that `what` ("the rests' gyro means") spreads by more than the sample noise explains.
 void note_spread(Findings& findings, std::string_view what, double spread, std::string_view unit_name);
 
-/// Warns of the terms whose priors were widened, each once.
-void warn_of_widened(Findings& findings, std::vector<std::string> terms);
+/// Warns of terms that are larger than expected, each once.
+void warn_of_larger_terms(Findings& findings, std::vector<std::string> terms);
 
 /// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all, std::string_view parts = "rests and rotations");

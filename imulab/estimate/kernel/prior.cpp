@@ -1,17 +1,15 @@
 #include "imulab/estimate/kernel/prior.hpp"
 
 #include "imulab/grade.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/units.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace imulab::kernel {
 
 namespace {
-
-constexpr std::array<std::string_view, 4> graded{"strategic", "navigation", "tactical", "mems"};
 
 /// Sizes are within a factor of 5 of the grade's. One offset of ten was taken out by the maker or the firmware, and may have any smaller size.
 double log_probability_of(const Grade& of, const SeenOfUnit& seen) {
@@ -33,14 +31,19 @@ double log_probability_of(const Grade& of, const SeenOfUnit& seen) {
 
 }  // namespace
 
-std::span<const std::string_view> graded_names() { return graded; }
+SeenOfUnit seen_of_axes(const Vector3d& accel_noise, const Vector3d& gyro_noise, const Vector3d& accel_offset, const Vector3d& gyro_offset) {
+  const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
+  return {rms(accel_noise), rms(gyro_noise), rms(accel_offset), rms(gyro_offset)};
+}
+
+Vector3d output_sigma(const Matrix3d& matrix, const Vector3d& raw) { return (matrix.cwiseAbs2() * raw.cwiseAbs2()).cwiseSqrt(); }
 
 const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades) { return *std::ranges::max_element(grades, {}, &LikelyGrade::log_weight); }
 
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen) {
   if (imu.grade) return {{*imu.grade}};
   std::vector<LikelyGrade> out;
-  for (const std::string_view name : graded) out.push_back({std::string(name), log_probability_of(grade(name), seen)});
+  for (const std::string_view name : graded_names()) out.push_back({std::string(name), log_probability_of(grade(name), seen)});
   return out;
 }
 

@@ -9,9 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace imulab::kernel {
@@ -55,6 +53,10 @@ struct SeenOfUnit {
   double accel_noise = 0, gyro_noise = 0;    ///< densities at rest
   double accel_offset = 0, gyro_offset = 0;  ///< RMS of the axes
 };
+/// From those of the axes.
+SeenOfUnit seen_of_axes(const Vector3d& accel_noise, const Vector3d& gyro_noise, const Vector3d& accel_offset, const Vector3d& gyro_offset);
+/// Sigmas of the output's axes from independent ones of the readings'.
+Vector3d output_sigma(const Matrix3d& matrix, const Vector3d& raw);
 
 /// Grades with the logarithms of their probabilities, up to a constant.
 struct LikelyGrade {
@@ -62,8 +64,6 @@ struct LikelyGrade {
   double log_weight = 0;
 };
 const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades);
-/// Grades for which the sizes of effects and terms are stated.
-std::span<const std::string_view> graded_names();
 /// The declared grade, or each by what is seen.
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen);
 /// With the likeliest grade where none is declared.

@@ -230,7 +230,7 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
       out.nodes.push_back(std::move(node));
     }
   }
-  double most = -HUGE_VAL, sum = 0, at_ends = 0;
+  double most = -HUGE_VAL, sum = 0;
   for (const SizeNode& node : out.nodes) most = std::max(most, node.weight);
   for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
   for (SizeNode& node : out.nodes) node.weight /= sum;
@@ -245,7 +245,6 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
     const double w = node.weight, log_factor = node.log_factor;
     out.weights[node.hypothesis] += w;
     out.log_factor += w * log_factor, out.sigma += w * log_factor * log_factor;
-    if (log_factor <= log_lambda(0) || log_factor >= log_lambda(grid_points - 1)) at_ends += w;
     if (of_class && log_factor > std::log(far_worse)) continue;
     kept += w;
     // The mean square of a size: the most probable one is too small where the data hardly show the effect.
@@ -255,8 +254,6 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
   for (double& size : out.rms) size /= kept;
   for (double& size : out.rms) size = std::sqrt(size);
   out.sigma = std::sqrt(std::max(0.0, out.sigma - out.log_factor * out.log_factor));
-  constexpr double notable = 0.01;
-  out.beyond_grid = at_ends > notable;
   return out;
 }
 

@@ -56,7 +56,6 @@ struct SizeNode {
 struct SizePosterior {
   std::vector<double> rms;           ///< by group: root of the mean square of its size, SI
   double log_factor = 0, sigma = 0;  ///< of ln lambda: mean and standard deviation
-  bool beyond_grid = false;          ///< an end of the grid has more than 1 % of the weight
   std::vector<double> weights;       ///< of the hypotheses; their sum is 1
   std::vector<SizeNode> nodes;
   double log_evidence = 0;  ///< logarithm of p(r) over p(r | c = 0), averaged over the sizes; up to a constant

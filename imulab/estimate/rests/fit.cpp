@@ -1,5 +1,6 @@
 #include "imulab/estimate/rests/fit.hpp"
 
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/model/gauge.hpp"
 #include "imulab/units.hpp"
@@ -184,7 +185,7 @@ std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, dou
 
 void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, double curvature,
                   const Site& site, const std::vector<std::string>& dropped, std::size_t all) {
-  if (problem.effects().size() == 0) kernel::warn_of_widened(findings, problem.effects().contradicting());
+  if (problem.effects().size() == 0) kernel::warn_of_larger_terms(findings, problem.effects().contradicting());
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");

@@ -112,13 +112,12 @@ inline constexpr double most_curvature = 1;
 template <class Problem>
 Fit with_inferred_sizes(Problem& problem, Fit fit) {
   constexpr int most_rounds = 5;
-  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
   const bool with_effects = problem.effects().size() > 0;
   for (int round = 0; round < most_rounds; ++round) {
     const kernel::Parameters parameters = problem.parameters();
     kernel::Effects sized = problem.effects();
-    const double change = sized.infer(parameters, adjust(problem.conditions(fit.spreads), parameters).solution, problem.indices());
-    if (change < settled || (!with_effects && (sized.contradicting().empty() || curvature(problem, fit) > most_curvature))) break;
+    const bool changed = sized.infer(parameters, adjust(problem.conditions(fit.spreads), parameters).solution, problem.indices());
+    if (!changed || (!with_effects && (sized.contradicting().empty() || curvature(problem, fit) > most_curvature))) break;
     problem.take_sizes(std::move(sized));
     fit = converge(problem);
   }

@@ -2,6 +2,7 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/coarse/rest_start.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"

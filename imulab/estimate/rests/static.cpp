@@ -1,6 +1,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/estimate/coarse/coarse.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/problem.hpp"

@@ -107,12 +107,11 @@ double gain_of_sizes(const Fit& fit) {
 
 Fit with_inferred_sizes(Fit now) {
   constexpr int most_rounds = 4;
-  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
   for (int round = 0; round < most_rounds; ++round) {
     EstimatorOptions options = now.options;
     const Joint joint(now);
     kernel::Effects& effects = options.effects.table;
-    if (effects.infer(joint.parameters, joint.solution, joint.coefficients) < settled) break;
+    if (!effects.infer(joint.parameters, joint.solution, joint.coefficients)) break;
     if (options.optional) options.optional = effects.terms();
     now = fit(*now.problem, options);
   }

@@ -3,6 +3,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -143,12 +144,9 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
 
 /// What the readings show of the unit, by which its grade is told.
 kernel::SeenOfUnit seen_of(const TableProblem& problem, const SensorModel& model) {
-  const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
-  const auto density = [&](const Matrix3d& matrix, const Vector3d& raw) { return rms((matrix.cwiseAbs2() * raw.cwiseAbs2()).cwiseSqrt()); };
-  return {.accel_noise = density(model.accel.matrix, problem.seen.accel_density),
-          .gyro_noise = density(model.gyro.matrix, problem.seen.gyro_density),
-          .accel_offset = rms(sensor_offset(model.accel, problem.seen.accel_unit)),
-          .gyro_offset = rms(sensor_offset(model.gyro, problem.seen.gyro_unit))};
+  return kernel::seen_of_axes(kernel::output_sigma(model.accel.matrix, problem.seen.accel_density),
+                              kernel::output_sigma(model.gyro.matrix, problem.seen.gyro_density), sensor_offset(model.accel, problem.seen.accel_unit),
+                              sensor_offset(model.gyro, problem.seen.gyro_unit));
 }
 
 /// The effects with values and uncertainties, and what explains the contradictions that the verdict rests on.

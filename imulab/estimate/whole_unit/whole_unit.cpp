@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
+#include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -81,10 +82,8 @@ void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) 
   if (options.effects && !options.whole_unit.stepwise) {
     PointProblem without = problem;
     fit(without, Priors::all);
-    const Vector6d variance = without.measured_noise();
-    const auto density = [&](const Vector3d& v) { return std::sqrt(v.mean() * problem.points.interval_s); };
-    const auto rms = [](const Vector3d& v) { return v.norm() / std::sqrt(3.0); };
-    problem.add_effects({density(variance.head<3>()), density(variance.tail<3>()), rms(without.model.accel.offset), rms(without.model.gyro.offset)});
+    const Vector6d density = (without.measured_noise() * problem.points.interval_s).cwiseSqrt();
+    problem.add_effects(kernel::seen_of_axes(density.head<3>(), density.tail<3>(), without.model.accel.offset, without.model.gyro.offset));
   }
   fit(problem, Priors::all);
 }
@@ -112,11 +111,10 @@ void check_noise(kernel::Findings& findings, const PointProblem& problem) {
 /// Infers the sizes of effects from the points, and fits again.
 void infer_sizes(PointProblem& problem) {
   constexpr int most_rounds = 5;
-  constexpr double settled = 0.05;  // of a size, in the logarithm: uncertainties to a few percent
   if (problem.effects.size() == 0 || problem.ideal) return;
   for (int round = 0; round < most_rounds; ++round) {
     const kernel::Parameters parameters = problem.parameters();
-    if (problem.effects.infer(parameters, kernel::solve(problem.information(), parameters, "the points")) < settled) return;
+    if (!problem.effects.infer(parameters, kernel::solve(problem.information(), parameters, "the points"))) return;
     fit_determined(problem);
   }
 }
