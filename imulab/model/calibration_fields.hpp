@@ -2,8 +2,11 @@
 #pragma once
 
 #include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/core/fields.hpp"
 #include "imulab/units.hpp"
+
+#include <algorithm>
 
 namespace imulab {
 
@@ -167,8 +170,9 @@ void describe(Fields& f, Calibration& c) {
   f("quality", c.quality, fields::optional);
   f("turn_on", c.turn_on, fields::if_any);
   f("standard_uncertainty_next_switch_on", c.next_switch_on, fields::if_any);
-  for (const auto& [name, u] : c.next_switch_on)
-    fields::expect(f, u >= 0 && contains(select_each({"accel.offset", "gyro.offset"}), coefficient_index(name)),
+  const std::vector<CoefficientIndex> offsets = select_each({"accel.offset", "gyro.offset"});
+  for (const auto& next : c.next_switch_on)
+    fields::expect(f, next.second >= 0 && std::ranges::any_of(offsets, [&](CoefficientIndex k) { return coefficient(k).name == next.first; }),
                    "standard_uncertainty_next_switch_on", "uncertainties of offsets, from 0 on");
   f("rest_noise", c.rest_noise, fields::if_any);
   const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
