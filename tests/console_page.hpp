@@ -1,8 +1,8 @@
 // What a page of the documentation shows: the commands of its ```console blocks in their order, and what each prints.
 //
 // A line "$ command" is run by the shell ("> " continues it). "# exit code N" after it is the expected exit code (0 if absent). A line that begins
-// with "imulab: " is one of standard error. Other lines, if there are any, are standard output: the same words, and numbers within 1 %, or within
-// what "# tolerance N %" states. A line "..." stands for any lines; at the end of a line, for any words.
+// with "imulab: " is one of standard error. Other lines, if there are any, are standard output. Both have the same words as the command prints, and
+// numbers within 1 %, or within what "# tolerance N %" states. A line "..." stands for any lines; at the end of a line, for any words.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct DocumentedCommand {
   int exit_code = 0;
   double tolerance = 0.01;  ///< of numbers, relative
   std::vector<std::string> output, errors;
-  std::vector<std::size_t> output_lines;  ///< of the page
+  std::vector<std::size_t> output_lines, error_lines;  ///< of the page
 };
 
 inline std::vector<std::string> page_lines(const std::string& text) {
@@ -51,6 +51,7 @@ inline std::vector<DocumentedCommand> commands_of(const std::string& page) {
       commands.back().tolerance = std::stod(line.substr(12)) / 100;
     } else if (inside && !commands.empty() && line.starts_with("imulab: ")) {
       commands.back().errors.push_back(line);
+      commands.back().error_lines.push_back(i);
     } else if (inside && !commands.empty()) {
       commands.back().output.push_back(line);
       commands.back().output_lines.push_back(i);
@@ -108,7 +109,18 @@ inline bool says(const std::string& shown, const std::string& line, double toler
 struct ShownOutput {
   std::vector<std::string> differences;        ///< for people
   std::vector<std::vector<std::string>> anew;  ///< lines in place of each that is shown, and those behind the last
+  std::vector<std::string> errors_anew;        ///< a line in place of each of standard error
 };
+
+/// The printed line, as far as the page shows it.
+inline std::string as_shown(const std::string& shown, const std::string& printed) {
+  if (!shown.ends_with("...")) return printed;
+  std::istringstream in(shown);
+  std::size_t end = 0;
+  for (auto words = std::distance(std::istream_iterator<std::string>(in), {}); words > 1 && end != std::string::npos; --words)
+    end = printed.find(' ', printed.find_first_not_of(' ', end));
+  return printed.substr(0, end) + " ...";
+}
 
 /// Both are aligned with the least cost: a line that says the same costs nothing, other numbers little, other words more the fewer they share.
 class OutputAlignment {
@@ -120,7 +132,7 @@ class OutputAlignment {
   }
 
   ShownOutput result() const {
-    ShownOutput out{{}, std::vector<std::vector<std::string>>(shown_.size() + 1)};
+    ShownOutput out{{}, std::vector<std::vector<std::string>>(shown_.size() + 1), {}};
     for (std::size_t i = 0, j = 0; i < shown_.size() || j < printed_.size();) {
       if (cost_[i][j] == pair(i, j)) {
         if (!says(shown_[i], printed_[j], tolerance_)) out.differences.push_back("shows:  " + shown_[i] + "\nprints: " + printed_[j]);
@@ -166,32 +178,34 @@ class OutputAlignment {
     return 2 + 6 * (1 - static_cast<double>(both) / static_cast<double>(std::max<std::size_t>({a.size(), b.size(), 1})));
   }
 
-  /// The printed line, as far as the page shows it.
-  static std::string as_shown(const std::string& shown, const std::string& printed) {
-    if (!shown.ends_with("...")) return printed;
-    std::istringstream in(shown);
-    std::size_t end = 0;
-    for (auto words = std::distance(std::istream_iterator<std::string>(in), {}); words > 1 && end != std::string::npos; --words)
-      end = printed.find(' ', printed.find_first_not_of(' ', end));
-    return printed.substr(0, end) + " ...";
-  }
-
   const std::vector<std::string>&shown_, &printed_;
   double tolerance_;
   std::vector<std::vector<double>> cost_;  ///< least, of the lines from these on
 };
 
-/// A command whose output is not shown has none to compare.
-inline ShownOutput compared(const DocumentedCommand& command, const std::string& printed) {
-  if (command.output.empty()) return {};
+/// A command whose output is not shown has none to compare; each line shown of standard error is printed somewhere in it.
+inline ShownOutput compared(const DocumentedCommand& command, const std::string& printed, const std::string& errors) {
   std::vector<std::string> lines = page_lines(printed);
   while (!lines.empty() && lines.back().empty()) lines.pop_back();
-  return OutputAlignment(command.output, lines, command.tolerance).result();
+  ShownOutput out;
+  if (!command.output.empty()) out = OutputAlignment(command.output, lines, command.tolerance).result();
+  const std::vector<std::string> error_lines = page_lines(errors);
+  for (const std::string& shown : command.errors) {
+    const auto said = [&](bool words_alone) {
+      return std::ranges::find_if(error_lines, [&](const std::string& line) { return says(shown, line, command.tolerance, words_alone); });
+    };
+    const auto same = said(false), alike = said(true);
+    if (same == error_lines.end()) out.differences.push_back("did not say: " + shown + "\nbut: " + errors);
+    out.errors_anew.push_back(same != error_lines.end() ? as_shown(shown, *same) : alike != error_lines.end() ? as_shown(shown, *alike) : shown);
+  }
+  return out;
 }
 
 /// The page with what the commands print now.
 inline std::string written_anew(const std::string& page, const std::vector<DocumentedCommand>& commands, const std::vector<ShownOutput>& outputs) {
   std::vector<std::string> lines = page_lines(page);
+  for (std::size_t k = 0; k < commands.size(); ++k)
+    for (std::size_t i = 0; i < outputs[k].errors_anew.size(); ++i) lines[commands[k].error_lines[i]] = outputs[k].errors_anew[i];
   for (std::size_t k = commands.size(); k-- > 0;) {
     const auto& places = commands[k].output_lines;
     if (outputs[k].anew.size() != places.size() + 1) continue;  // it did not run

@@ -48,9 +48,7 @@ PageRun run_page(const std::string& page, const std::string& name, const std::fu
     const CommandResult result = run_shell(folder, path + command.text);
     std::string wrong;
     if (result.exit_code != command.exit_code) wrong += "\nexit code " + std::to_string(result.exit_code) + "\n" + result.errors;
-    for (const std::string& line : command.errors)
-      if (result.errors.find(line + "\n") == std::string::npos) wrong += "\ndid not say: " + line + "\nbut: " + result.errors;
-    outputs[k] = compared(command, result.output);
+    outputs[k] = compared(command, result.output, result.errors);
     for (const std::string& difference : outputs[k].differences) wrong += "\n" + difference;
     if (!wrong.empty()) run.wrong.push_back(name + ":" + std::to_string(command.line + 1) + ": " + command.text + wrong);
   }
@@ -173,6 +171,17 @@ TEST(Documentation, AWrongOutputIsFoundAndWrittenAnew) {
             "text\n```console\n" + command + "chi2 22.5 ...\n# tolerance 2 %\nkept\n...\n```\nmore\n");
   EXPECT_EQ(run("kept\n  4 m\n").anew, "text\n```console\n" + command + "chi2 22.5 (x1 of 42)\nkept\n  2.00  m\nend\n```\nmore\n");
   EXPECT_EQ(run("").anew, "text\n```console\n" + command + "```\nmore\n");
+}
+
+TEST(Documentation, AWrongMessageIsFoundAndWrittenAnew) {
+  const std::string command = "$ echo 'imulab: warning: up to 0.835 deg/s at 100 deg/s' >&2\n";
+  const auto run = [&](const std::string& error) { return run_page("```console\n" + command + error + "```\n", "p"); };
+  for (const char* good : {"", "imulab: warning: up to 0.832 deg/s at 100 deg/s\n", "imulab: warning: up to 0.835 ...\n"})
+    EXPECT_THAT(run(good).wrong, testing::IsEmpty()) << good;
+  for (const char* bad : {"imulab: warning: up to 0.82 deg/s at 100 deg/s\n", "imulab: warning: up to 0.835 deg/s\n", "imulab: error: lost\n"})
+    EXPECT_THAT(run(bad).wrong, testing::SizeIs(1)) << bad;
+  EXPECT_EQ(run("imulab: warning: up to 2 deg/s at ...\n# exit code 0\n").anew,
+            "```console\n" + command + "imulab: warning: up to 0.835 deg/s at ...\n# exit code 0\n```\n");
 }
 
 }  // namespace

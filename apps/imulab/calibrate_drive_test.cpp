@@ -230,6 +230,18 @@ TEST(CalibrateDriveCommand, AParkedCarIsDoubtful) {
   EXPECT_THAT(json["quality"]["considered"].dump(), AllOf(HasSubstr("gyro.matrix.zz"), HasSubstr("accel.offset.x")));
 }
 
+/// After the receiver's last word an accelerometer changes, which the navigation cannot see, but gravity at the last rest can.
+TEST(CalibrateDriveCommand, RestsThatContradictAreADoubt) {
+  const TemporaryFolder folder;
+  write_drive(folder, std::string(eight) + "[[segment]]\nkind = \"rest\"\nduration_s = 20\n");
+  EXPECT_THAT(run_imulab(folder, "calibrate drive --method drive").output, Not(HasSubstr("from gravity")));
+  run_shell(folder, R"(cd drive
+awk -F, 'NR < 3 || $1 < 68' gnss_1.csv > g && mv g gnss_1.csv
+awk -F, -v OFS=, 'NR > 1 && $1 > 69.6 { $7 += 0.3 } 1' recording.csv > r && mv r recording.csv)");
+  const CommandResult changed = run_imulab(folder, "calibrate drive --method drive");
+  EXPECT_THAT(on_one_line(changed.output), ContainsRegex("doubtful: .*the calibrated force is .* mg from gravity, where .* mg is its uncertainty"));
+}
+
 TEST(CalibrateDriveCommand, SaysWhatADriveLacks) {
   const TemporaryFolder folder;
   write_drive(folder, "");

@@ -12,7 +12,6 @@
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
-#include "imulab/rests.hpp"
 #include "imulab/results/calibration.hpp"
 #include "imulab/results/live.hpp"
 
@@ -142,13 +141,7 @@ namespace {
 constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
-  if (!only_one || calibration.quality.rests.empty()) {
-    std::vector<Range> found = rests_of(recording, session).ranges;
-    std::erase_if(found, [&](const Range& r) {
-      return aided::any_moves(session.aids, recording.name, recording.time_s(r.begin), recording.time_s(r.end - 1));
-    });
-    return found;
-  }
+  if (!only_one || calibration.quality.rests.empty()) return aided::rests_in_place(recording, session);
   std::vector<Range> ranges;
   const double first = recording.time_s(0) - recording.interval_s, last = recording.time_s(recording.size() - 1) + recording.interval_s;
   for (const PartResidual& rest : calibration.quality.rests)  // of a file that anybody may have written

@@ -4,6 +4,7 @@
 #include "imulab/error.hpp"
 #include "imulab/estimate/drive/coefficients.hpp"
 #include "imulab/estimate/drive/quality.hpp"
+#include "imulab/estimate/drive/rest_check.hpp"
 #include "imulab/estimate/drive/together.hpp"
 #include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/effect_findings.hpp"
@@ -128,6 +129,8 @@ CalibrationResult calibration_result(const std::vector<Drive>& drives, const Cal
   kernel::Findings findings = judged(drives, all, session, calibration);
   if (with_terms(options))
     kernel::add_effects(calibration, findings, found_effects(all.navigation, session), unit.joint, 1e-3, calibration.estimated);
+  for (std::size_t k = 0; k < drives.size(); ++k)
+    doubt_at_rest(calibration, drives[k].navigation, input.recordings[k], session, in_front(drives, drives[k]), findings);
   sort_by_table(calibration);
   kernel::conclude(calibration, findings);
   return result;

@@ -17,6 +17,8 @@
 
 namespace imulab::drive {
 
+std::string in_front(const std::vector<Drive>& drives, const Drive& drive) { return drives.size() > 1 ? drive.name + ": " : ""; }
+
 namespace {
 
 /// Terms that the model may do without: what a drive does not show of them needs no words.
@@ -54,9 +56,6 @@ std::string constant_text(const AidedConstant& c) {
 }
 
 namespace {
-
-/// "second.csv: ", where there are several.
-std::string in_front(const std::vector<Drive>& drives, const Drive& drive) { return drives.size() > 1 ? drive.name + ": " : ""; }
 
 void note_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
   const AidedNavigation& n = drive.navigation;

@@ -12,6 +12,9 @@
 
 namespace imulab::drive {
 
+/// "second.csv: " if there are several drives.
+std::string in_front(const std::vector<Drive>& drives, const Drive& drive);
+
 /// What the drives did not show, with the manoeuvre that would, and the constants of the aids: into quality and findings.
 void name_undetermined(const AidedNavigation& navigation, Quality& quality, kernel::Findings& findings);
 void add_aids(const AidedNavigation& navigation, Quality& quality);

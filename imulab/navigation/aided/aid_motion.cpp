@@ -2,6 +2,7 @@
 
 #include "imulab/navigation/aided/observation.hpp"
 #include "imulab/navigation/integration/local_earth.hpp"
+#include "imulab/rests.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,6 +31,12 @@ bool any_moves(const std::vector<Aid>& aids, const std::string& recording, doubl
       if (const double t = 1e-9 * static_cast<double>(aid.record.time[row]); t >= begin && t <= end && shows_motion(aid, row, first)) return true;
     return false;
   });
+}
+
+std::vector<Range> rests_in_place(const Recording& recording, const Session& session) {
+  std::vector<Range> rests = rests_of(recording, session).ranges;
+  std::erase_if(rests, [&](const Range& r) { return any_moves(session.aids, recording.name, recording.time_s(r.begin), recording.time_s(r.end - 1)); });
+  return rests;
 }
 
 }  // namespace imulab::aided
