@@ -46,6 +46,7 @@ struct PredictionOptions {
   std::vector<CoefficientIndex> terms = {};    ///< as CalibrationOptions has them
   std::vector<Requirement> requirements = {};  ///< to compare with
   bool effects = true;                         ///< as CalibrationOptions has it
+  bool sizes = false;                          ///< also for an IMU whose effects are half and twice as large as expected
   std::uint64_t runs = 0;                      ///< of the Monte Carlo; 0: none
   std::uint64_t seed = 1;
   bool advice = true;                                        ///< where a requirement is missed, or a coefficient is not determined
@@ -117,9 +118,11 @@ struct Advice {
 /// Predicted standard uncertainties. SI.
 struct Prediction {
   std::vector<CoefficientIndex> coefficients, undetermined;
-  Eigen::VectorXd sigma;                          ///< of each of `coefficients`, with the second order
-  Eigen::VectorXd cramer_rao;                     ///< Cramer-Rao bound
-  Eigen::VectorXd degrees_of_freedom = {};        ///< effective, of each of `coefficients`; empty: infinite
+  Eigen::VectorXd sigma;                    ///< of each of `coefficients`, with the second order
+  Eigen::VectorXd cramer_rao;               ///< Cramer-Rao bound
+  Eigen::VectorXd degrees_of_freedom = {};  ///< effective, of each of `coefficients`; empty: infinite
+  /// As sigma, of an IMU whose effects and optional terms are half and twice as large as expected; empty: not asked for.
+  Eigen::VectorXd sigma_of_half = {}, sigma_of_twice = {};
   Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
   std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated

@@ -329,6 +329,10 @@ Prediction predict(const Method& method, const Session& declared, const Predicti
         CheckedMethod::call(method.predict, procedure, PredictionOptions{.effects = false, .advice = false, .motion = options.motion});
     if (std::string note = note_of_absent(out, whole); !note.empty()) out.notes.push_back(std::move(note));
   }
+  if (options.sizes && options.effects && !options.classical)
+    add_sizes(out, procedure, [&](const Session& other) {
+      return CheckedMethod::call(method.predict, other, PredictionOptions{.terms = options.terms, .advice = false, .motion = options.motion});
+    });
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/estimate/prediction.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/predict.hpp"
@@ -35,6 +36,16 @@ StatedSigma predicted(const Prediction& p, CoefficientIndex index) {
   const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
   if (at < std::ssize(p.coefficients)) return {p.sigma[at], p.degrees_of_freedom.size() > 0 ? p.degrees_of_freedom[at] : infinite};
   return {p.frame == "accelerometers" && zero_by_frame(index) ? 0 : infinite};
+}
+
+void add_sizes(Prediction& p, const Session& procedure, const std::function<Prediction(const Session&)>& of) {
+  for (const auto& [sigma, factor] : {std::pair{&p.sigma_of_half, 0.5}, {&p.sigma_of_twice, 2.0}}) {
+    Session other = procedure;
+    other.imu = kernel::of_size(procedure.imu, factor);
+    const Prediction found = of(other);
+    sigma->resize(p.sigma.size());
+    for (std::size_t k = 0; k < p.coefficients.size(); ++k) (*sigma)[static_cast<Eigen::Index>(k)] = predicted(found, p.coefficients[k]).sigma;
+  }
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "imulab/eigen.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
 #include "imulab/predict.hpp"
+#include "imulab/session.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -22,6 +23,9 @@ void validate(const PredictionOptions& options);
 
 /// The prediction that a calibration of ideal readings gives. Its degrees of freedom are those of the fit.
 Prediction prediction_of(const Calibration& calibration);
+
+/// Adds the sigmas for an IMU of half and of twice the expected effects; `of`: the prediction of a procedure.
+void add_sizes(Prediction& prediction, const Session& procedure, const std::function<Prediction(const Session&)>& of);
 
 /// Infinite where the procedure does not determine it; 0 where the frame fixes it.
 StatedSigma predicted(const Prediction& prediction, CoefficientIndex index);

@@ -81,12 +81,16 @@ std::string uncertainties_section(const PredictionSummary& s) {
   const bool sampled = !s.coefficients.empty() && !has([](const auto& c) { return !c.monte_carlo || !std::isfinite(*c.monte_carlo); });
   if (sampled) t.head.emplace_back("Monte Carlo");
   if (bound) t.head.emplace_back("Cramér-Rao bound");
+  const bool sizes = has([](const auto& c) { return c.sigma_of_half || c.sigma_of_twice; });
+  if (sizes) t.head.insert(t.head.end(), {"half the effects", "twice the effects"});
   for (const PredictedCoefficient& c : s.coefficients) {
     const UserUnit unit = unit_in(s, c);
     std::vector<std::string> cells{"<code>" + escaped(coefficient(c.index).name) + "</code>", number_text(c.sigma / unit.size),
                                    escaped(readable_unit(unit.name))};
     if (sampled) cells.push_back(number_text(*c.monte_carlo / unit.size));
     if (bound) cells.push_back(std::isfinite(c.cramer_rao) ? number_text(c.cramer_rao / unit.size) : "");
+    if (sizes)
+      for (const std::optional<double>& sigma : {c.sigma_of_half, c.sigma_of_twice}) cells.push_back(sigma ? number_text(*sigma / unit.size) : "");
     t.rows.push_back(std::move(cells));
   }
   std::string undetermined;

@@ -242,7 +242,7 @@ std::string worst_text(std::string_view selector, const std::function<double(Coe
   return worst < 0 ? "" : fmt::format("{} {}", text::two_digits(worst / unit.size), unit.name);
 }
 
-std::string reached_text(const std::function<double(CoefficientIndex)>& sigma) {
+std::string worst_rows(const std::function<double(CoefficientIndex)>& sigma) {
   std::string lines;
   for (const auto& [name, triad] : {std::pair{"accelerometers", "accel"}, std::pair{"gyros", "gyro"}}) {
     std::string line;
@@ -251,7 +251,12 @@ std::string reached_text(const std::function<double(CoefficientIndex)>& sigma) {
         line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
     if (!line.empty()) lines += text::wrapped(fmt::format("  {:<15} ", name), line);
   }
-  return lines.empty() ? lines : lines + "                  (standard uncertainty of the worst axis)\n";
+  return lines;
+}
+
+std::string reached_text(const std::function<double(CoefficientIndex)>& sigma) {
+  const std::string rows = worst_rows(sigma);
+  return rows.empty() ? rows : rows + "                  (standard uncertainty of the worst axis)\n";
 }
 
 }  // namespace imulab

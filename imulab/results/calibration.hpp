@@ -47,6 +47,8 @@ double judged_uncertainty(const Calibration& calibration, CoefficientIndex index
 std::string worst_text(std::string_view selector, const std::function<double(CoefficientIndex)>& sigma);
 
 /// The worst of scales, misalignments and offsets, a line a triad; empty where none is known.
+std::string worst_rows(const std::function<double(CoefficientIndex)>& sigma);
+/// The same, and what it is.
 std::string reached_text(const std::function<double(CoefficientIndex)>& sigma);
 
 }  // namespace imulab

@@ -77,6 +77,18 @@ std::string share_rows(const Prediction& p, const Shares& shares, const Shares* 
   return text;
 }
 
+/// The worst of each group, for an IMU of half and of twice the effects; empty where that is not asked for.
+std::string sizes_text(const Prediction& p) {
+  std::string text;
+  const auto add = [&](const char* size, const Eigen::VectorXd& sigma) {
+    if (sigma.size() > 0)
+      text += fmt::format("\nIf the IMU's effects are {} as large as expected\n", size) +
+              worst_rows([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, sigma); });
+  };
+  add("half", p.sigma_of_half), add("twice", p.sigma_of_twice);
+  return text;
+}
+
 /// Optional terms and the priors of their sizes.
 std::string term_rows(const Prediction& p) {
   std::string text;
@@ -134,6 +146,7 @@ std::string table_of_shares(const Prediction& p, bool details) {
   if (details)
     for (const Shares& part : in_columns(each)) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p);
+  text += sizes_text(p);
   text += "\n" + text::wrapped("  ", fmt::format("{}. --verbose shows each source.", groups_text(p.sources))) + term_rows(p);
   if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
     text += "\n" + text::wrapped("",
@@ -168,6 +181,7 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
     const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
     text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }
+  text += sizes_text(p);
   if (!p.considered.empty())
     text += "\n" + text::wrapped("", "Its prior: the procedure does not show the term; its prior enters the other uncertainties.");
   for (const std::string& note : p.notes) text += "\n" + text::wrapped("", note);

@@ -136,6 +136,7 @@ void describe(Fields& f, PredictedCoefficient& c) {
   f("closed_form", c.sigma), f("first_order", c.first_order, fields::if_any), f("second_order", c.second_order, fields::if_any);
   f("bias_taken_out", c.bias, fields::if_any), f("monte_carlo", c.monte_carlo, fields::if_any), f("cramer_rao", c.cramer_rao, fields::if_known);
   f("degrees_of_freedom", c.degrees_of_freedom, fields::How{fields::Presence::optional, fields::Null::infinity});
+  f("of_half_effects", c.sigma_of_half, fields::if_any), f("of_twice_effects", c.sigma_of_twice, fields::if_any);
   f("budget", c.budget, fields::if_any);
 }
 

@@ -82,6 +82,8 @@ PredictionSummary summary_of(const Prediction& p) {
     PredictedCoefficient& c = out.coefficients.emplace_back();
     c.index = p.coefficients[i], c.sigma = p.sigma[row], c.cramer_rao = p.cramer_rao[row];
     c.degrees_of_freedom = predicted(p, c.index).degrees_of_freedom;
+    if (p.sigma_of_half.size() > 0 && std::isfinite(p.sigma_of_half[row])) c.sigma_of_half = p.sigma_of_half[row];
+    if (p.sigma_of_twice.size() > 0 && std::isfinite(p.sigma_of_twice[row])) c.sigma_of_twice = p.sigma_of_twice[row];
     if (p.monte_carlo) c.monte_carlo = p.monte_carlo->sigma[row];
     if (p.sources.empty()) continue;
     c.first_order = first[row], c.second_order = p.second_order[row], c.bias = p.bias[row];

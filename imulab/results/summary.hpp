@@ -31,6 +31,7 @@ struct PredictedCoefficient {
   double sigma = 0, cramer_rao = NAN;    ///< the bound: NaN where it is not stated
   double degrees_of_freedom = INFINITY;  ///< effective
   std::optional<double> first_order = {}, second_order = {}, bias = {}, monte_carlo = {};
+  std::optional<double> sigma_of_half = {}, sigma_of_twice = {};  ///< as Prediction has them
   std::vector<std::pair<std::string, double>> budget = {};  ///< sigma by source, to first order
 };
 

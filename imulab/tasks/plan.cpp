@@ -279,7 +279,10 @@ PlannedProcedure plan(const PlanTask& task) {
   }
   out.by_effects = found.by_effects;
   out.path = std::move(found.path), out.procedure = std::move(found.procedure), out.prediction = std::move(found.prediction);
-  if (task.prior) add_prior(out.prediction, *task.prior);
+  if (task.prior)
+    add_prior(out.prediction, *task.prior);
+  else
+    out.prediction = predict(planning_method(), out.procedure, {.effects = task.effects, .sizes = true, .advice = false});
   out.prediction.missed = shortfalls(out.prediction, task.requirements);
   return out;
 }

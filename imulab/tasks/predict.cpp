@@ -79,6 +79,7 @@ PredictionOptions task_of(const PredictOptions& o) {
   if (!o.output.empty() && o.shared.part.empty()) throw OptionError("output", "is the file of a --part; a prediction goes to standard output");
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
                             .effects = o.effects == "table" && !o.classical,
+                            .sizes = true,
                             .runs = o.runs,
                             .seed = o.seed,
                             .classical = o.classical};

@@ -98,6 +98,20 @@ PriorSizes optional_priors(const ImuDeclaration& imu) {
   return sizes;
 }
 
+ImuDeclaration of_size(const ImuDeclaration& imu, double factor) {
+  ImuDeclaration out = imu;
+  const std::string grade = likeliest(likely_grades(imu, {})).name;
+  for (const Effect& e : effects())
+    if ((e.needs & ~(Effect::of_accel | Effect::of_gyro | Effect::by_thermometer)) == 0)
+      out.effect_sigmas[std::string(e.name)] = factor * effect_sigma(e, imu.effect_sigmas, grade);
+  const PriorSizes sizes = optional_priors(imu);
+  TermSigmas& terms = out.term_sigmas;
+  terms.accel_quadratic = factor * sizes.accel.quadratic, terms.accel_cubic = factor * sizes.accel.cubic;
+  terms.gyro_quadratic = factor * sizes.gyro.quadratic, terms.gyro_cubic = factor * sizes.gyro.cubic;
+  terms.g_sensitivity = factor * sizes.g_sensitivity;
+  return out;
+}
+
 std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t recordings) {
   const NoiseModels noise = declared_terms(imu);
   const auto sigma = [&](const char* effect, const Spread& turn_on) {

@@ -77,6 +77,9 @@ double* size_of(PriorSizes& sizes, const Coefficient& c);
 /// Is it declared by a key of its own?
 bool is_declared(const TermSigmas& declared, const Coefficient& c);
 
+/// The IMU with its own effects and optional terms declared `factor` times as large as expected.
+ImuDeclaration of_size(const ImuDeclaration& imu, double factor);
+
 /// The declared sigma of a turn-on over the root of how many were recorded; absent where none is declared.
 std::optional<TurnOn> declared_turn_on(const ImuDeclaration& imu, std::size_t recordings);
 
