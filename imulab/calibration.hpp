@@ -209,6 +209,7 @@ struct Calibration {
   std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
   std::vector<CoefficientIndex> estimated = {};             ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
+  Eigen::MatrixXd constant_covariance = {};                 ///< part of it that the same IMU brings again at its next calibration; empty: zero
   Quality quality;
   std::optional<TurnOn> turn_on = {};        ///< absent: not declared, or in the covariance
   /// Standard uncertainties of the offsets at the next switch-on, by the name of the coefficient, SI: empty where the recordings are of one alone.

@@ -143,7 +143,9 @@ FleetSession hashed_session(const std::string& file, const std::string& sha256,
 /// Rows are calibrations in the order of their times; columns coefficients in table order. SI, in the accelerometers' frame.
 struct FleetSample {
   std::vector<CoefficientIndex> coefficients = {};
-  Eigen::MatrixXd values, variances;                     ///< NaN where a calibration's data did not determine the coefficient
+  Eigen::MatrixXd values, variances;  ///< NaN where a calibration's data did not determine the coefficient
+  /// Parts of the variances that a unit brings again in each of its calibrations, which are all by one method; empty: zero.
+  Eigen::MatrixXd constant_variances = {};
   Eigen::ArrayXd time;                                   ///< s since 1970
   std::vector<std::int64_t> calibration = {};            ///< numbers in the store
   std::vector<Eigen::Index> unit, station, operated_by;  ///< of each row, from 0
@@ -194,7 +196,7 @@ struct UnitDrift {
   double slope = 0, low = 0, high = 0;  ///< per year, with its interval
   double uncertainty = 0;               ///< standard, of the slope
   double since_middle = 0;              ///< years from the calibrations' weighted middle to the last; there level and slope have independent errors
-  double level = 0, level_uncertainty = 0;
+  double level = 0, level_uncertainty = 0;  ///< without what is the same in each calibration of the unit
   double p_value = 1;  ///< of so large a slope without a drift
   double last = 0;     ///< the line's value at the last calibration
 };

@@ -162,6 +162,7 @@ void bind_calibration(py::module_& module) {
                                return names;
                              })
       .def_property_readonly("covariance", [](const CalibrationObject& c) { return array_of(c.calibration().covariance); })
+      .def_property_readonly("constant_covariance", [](const CalibrationObject& c) { return array_of(c.calibration().constant_covariance); })
       .def_property_readonly("curves",
                              [](const CalibrationObject& c) {
                                std::map<std::string, py::array> curves;

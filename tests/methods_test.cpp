@@ -1,12 +1,13 @@
 // Rules that every method in the table of methods keeps whose procedures are simulated.
 #include "imulab/calibrate.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/files.hpp"
 #include "imulab/recording/origin.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/simulate.hpp"
+#include "imulab/stop.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -93,6 +94,42 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
     const bool few = p.degrees_of_freedom.size() > 0 && p.degrees_of_freedom.minCoeff() < 3;  // then no requirement is met
     EXPECT_EQ(shortfalls(p, parse_requirements("accel.offset <= 1 g, accel.matrix <= 100000 ppm")).empty(), !few);
     EXPECT_FALSE(shortfalls(p, parse_requirements("accel.offset <= 0.00001 ug")).empty());
+  }
+}
+
+/// Larger effects never help, and an IMU whose effects are as expected is between those of half and of twice as large.
+TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {
+  for (const Method& method : simulated_methods()) {
+    SCOPED_TRACE(method.name);
+    const Prediction p = predict(method, example(method).session, {.sizes = true, .advice = false});
+    ASSERT_EQ(p.sigma_of_half.size(), p.sigma.size());
+    ASSERT_EQ(p.sigma_of_twice.size(), p.sigma.size());
+    constexpr double rounding = 1e-6, second_order = 0.02;  // of a table, whose products grow with what is uncertain
+    for (Eigen::Index i = 0; i < p.sigma.size(); ++i) {
+      const std::string_view name = coefficient(p.coefficients[static_cast<std::size_t>(i)]).name;
+      EXPECT_LE(p.sigma_of_half[i], (1 + (p.sources.empty() ? rounding : second_order)) * p.sigma[i]) << name;
+      EXPECT_GE(p.sigma_of_twice[i], (1 - (p.sources.empty() ? rounding : second_order)) * p.sigma[i]) << name;
+    }
+    EXPECT_GT((p.sigma_of_twice.array() / p.sigma_of_half.array()).maxCoeff(), 1.5);  // 4 where effects alone count
+    EXPECT_EQ(predict(method, example(method).session, {.advice = false}).sigma_of_half.size(), 0);
+  }
+}
+
+/// The part of the covariance that a unit brings again: less than all of it in every direction, and not nothing.
+TEST(Methods, EveryOneTellsWhatAUnitBringsAgain) {
+  for (const Method& method : simulated_methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method);
+    const Calibration c = calibrate(method.name, {e.session, e.recordings}).calibration;
+    ASSERT_EQ(c.constant_covariance.rows(), c.covariance.rows());
+    const Eigen::VectorXd u = c.covariance.diagonal().cwiseSqrt();
+    const Eigen::MatrixXd rest = u.cwiseInverse().asDiagonal() * (c.covariance - c.constant_covariance) * u.cwiseInverse().asDiagonal();
+    const Eigen::VectorXd values = rest.selfadjointView<Eigen::Lower>().eigenvalues();
+    EXPECT_GT(values.minCoeff(), -1e-9);
+    EXPECT_GT((c.constant_covariance.diagonal().array() / c.covariance.diagonal().array()).maxCoeff(), 0.1);
+    EXPECT_LT((c.constant_covariance.diagonal().array() / c.covariance.diagonal().array()).minCoeff(), 0.9);
+    const Calibration back = parse_calibration(calibration_text(c), "c.json");
+    EXPECT_TRUE(back.constant_covariance.isApprox(c.constant_covariance, 1e-9));
   }
 }
 

@@ -176,6 +176,31 @@ MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x, double* log_determ
 using Eigen::Index;
 using Eigen::VectorXd;
 
+namespace {
+
+/// W^1/2 f(W^-1/2 A W^-1/2) W^1/2 of a covariance W and a part A of it; f is of each eigenvalue, which is a share of W.
+MatrixXd with_shares(const MatrixXd& part, const MatrixXd& whole, double (*f)(double share)) {
+  constexpr double rounding = 1e-12;
+  const VectorXd sigma = whole.diagonal().cwiseSqrt(), per_sigma = (sigma.array() > 0).select(sigma.cwiseInverse(), 0.0);
+  const SymmetricEigen all = symmetric_eigen(per_sigma.asDiagonal() * whole * per_sigma.asDiagonal());
+  const VectorXd root = (all.values.array() > rounding).select(all.values.cwiseMax(0).cwiseSqrt(), 0.0);
+  const VectorXd per_root = (root.array() > 0).select(root.cwiseInverse(), 0.0);
+  const MatrixXd whitened = per_root.asDiagonal() * all.vectors.transpose() * per_sigma.asDiagonal();
+  const SymmetricEigen share = symmetric_eigen(whitened * part * whitened.transpose());
+  const MatrixXd back = sigma.asDiagonal() * all.vectors * root.asDiagonal() * share.vectors;
+  return back * share.values.unaryExpr(f).asDiagonal() * back.transpose();
+}
+
+}  // namespace
+
+MatrixXd limited_part(const MatrixXd& part, const MatrixXd& covariance) {
+  return with_shares(part, covariance, [](double share) { return std::clamp(share, 0.0, 1.0); });
+}
+
+MatrixXd common_part(const MatrixXd& a, const MatrixXd& b) {
+  return with_shares(a, a + b, [](double share) { return std::max(0.0, std::min(share, 1 - share)); });
+}
+
 void SquareRootEstimate::observe(Index state, double value, double sigma) {
   const Index n = x.size();
   const VectorXd f = factor.row(state).transpose();

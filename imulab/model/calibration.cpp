@@ -51,9 +51,8 @@ std::string size_problem(const Calibration& c) {
                      c.covariance.cols(), n, n);
 }
 
-std::string covariance_problem(const Calibration& c) {
+std::string covariance_problem(const Calibration& c, const Eigen::MatrixXd& p) {
   const auto name = [&](Eigen::Index i) { return coefficient(c.estimated[static_cast<std::size_t>(i)]).name; };
-  const Eigen::MatrixXd& p = c.covariance;
   for (Eigen::Index i = 0; i < p.rows(); ++i)
     if (!(p(i, i) >= 0 && std::isfinite(p(i, i)))) return fmt::format("the variance of {} is {:g}; expected 0 or more", name(i), p(i, i));
   for (Eigen::Index i = 0; i < p.rows(); ++i)
@@ -66,6 +65,18 @@ std::string covariance_problem(const Calibration& c) {
   return "";
 }
 
+std::string constant_problem(const Calibration& c) {
+  const Eigen::MatrixXd& part = c.constant_covariance;
+  if (part.size() == 0) return "";
+  if (part.rows() != c.covariance.rows() || part.cols() != c.covariance.cols()) return "the constant part of the covariance is not of its size";
+  constexpr double rounding = 1e-9;
+  for (Eigen::Index i = 0; i < part.rows(); ++i)
+    if (part(i, i) > (1 + rounding) * c.covariance(i, i))
+      return fmt::format("the constant part of the variance of {} is larger than all of it",
+                         coefficient(c.estimated[static_cast<std::size_t>(i)]).name);
+  return covariance_problem(c, part);
+}
+
 }  // namespace
 
 void validate(const Calibration& c) {
@@ -73,8 +84,10 @@ void validate(const Calibration& c) {
   const bool known = problems.empty();
   if (std::string size = size_problem(c); !size.empty())
     problems.push_back(std::move(size));
-  else if (std::string wrong = known ? covariance_problem(c) : ""; !wrong.empty())
+  else if (std::string wrong = known ? covariance_problem(c, c.covariance) : ""; !wrong.empty())
     problems.push_back(std::move(wrong));
+  else if (std::string of_part = known ? constant_problem(c) : ""; !of_part.empty())
+    problems.push_back(std::move(of_part));
   if (c.frame != "accelerometers" && c.frame != "rig")
     problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", c.frame));
   const std::vector<std::string> of_model = problems_of(c.model);

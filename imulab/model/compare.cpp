@@ -29,6 +29,25 @@ Eigen::MatrixXd table_covariance(const Calibration& c) {
   return p;
 }
 
+/// The part of the covariance that the same unit brings again, over the whole table.
+Eigen::MatrixXd table_constant(const Calibration& c) {
+  Eigen::MatrixXd p = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);
+  if (c.constant_covariance.size() > 0) p(c.estimated, c.estimated) = c.constant_covariance;
+  return p;
+}
+
+/// A covariance less a part of it. Where that is all, nothing is left to test: zero.
+Eigen::MatrixXd without(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& part) {
+  constexpr double rounding = 1e-9;
+  Eigen::MatrixXd p = covariance - part;
+  for (const CoefficientIndex i : coefficient_indices())
+    if (!(p(i, i) > rounding * covariance(i, i))) p.row(i).setZero(), p.col(i).setZero();
+  return p;
+}
+
+/// One unit, as far as its calibrations say, by one method: what they cannot know of it pulls both alike.
+bool shares_constant(const Calibration& a, const Calibration& b) { return a.method == b.method && a.imu == b.imu && a.serial == b.serial; }
+
 int first_lever_arm() { return coefficient_index(Triad::accel, Term::lever_arm, 0, 0); }
 
 bool has_lever_arms(const std::vector<CoefficientIndex>& estimated) {
@@ -189,7 +208,7 @@ std::vector<Contrast> contrasts(const std::vector<Estimate>& estimates, Coeffici
 }
 
 /// The contrasts contain all information of the estimates except one common truth, so this is also the estimates' chi-square about their weighted
-/// mean.
+/// mean. What all estimates share cancels in them.
 Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all, bool name) {
   const auto n = static_cast<Eigen::Index>(all.size());
   Eigen::VectorXd e(n);
@@ -232,6 +251,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
   for (std::size_t k = 0; k < others.size(); ++k) {
     b.push_back(in_accelerometer_frame(in_gauge_of(first, with_turn_on(others[k]))));
     Eigen::MatrixXd p = p_a + table_covariance(b[k]);
+    if (shares_constant(a, b[k])) p = without(p, 2 * common_part(table_constant(a), table_constant(b[k])));
     Eigen::VectorXd from = value_a;
     if (has_lever_arms(a.estimated) && has_lever_arms(b[k].estimated)) {
       const Vector3d moved = mean_point(b[k].model) - mean_point(a.model);
@@ -272,13 +292,17 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   Agreement out;
   if (calibrations.empty()) return out;
   const Eigen::MatrixXd relative = to_relative(in_accelerometer_frame(calibrations[0]).model);
+  std::vector<Calibration> stated;
+  for (const auto& c : calibrations)
+    if (!c.estimated.empty()) stated.push_back(in_accelerometer_frame(in_gauge_of(calibrations[0], with_turn_on(c))));
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);  // to all of them
+  if (std::ranges::all_of(stated, [&](const Calibration& c) { return shares_constant(c, stated.front()); }))
+    for (const Calibration& c : stated) common = &c == &stated.front() ? table_constant(c) : common_part(common, table_constant(c));
   std::vector<Estimate> si, user;
-  for (const auto& stated : calibrations) {
-    if (stated.estimated.empty()) continue;
-    const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], with_turn_on(stated)));
+  for (const Calibration& c : stated) {
     const Eigen::MatrixXd t =
         has_lever_arms(c.estimated) ? about_mean_point() : Eigen::MatrixXd(Eigen::MatrixXd::Identity(coefficient_count, coefficient_count));
-    si.push_back({c.estimated, t * values(c.model), t * table_covariance(c) * t.transpose()});
+    si.push_back({c.estimated, t * values(c.model), t * without(table_covariance(c), common) * t.transpose()});
     user.push_back({c.estimated, relative * si.back().value, relative * si.back().covariance * relative.transpose()});
   }
   out.calibrations = static_cast<int>(si.size());

@@ -65,6 +65,48 @@ const CoefficientDifference& find(const Comparison& comparison, std::string_view
   throw Error("not compared: " + std::string(name));
 }
 
+/// Calibrations of one unit have errors of their own, and such as are the same each time: these cancel in differences, though not against the truth,
+/// of another unit, or of another method.
+TEST(Compare, WhatAUnitBringsAgainCancels) {
+  Calibration a = any_calibration(3);
+  a.imu = "unit", a.method = "static", a.serial = "1";
+  const Eigen::Index n = a.covariance.rows();
+  const Eigen::MatrixXd own = a.covariance;
+  const Eigen::MatrixXd l = 10 * own.diagonal().cwiseSqrt().asDiagonal() * draws(static_cast<int>(n), 4, 7);
+  a.constant_covariance = l * l.transpose();
+  a.covariance = own + a.constant_covariance;
+  const Eigen::MatrixXd root = own.llt().matrixL();
+  double chi2 = 0, together = 0;
+  constexpr int runs = 100;
+  for (int run = 0; run < runs; ++run) {
+    const RandomStream random(20261129, static_cast<std::uint64_t>(run));
+    const auto normal = [&](Eigen::Index k) { return random.normal(static_cast<std::uint64_t>(k)); };
+    const Eigen::VectorXd always = l * Eigen::VectorXd::NullaryExpr(4, [&](Eigen::Index k) { return normal(k); });
+    std::vector<Calibration> all(3, a);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const Eigen::VectorXd error =
+          always + root * Eigen::VectorXd::NullaryExpr(n, [&](Eigen::Index i) { return normal(10 + 100 * (Eigen::Index(k)) + i); });
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const CoefficientIndex index = a.estimated[static_cast<std::size_t>(i)];
+        set_coefficient(all[k].model, index, coefficient_value(a.model, index) + error[i]);
+      }
+    }
+    chi2 += compare(all[0], all[1]).consistency.chi2 / runs;
+    together += agreement(all).consistency.chi2 / runs;
+  }
+  const double sigma = std::sqrt(2.0 * static_cast<double>(n) / runs);  // of the mean of chi-squares
+  EXPECT_NEAR(chi2, static_cast<double>(n), 4 * sigma);
+  EXPECT_NEAR(together, 2 * static_cast<double>(n), 4 * std::sqrt(2.0) * sigma);
+  const auto uncertainty = [&](const char* serial, const char* method) {
+    Calibration b = a;
+    b.serial = serial, b.method = method;
+    return *find(compare(a, b), "accel.offset.x").uncertainty;
+  };
+  EXPECT_NEAR(uncertainty("1", "static"), std::sqrt(2 * own(0, 0)), 1e-9 * std::sqrt(own(0, 0)));
+  EXPECT_NEAR(uncertainty("2", "static"), std::sqrt(2 * a.covariance(0, 0)), 1e-9 * std::sqrt(own(0, 0)));
+  EXPECT_NEAR(uncertainty("1", "handheld"), std::sqrt(2 * a.covariance(0, 0)), 1e-9 * std::sqrt(own(0, 0)));
+}
+
 TEST(Compare, EqualCalibrationsDoNotDiffer) {
   const Calibration a = any_calibration(3);
   const Comparison same = compare(a, a);

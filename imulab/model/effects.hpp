@@ -87,6 +87,8 @@ struct Effect {
   int columns(const EffectSetting& setting) const;
   /// Key of [imu.effects], a size to simulate: that of [imu] without "_sigma".
   std::string_view simulated() const;
+  /// A property of the unit: the same in its next calibration.
+  bool constant() const { return each == Each::session && (needs & ~(of_accel | of_gyro)) == 0; }
   /// It changes the triad's output, at some state.
   bool changes(Triad triad) const { return (needs & (triad == Triad::accel ? of_accel : of_gyro)) != 0; }
 };

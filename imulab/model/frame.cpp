@@ -113,6 +113,7 @@ Calibration in_accelerometer_frame(const Calibration& calibration) {
   std::erase_if(out.estimated, zero_by_frame);
   const Eigen::MatrixXd jacobian = rotation_jacobian(calibration.model)(out.estimated, calibration.estimated);
   out.covariance = jacobian * calibration.covariance * jacobian.transpose();
+  if (calibration.constant_covariance.size() > 0) out.constant_covariance = jacobian * calibration.constant_covariance * jacobian.transpose();
   return out;
 }
 

@@ -79,6 +79,7 @@ Calibration with_references(const Calibration& calibration, double accel_referen
   // Products of a coefficient with the drift, which is small: differences over one sigma are exact to the third order of it.
   const MatrixXd transfer = derivatives(change, calibration.estimated, calibration.model, calibration.covariance.diagonal().cwiseSqrt());
   out.covariance = transfer * calibration.covariance * transfer.transpose();
+  if (calibration.constant_covariance.size() > 0) out.constant_covariance = transfer * calibration.constant_covariance * transfer.transpose();
   return out;
 }
 

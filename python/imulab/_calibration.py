@@ -130,6 +130,11 @@ class Calibration(Answer):
         """(M, M), SI, in the order of `estimated`."""
         return _arrays.fixed(self._answer.covariance)
 
+    @cached_property
+    def constant_covariance(self) -> FloatArray:
+        """The part of `covariance` that the same IMU brings again at its next calibration; (0, 0) where it is zero."""
+        return _arrays.fixed(self._answer.constant_covariance)
+
     @property
     def verdict(self) -> str:
         """"good" or "doubtful"."""

@@ -42,6 +42,7 @@ Eigen::Matrix<double, 6, 6> covariance_at(const Calibration& calibration, const 
 /// Bound of one sigma of the rotation over a range [rad]: all that the coefficients leave open turns the same way.
 double rotation_sigma(const Calibration& calibration, const Recording& recording, const Range& range, double random_walk) {
   constexpr std::size_t places = 200;
+  if (range.size() == 0) return 0;
   const MotionSamples motion = compensated_samples(calibration.model, recording, range);
   const double duration = recording.time_s(range.end - 1) - recording.time_s(range.begin) + recording.interval_s;
   const std::size_t step = std::max<std::size_t>(1, range.size() / places);

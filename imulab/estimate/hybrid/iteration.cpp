@@ -237,30 +237,38 @@ std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, d
   return tests;
 }
 
-/// Infers the sizes of effects and optional terms, as Effects::infer. Without effects terms have their expected sizes, unless the data contradict
-/// one.
-bool infer_sizes(Data& data, Iterate& c) {
-  const States& states = c.states;
-  const std::vector<Index> at = states.corrections();
-  std::vector<CoefficientIndex> indices;
-  for (const Index s : at) indices.push_back(states.corrects(s));
-  kernel::Effects effects = data.unmodeled.effects;
-  const Index n = std::ssize(at), m = c.pass.effects.value.size();
-  if (m != effects.size()) return false;
-  kernel::Parameters parameters(n + m);
-  parameters.offset.head(n) = -(c.total + c.pass.x.head(states.constants()))(at);
-  parameters.sigma.head(n) = states.prior(at);
-  parameters.offset.tail(m) = -c.pass.effects.value;
-  parameters.sigma.tail(m) = effects.sigma();
-  kernel::Solution solution{.x = VectorXd::Zero(n + m), .covariance = MatrixXd(n + m, n + m)};
-  MatrixXd& covariance = solution.covariance;
-  covariance.topLeftCorner(n, n) = c.pass.covariance(at, at);
-  if (m > 0) {
+/// Coefficients and effects of a pass, about its values.
+struct Joint {
+  std::vector<Index> at;  ///< states of the coefficients
+  std::vector<CoefficientIndex> coefficients;
+  kernel::Parameters parameters;
+  kernel::Solution solution;
+
+  Joint(const kernel::Effects& effects, const Iterate& c) : at(c.states.corrections()) {
+    const States& states = c.states;
+    for (const Index s : at) coefficients.push_back(states.corrects(s));
+    const Index n = std::ssize(at), m = c.pass.effects.value.size();
+    parameters = kernel::Parameters(n + m);
+    parameters.offset << -(c.total + c.pass.x.head(states.constants()))(at), -c.pass.effects.value;
+    parameters.sigma << states.prior(at), effects.sigma();
+    solution = {.x = VectorXd::Zero(n + m), .covariance = MatrixXd(n + m, n + m)};
+    MatrixXd& covariance = solution.covariance;
+    covariance.topLeftCorner(n, n) = c.pass.covariance(at, at);
+    if (m == 0) return;
     covariance.topRightCorner(n, m) = c.pass.across(at, Eigen::all);
     covariance.bottomLeftCorner(m, n) = covariance.topRightCorner(n, m).transpose();
     covariance.bottomRightCorner(m, m) = c.pass.effects.covariance;
   }
-  const bool changed = effects.infer(parameters, solution, indices);
+};
+
+/// Infers the sizes of effects and optional terms, as Effects::infer. Without effects terms have their expected sizes, unless the data contradict
+/// one.
+bool infer_sizes(Data& data, Iterate& c) {
+  kernel::Effects effects = data.unmodeled.effects;
+  const Index m = c.pass.effects.value.size();
+  if (m != effects.size()) return false;
+  const Joint joint(effects, c);
+  const bool changed = effects.infer(joint.parameters, joint.solution, joint.coefficients);
   if (m == 0 && effects.contradicting().empty()) return false;
   data.unmodeled.effects = std::move(effects);
   data.terms.priors.sizes = data.unmodeled.effects.terms();
@@ -321,6 +329,18 @@ Converged converge(Data& data, double significance) {
   const auto lose = [&] { return lose_turn(data, out); };
   kernel::refine(
       most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, infer, drop);
+  return out;
+}
+
+MatrixXd constant_part(const Data& data, const Iterate& last) {
+  const Index n = last.states.constants();
+  const kernel::Effects& effects = data.unmodeled.effects;
+  if (last.pass.effects.value.size() != effects.size()) return {};
+  const Joint joint(effects, last);
+  const MatrixXd part = effects.constant_part(joint.parameters, joint.solution.covariance, joint.coefficients);
+  if (part.size() == 0) return {};
+  MatrixXd out = MatrixXd::Zero(n, n);
+  out(joint.at, joint.at) = part;
   return out;
 }
 

@@ -36,6 +36,8 @@ struct Errors {
   std::vector<CoefficientIndex> considered;          ///< optional ones that the data do not show, among `coefficients`
 };
 Errors determined_errors(const Iterate& iterate);
+/// Part of the constants' covariance that the same IMU brings again (kernel::Effects::constant_part); empty where sizes are not inferred.
+Eigen::MatrixXd constant_part(const Data& data, const Iterate& last);
 
 /// The velocities' residuals over what the noise explains (RMS).
 double scatter_of(const Data& data, const Iterate& iterate);

@@ -200,11 +200,14 @@ void consider_nonlinearity(const Data& data, Calibration& c) {
       if (at == c.estimated.end()) continue;
       const double sigma = kernel::prior_sigma(data.terms.priors.sizes, term, scale), effect = term.term == Term::cubic ? reading * reading : reading;
       const Index row = at - c.estimated.begin(), n = c.covariance.rows();
-      c.covariance.conservativeResize(n + 1, n + 1);
-      c.covariance.row(n).setZero(), c.covariance.col(n).setZero();
-      c.covariance(n, n) = sigma * sigma;
-      c.covariance(row, row) += std::pow(sigma * effect, 2);
-      if (term.term == Term::cubic) c.covariance(row, n) = c.covariance(n, row) = -sigma * sigma * effect;
+      for (MatrixXd* const m : {&c.covariance, &c.constant_covariance}) {  // a term of the unit
+        if (m->size() == 0) continue;
+        m->conservativeResize(n + 1, n + 1);
+        m->row(n).setZero(), m->col(n).setZero();
+        (*m)(n, n) = sigma * sigma;
+        (*m)(row, row) += std::pow(sigma * effect, 2);
+        if (term.term == Term::cubic) (*m)(row, n) = (*m)(n, row) = -sigma * sigma * effect;
+      }
       c.estimated.push_back(index);
       c.quality.considered.emplace_back(term.name);
     }
@@ -227,6 +230,8 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   c.covariance = jacobian * errors.covariance * jacobian.transpose();
   if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
   c.quality.degrees_of_freedom = degrees_of_freedom(data, iterate);
+  const MatrixXd constant = constant_part(data, iterate);
+  if (constant.size() > 0) c.constant_covariance = limited_part(jacobian * constant * jacobian.transpose(), c.covariance);
   if (data.terms.wanted.empty()) consider_nonlinearity(data, c);
   return c;
 }

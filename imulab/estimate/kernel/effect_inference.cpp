@@ -157,6 +157,18 @@ double Effects::p_value(const Parameters& parameters, const Solution& solution, 
   return chi_square_tail(cost, std::max(1.0, degrees));
 }
 
+MatrixXd Effects::constant_part(const Parameters& parameters, const MatrixXd& covariance, const std::vector<CoefficientIndex>& coefficients) const {
+  if (hypotheses_.empty()) return {};
+  std::vector<Index> constant;
+  for (std::size_t k = 0; k < coefficients.size(); ++k)
+    if (size_in(terms_, coefficient(coefficients[k])) > 0) constant.push_back(static_cast<Index>(k));
+  for (const EffectGroup& g : groups_)
+    for (Index k = 0; k < g.size && g.effect->constant(); ++k) constant.push_back(parameters.size() - size() + g.first + k);
+  const MatrixXd by_prior =
+      covariance(Eigen::all, constant).topRows(std::ssize(coefficients)) * parameters.sigma(constant).cwiseInverse().asDiagonal();
+  return by_prior * by_prior.transpose();
+}
+
 std::string Effects::grade_of_factor(double factor) const {
   std::string_view nearest = grade();
   double least = std::abs(std::log(factor));

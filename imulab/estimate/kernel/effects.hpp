@@ -78,6 +78,11 @@ class Effects {
   double p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
                  const std::vector<CoefficientIndex>& coefficients = {}) const;
 
+  /// The part of the coefficients' covariance that the same IMU brings again in a calibration like this one: the values of its own effects and optional
+  /// terms c pull the coefficients by P_xc S^-1 c, S their priors. `covariance`: of the parameters. Empty where sizes are not inferred.
+  Eigen::MatrixXd constant_part(const Parameters& parameters, const Eigen::MatrixXd& covariance,
+                                const std::vector<CoefficientIndex>& coefficients) const;
+
   /// Degrees of freedom that the data have in the effects, by their covariance (its last size() rows): as much checks their priors.
   double degrees_of_freedom(const Eigen::MatrixXd& covariance) const;
 

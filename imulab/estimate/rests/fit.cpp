@@ -1,5 +1,6 @@
 #include "imulab/estimate/rests/fit.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/model/gauge.hpp"
@@ -95,11 +96,20 @@ PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
 
 }  // namespace
 
-Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
-  const std::vector<CoefficientIndex>& indices = problem.indices();
+namespace {
+
+/// Without the uncertainty of g.
+Eigen::MatrixXd raw_covariance_at_g(const RestProblem& problem, Eigen::MatrixXd covariance) {
   for (Index i = 0; i < covariance.rows(); ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
     if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
-  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, indices, covariance);
+  return covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, problem.indices(), covariance);
+}
+
+}  // namespace
+
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
+  const std::vector<CoefficientIndex>& indices = problem.indices();
+  covariance = raw_covariance_at_g(problem, std::move(covariance));
   // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
   const SensorModel raw = to_raw(problem.model(), problem.scaling());
   VectorXd by_gravity = VectorXd::Zero(covariance.rows());
@@ -147,6 +157,8 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   }
   out.model = to_raw(scaled, problem.scaling());
   out.covariance = raw_covariance(problem, covariance)(at, at);
+  if (const Eigen::MatrixXd constant = problem.effects().constant_part(fit.parameters, fit.covariance(), indices); constant.size() > 0)
+    out.constant_covariance = limited_part(raw_covariance_at_g(problem, constant)(at, at), out.covariance);
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);

@@ -1,5 +1,6 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
@@ -155,6 +156,9 @@ void add_effects(Calibration& calibration, Findings& findings, const Fit& last) 
   effects.correct(last.estimator.effects(last.readings) - effects.value());
   const Eigen::MatrixXd joint = joint_covariance(last, calibration.estimated, calibration.covariance);
   kernel::add_effects(calibration, findings, effects, joint, unlikely, calibration.estimated);
+  kernel::Parameters parameters(joint.rows());
+  parameters.sigma << last.estimator.prior_sigma(last.model, calibration.estimated), effects.sigma();
+  calibration.constant_covariance = limited_part(effects.constant_part(parameters, joint, calibration.estimated), calibration.covariance);
   if (const std::optional<std::size_t> step = last.options.effects.moved_at) {
     const TableProblem& problem = *last.problem;
     const Effect& effect = *find_effect("mount.change");

@@ -1,5 +1,6 @@
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/effect_findings.hpp"
@@ -230,13 +231,15 @@ void expect_latitude(const Session& session) {
 
 /// Coefficients and covariance of the readings, from those of readings less their center; the covariance may have more parameters after theirs. What
 /// is not estimated keeps its starting value; of that only the terms left out count in the covariance themselves.
+/// `constant`: the part of the covariance that the same IMU brings again; empty: zero.
 void set_estimate(Calibration& calibration, const PointProblem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
-                  MatrixXd covariance) {
+                  MatrixXd covariance, MatrixXd constant = {}) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     if (problem.role[k] == Role::estimated) continue;
     set_coefficient(model, problem.coefficients[k], coefficient_value(problem.start, problem.coefficients[k]));
     if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
-    covariance.row(static_cast<Index>(k)).setZero(), covariance.col(static_cast<Index>(k)).setZero();
+    for (MatrixXd* const m : {&covariance, &constant})
+      if (const auto i = static_cast<Index>(k); m->size() > 0) m->row(i).setZero(), m->col(i).setZero();
   }
   const auto change = [&](const SensorModel& m) { return of_shifted_readings(m, problem.center.head<3>(), problem.center.tail<3>()); };
   calibration.model = change(model);
@@ -250,6 +253,8 @@ void set_estimate(Calibration& calibration, const PointProblem& problem, const s
     calibration.estimated.push_back(problem.coefficients[k]);
   }
   calibration.covariance = covariance(kept, kept);
+  if (constant.size() > 0)
+    calibration.constant_covariance = limited_part(covariance_after(change, problem.coefficients, constant)(kept, kept), calibration.covariance);
 }
 
 }  // namespace
@@ -277,7 +282,9 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
     const StepwiseEstimate steps = stepwise_estimate(problem, true);
     set_estimate(calibration, problem, {}, steps.model, steps.covariance * (joint.scatter * joint.scatter));
   } else {
-    set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance);
+    const kernel::Parameters counted = problem.parameters(Priors::considered);
+    set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance,
+                 problem.effects.constant_part(counted, joint.solution.covariance, problem.coefficients));
   }
   calibration.quality = quality_of(problem, joint);
   check_chamber(joint.findings, problem);

@@ -127,6 +127,7 @@ PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
   constexpr double implausible = 1e-3;
   if (!(use.p_value >= implausible)) return use;
   use.taken = true;
+  c.constant_covariance.resize(0, 0);  // what the unit brings again is no longer known beside the fleet's part
   observe(x, c.covariance, m.in_calibration, prior.mean(m.in_prior), own);
   if (!m.open.empty()) fill(x, c.covariance, m, prior);
   for (const Index k : m.open) use.filled.push_back(prior.coefficients[static_cast<std::size_t>(k)]);

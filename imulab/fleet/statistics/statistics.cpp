@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace imulab {
@@ -30,6 +31,7 @@ OutlierSearch search_of(const FleetSample& s, const std::function<Eigen::MatrixX
 struct FleetColumn {
   std::vector<Eigen::Index> rows;
   Eigen::ArrayXd values, variances;
+  Eigen::ArrayXd constant, drawn_anew;  ///< parts of the variances: the same in each calibration of a unit, and the rest
 };
 FleetColumn column_of(const FleetSample& s, Eigen::Index column, const std::vector<Eigen::Index>& rows) {
   FleetColumn c;
@@ -37,6 +39,16 @@ FleetColumn column_of(const FleetSample& s, Eigen::Index column, const std::vect
     if (!std::isnan(s.values(row, column))) c.rows.push_back(row);
   c.values = s.values.col(column)(c.rows);
   c.variances = s.variances.col(column)(c.rows);
+  constexpr double least = 1e-6;  // of a variance is drawn anew: the prior alone would be no measurement
+  c.constant = s.constant_variances.size() > 0 ? Eigen::ArrayXd(s.constant_variances.col(column)(c.rows)) : Eigen::ArrayXd::Zero(std::ssize(c.rows));
+  std::map<Eigen::Index, double> shared;  // by the unit: the least of its calibrations
+  const auto unit_of = [&](Eigen::Index k) { return s.unit[static_cast<std::size_t>(c.rows[static_cast<std::size_t>(k)])]; };
+  for (Eigen::Index k = 0; k < c.constant.size(); ++k) {
+    const auto [at, first] = shared.emplace(unit_of(k), c.constant[k]);
+    at->second = std::min(at->second, c.constant[k]);
+  }
+  for (Eigen::Index k = 0; k < c.constant.size(); ++k) c.constant[k] = shared[unit_of(k)];
+  c.drawn_anew = (c.variances - c.constant).max(least * c.variances);
   return c;
 }
 
@@ -49,7 +61,7 @@ std::vector<Eigen::Index> all_rows(const FleetSample& s) {
 std::optional<Gauge> gauge_of(const FleetSample& s, const FleetColumn& c, const std::vector<Eigen::Index>& level, std::size_t levels,
                               double confidence) {
   if (levels < 2) return std::nullopt;
-  GaugeInput in{{}, {}, static_cast<Eigen::Index>(levels), c.values, c.variances};
+  GaugeInput in{{}, {}, static_cast<Eigen::Index>(levels), c.values, c.drawn_anew};
   for (const Eigen::Index row : c.rows) {
     in.unit.push_back(s.unit[static_cast<std::size_t>(row)]);
     in.level.push_back(level[static_cast<std::size_t>(row)]);
@@ -59,7 +71,7 @@ std::optional<Gauge> gauge_of(const FleetSample& s, const FleetColumn& c, const 
 
 void take_drift(CoefficientStatistics& out, const FleetSample& s, const FleetColumn& c, double confidence) {
   if (s.last.size() == static_cast<std::size_t>(s.time.size())) return;  // every unit was calibrated once
-  DriftInput in{{}, s.time(c.rows) / unit::year, c.values, c.variances};
+  DriftInput in{{}, s.time(c.rows) / unit::year, c.values, c.drawn_anew};
   for (const Eigen::Index row : c.rows) in.unit.push_back(s.unit[static_cast<std::size_t>(row)]);
   out.drift = fleet_drift(in, confidence);
   if (out.drift.units.size() < 2) return;
@@ -88,7 +100,8 @@ void take_due(CoefficientStatistics& out, const FleetSample& s, const FleetColum
     Aging aging{.level_sigma = std::hypot(std::sqrt(last.variances[row]), repeatability), .repeatability = repeatability};
     if (const UnitDrift* line = own[static_cast<std::size_t>(unit)]) {
       slope = slope_among(fleet, {line->slope, line->uncertainty * line->uncertainty});
-      aging.level = line->level - last.values[row], aging.level_sigma = line->level_uncertainty, aging.since_middle = line->since_middle;
+      aging.level = line->level - last.values[row], aging.level_sigma = std::hypot(line->level_uncertainty, std::sqrt(last.constant[row])),
+      aging.since_middle = line->since_middle;
     }
     aging.slope = slope.mean, aging.slope_sigma = std::sqrt(slope.variance);
     out.due.push_back({unit, out.index, s.time[last.rows[k]] + unit::year * years_until(aging, limit)});
@@ -207,7 +220,8 @@ void check(const FleetSample& s, const FleetOptions& options) {
       for (const std::string& problem : problems_of(r)) problems.push_back(problem);
   const Eigen::Index rows = s.time.size(), columns = std::ssize(s.coefficients);
   const bool rows_agree = std::ssize(s.unit) == rows && std::ssize(s.station) == rows && std::ssize(s.operated_by) == rows;
-  if (!rows_agree || s.values.rows() != rows || s.variances.rows() != rows || s.values.cols() != columns || s.variances.cols() != columns)
+  if (!rows_agree || s.values.rows() != rows || s.variances.rows() != rows || s.values.cols() != columns || s.variances.cols() != columns ||
+      (s.constant_variances.size() > 0 && (s.constant_variances.rows() != rows || s.constant_variances.cols() != columns)))
     problems.emplace_back("the sample's tables have different sizes; expected a row a calibration and a column a coefficient");
   throw_problems("the fleet", problems);
 }

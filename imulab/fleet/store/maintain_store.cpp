@@ -26,7 +26,7 @@ void check_numbers(fleet::Database& db, std::vector<std::string>& damaged, const
     const std::int64_t id = rows.integer(0);
     try {
       const std::size_t n = fleet::parse_layout(rows.bytes(3)).size();
-      if (rows.bytes(1).size() != fleet::packed_size(n) || fleet::crc32_of(rows.bytes(1)) != rows.integer(2)) throw Error("its numbers are damaged");
+      if (!fleet::is_packed(rows.bytes(1), n) || fleet::crc32_of(rows.bytes(1)) != rows.integer(2)) throw Error("its numbers are damaged");
       const std::string text = fleet::inflated(rows.bytes(4), static_cast<std::size_t>(std::max<std::int64_t>(0, rows.integer(5))));
       if (sha256(text) != rows.bytes(6)) throw Error("its text is damaged");
     } catch (const Error& e) {

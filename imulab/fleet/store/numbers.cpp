@@ -27,23 +27,24 @@ Numbers numbers_of(const Calibration& given) {
   if (given.estimated.empty()) throw Error("has no uncertainties; expected a calibration with its covariance");
   const Calibration c = in_accelerometer_frame(given);
   const auto n = static_cast<Eigen::Index>(c.estimated.size());
-  Numbers out{c.estimated, Eigen::VectorXd(n), c.covariance};
+  Numbers out{c.estimated, Eigen::VectorXd(n), c.covariance, c.constant_covariance.diagonal()};
   for (Eigen::Index i = 0; i < n; ++i) {
     const CoefficientIndex index = c.estimated[static_cast<std::size_t>(i)];
     out.values[i] = coefficient_value(c.model, index);
     if (!(c.covariance(i, i) > 0))
       throw Error(fmt::format("{}: its variance is {}; expected it above 0", coefficient(index).name, c.covariance(i, i)));
   }
-  if (!out.values.allFinite() || !out.covariance.allFinite()) throw Error("has a number that is not finite");
+  if (!out.values.allFinite() || !out.covariance.allFinite() || !out.constant.allFinite()) throw Error("has a number that is not finite");
   return out;
 }
 
 std::string packed(const Numbers& numbers) {
   std::string bytes;
-  bytes.reserve(packed_size(numbers.estimated.size()));
+  bytes.reserve(sizeof(double) * (packed_numbers(numbers.estimated.size()) + static_cast<std::size_t>(numbers.constant.size())));
   for (const double value : numbers.values) append(bytes, value);
   for (Eigen::Index i = 0; i < numbers.values.size(); ++i)
     for (Eigen::Index j = 0; j <= i; ++j) append(bytes, numbers.covariance(i, j));
+  for (const double variance : numbers.constant) append(bytes, variance);
   return bytes;
 }
 
@@ -55,11 +56,13 @@ double packed_number(std::string_view data, std::size_t place) {
 
 Numbers unpacked(std::string_view data, const std::vector<CoefficientIndex>& estimated) {
   const auto n = static_cast<Eigen::Index>(estimated.size());
-  Numbers out{estimated, Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
+  Numbers out{estimated, Eigen::VectorXd(n), Eigen::MatrixXd(n, n), {}};
   std::size_t place = 0;
   for (double& value : out.values) value = packed_number(data, place++);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) out.covariance(i, j) = out.covariance(j, i) = packed_number(data, place++);
+  if (data.size() > place * sizeof(double)) out.constant.resize(n);
+  for (double& variance : out.constant) variance = packed_number(data, place++);
   return out;
 }
 

@@ -16,15 +16,20 @@ struct Numbers {
   std::vector<CoefficientIndex> estimated;
   Eigen::VectorXd values;      ///< SI
   Eigen::MatrixXd covariance;  ///< SI
+  Eigen::VectorXd constant;    ///< variances that the same unit brings again (Calibration::constant_covariance); empty: zero
 };
 
 /// In the accelerometers' frame. Throws Error where nothing is estimated, a number is not finite or the covariance has no positive diagonal.
 Numbers numbers_of(const Calibration& calibration);
 
-/// Doubles, least significant byte first: the values, then the covariance's lower triangle row by row.
+/// Doubles, least significant byte first: the values, the covariance's lower triangle row by row, and the constant variances unless they are zero.
 std::string packed(const Numbers& numbers);
-/// The number of bytes for this number of coefficients.
-constexpr std::size_t packed_size(std::size_t n) { return sizeof(double) * (n + n * (n + 1) / 2); }
+/// The number of doubles for this number of coefficients, but for constant variances.
+constexpr std::size_t packed_numbers(std::size_t n) { return n + n * (n + 1) / 2; }
+/// Are these the numbers of n coefficients, without or with constant variances?
+constexpr bool is_packed(std::string_view data, std::size_t n) {
+  return data.size() == sizeof(double) * packed_numbers(n) || data.size() == sizeof(double) * (packed_numbers(n) + n);
+}
 double packed_number(std::string_view data, std::size_t place);
 /// The numbers in packed bytes, as many as the coefficients require.
 Numbers unpacked(std::string_view data, const std::vector<CoefficientIndex>& estimated);

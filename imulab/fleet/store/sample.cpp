@@ -28,6 +28,11 @@ struct SampleRow {
   double time;
 };
 
+/// The methods of the rows are one, by which what a calibration cannot know of a unit is the same in the next.
+bool is_of_one_method(FleetStore& store, const std::string& method) {
+  return !method.empty() || store.database().number("SELECT COUNT(DISTINCT method) FROM calibrations WHERE removed IS NULL") == 1;
+}
+
 /// Texts as numbers from 0.
 struct NumberedNames {
   std::vector<std::string> names;
@@ -128,8 +133,9 @@ struct CovarianceSum {
   }
 };
 
-/// Takes values and variances of all calibrations from the store into columns, which are all that is kept of them: 16 bytes a number.
-void take_numbers(FleetSample& s, FleetStore& store, RowFinder& rows, CovarianceSum& sum) {
+/// Takes values and variances of all calibrations from the store into columns, which are all that is kept of them: 16 bytes a number, 24 with
+/// constant variances.
+void take_numbers(FleetSample& s, FleetStore& store, RowFinder& rows, CovarianceSum& sum, bool one_method) {
   std::vector<bool> is_last(s.calibration.size());
   for (const Eigen::Index row : s.last) is_last[static_cast<std::size_t>(row)] = true;
   const std::vector<CoefficientIndex> possible = fleet::estimated_by_any(store);
@@ -152,22 +158,29 @@ void take_numbers(FleetSample& s, FleetStore& store, RowFinder& rows, Covariance
       if (!std::isfinite(value) || !(variance > 0) || !std::isfinite(variance))
         throw Error(store.database().file() + ": a number is damaged; imulab fleet check names all that are");
       s.values(row, column[index]) = value, s.variances(row, column[index]) = variance;
+      if (one_method && data.size() > sizeof(double) * fleet::packed_numbers(n)) {
+        if (s.constant_variances.size() == 0) s.constant_variances.setZero(s.values.rows(), s.values.cols());
+        s.constant_variances(row, column[index]) = fleet::packed_number(data, fleet::packed_numbers(n) + i);
+      }
       has.set(index);
     }
     if (is_last[static_cast<std::size_t>(row)]) sum.add(estimated, has, data);
   });
+  std::vector<Eigen::MatrixXd*> tables{&s.values, &s.variances};
+  if (s.constant_variances.size() > 0) tables.push_back(&s.constant_variances);
   Eigen::Index used = 0;
   for (std::size_t k = 0; k < possible.size(); ++k) {
     const auto from = static_cast<Eigen::Index>(k);
     if (any[static_cast<std::size_t>(possible[k])]) {
       s.coefficients.push_back(possible[k]);
-      if (used != from) s.values.col(used) = s.values.col(from), s.variances.col(used) = s.variances.col(from);
+      for (Eigen::MatrixXd* const table : tables)
+        if (used != from) table->col(used) = table->col(from);
       ++used;
     } else if (left_to_prior[static_cast<std::size_t>(possible[k])]) {
       s.left_out.push_back(possible[k]);
     }
   }
-  s.values.conservativeResize(Eigen::NoChange, used), s.variances.conservativeResize(Eigen::NoChange, used);
+  for (Eigen::MatrixXd* const table : tables) table->conservativeResize(Eigen::NoChange, used);
 }
 
 /// Columns that at least half of the last calibrations have together: of those that half have each, without the rarest until this holds.
@@ -258,7 +271,7 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   s.stations = std::move(stations.names), s.operators = std::move(operators.names);
   RowFinder by_number(s.calibration);
   CovarianceSum sum;
-  take_numbers(s, store, by_number, sum);
+  take_numbers(s, store, by_number, sum, is_of_one_method(store, method));
   s.common = common_columns(s);
   s.mean_covariance = mean_covariance_of(store, s, by_number, sum);
   return s;

@@ -15,7 +15,7 @@
 namespace imulab {
 
 /// Calibrations that were not removed, of one method or of all (""). Covariances stay in the store: in memory are value and variance of each
-/// coefficient (16 bytes) and about 150 bytes a calibration beside them. Throws Error where there is none.
+/// coefficient (16 bytes; 24 with constant ones) and about 150 bytes a calibration beside them. Throws Error where there is none.
 FleetSample load_sample(FleetStore& store, const std::string& method = "");
 
 }  // namespace imulab

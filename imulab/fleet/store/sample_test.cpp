@@ -101,6 +101,40 @@ TEST_F(DrawnStore, AsJsonAndTextOnAnyNumberOfThreads) {
   EXPECT_EQ(json["coefficients"][0]["stations"]["levels"].size(), 2u);
 }
 
+/// What no calibration knows of a unit is the same in the next one by the same method: it hides no drift and no scatter, and counts between units.
+TEST(FleetStatistics, WhatAUnitBringsAgainHidesNoDrift) {
+  constexpr double constant = 5e-3 * unit::g, drift = 1.5e-3 * unit::g;  // m/s^2, per year; the calibrations repeat to 0.6 mg, the units differ by 2 mg
+  const TemporaryFolder folder;
+  FleetStore store(folder / "fleet.db", Access::write);
+  store.database().run("PRAGMA synchronous = OFF");
+  const RandomStream unknown(4, "unknown");
+  const auto calibration = [&](std::uint64_t unit, std::uint64_t year) {
+    Calibration c = drawn_calibration(4, unit, year);
+    c.model.accel.offset.x() += constant * unknown.normal(unit) + (unit == 9 ? drift * static_cast<double>(year) : 0);
+    c.constant_covariance.setZero(c.covariance.rows(), c.covariance.cols());
+    c.constant_covariance(0, 0) = constant * constant;
+    c.covariance += c.constant_covariance;
+    return c;
+  };
+  const auto add = [&](const Calibration& c, double year) { store.add_calibration(c, {"A", "Ada", 1.7e9 + year * year_s, "declared"}); };
+  for (std::uint64_t unit = 0; unit < 100; ++unit)
+    for (std::uint64_t year = 0; year < 5; ++year) add(calibration(unit, year), static_cast<double>(year) + 1e-4 * static_cast<double>(unit));
+  const auto offset = [&](const FleetStatistics& f) { return f.coefficients.at(0); };
+  const FleetStatistics f = fleet_statistics(store);
+  EXPECT_EQ(coefficient(offset(f).index).name, "accel.offset.x");
+  ASSERT_FALSE(f.drifts.empty());
+  EXPECT_EQ(f.sample.units[static_cast<std::size_t>(f.drifts[0].drift.unit)], "unit 9 1009");
+  EXPECT_NEAR(f.drifts[0].drift.slope, drift, 3 * 0.6e-3 / std::sqrt(10.0) * unit::g);  // five years: a sum of squares of 10
+  EXPECT_LT(offset(f).drift.repeatability, 0.2e-3 * unit::g);
+  EXPECT_LT(offset(f).fleet.spread, 3.5e-3 * unit::g);  // their values scatter by 5.4 mg, of which 5 mg are not the units'
+  Calibration other = calibration(0, 5);
+  other.method = "other";
+  add(other, 5);
+  EXPECT_TRUE(fleet_statistics(store).drifts.empty());  // of two methods, which do not share it
+  EXPECT_FALSE(fleet_statistics(store, {}, "drawn").drifts.empty());
+  EXPECT_THAT(store.check().damaged, testing::IsEmpty());
+}
+
 TEST(FleetStatistics, CorrelationsBetweenUnitsAreFound) {
   const TemporaryFolder folder;
   FleetStore store(folder / "fleet.db", Access::write);

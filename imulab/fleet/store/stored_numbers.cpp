@@ -34,7 +34,7 @@ Layouts layouts_of(FleetStore& store) {
 const std::vector<CoefficientIndex>& expect_numbers(FleetStore& store, const Layouts& layouts, std::int64_t calibration, std::int64_t layout,
                                                     std::string_view data) {
   const auto found = layouts.find(layout);
-  if (found == layouts.end() || data.size() != packed_size(found->second.size()))
+  if (found == layouts.end() || !is_packed(data, found->second.size()))
     throw Error(
         fmt::format("{}: the numbers of calibration {} are damaged; imulab fleet check names all that is", store.database().file(), calibration));
   return found->second;

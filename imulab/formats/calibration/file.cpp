@@ -65,6 +65,16 @@ Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
   return p;
 }
 
+/// Part of the covariance.
+Eigen::MatrixXd read_constant(const Field& field, const Calibration& c) {
+  Eigen::MatrixXd part = read_covariance(field, c.estimated.size());
+  for (Eigen::Index i = 0; i < part.rows(); ++i)
+    if (part(i, i) > (1 + 1e-9) * c.covariance(i, i))
+      field.fail(fmt::format("{}: {} is more than its variance of {}; expected a part of it",
+                             coefficient(c.estimated[static_cast<std::size_t>(i)]).name, part(i, i), c.covariance(i, i)));
+  return part;
+}
+
 /// The stated uncertainties repeat the covariance's diagonal for readers; a file edited in one place only is refused.
 void check_uncertainties(const Field& field, const Calibration& calibration) {
   for (const CoefficientIndex i : coefficient_indices()) {
@@ -144,6 +154,7 @@ void describe_uncertainties(JsonWriter& f, const Calibration& c) {
   f.table("covariance", [&](JsonWriter& covariance) {
     covariance("coefficients", c.estimated);
     covariance("matrix", c.covariance);
+    if (c.constant_covariance.size() > 0) covariance("constant", c.constant_covariance);
   });
 }
 
@@ -154,6 +165,7 @@ void describe_uncertainties(JsonReader& f, Calibration& c) {
   const bool read = f.attempt([&] {
     if (given("covariance")) c.estimated = read_estimated(f.at()["covariance"]["coefficients"]);
     c.covariance = given("covariance") ? read_covariance(f.at()["covariance"]["matrix"], c.estimated.size()) : Eigen::MatrixXd(0, 0);
+    if (given("covariance") && f.at()["covariance"].has("constant")) c.constant_covariance = read_constant(f.at()["covariance"]["constant"], c);
   });
   f.attempt([&] {
     if (read && given("standard_uncertainty")) check_uncertainties(f.at()["standard_uncertainty"], c);
