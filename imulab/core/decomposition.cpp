@@ -181,6 +181,7 @@ namespace {
 /// W^1/2 f(W^-1/2 A W^-1/2) W^1/2 of a covariance W and a part A of it; f is of each eigenvalue, which is a share of W.
 MatrixXd with_shares(const MatrixXd& part, const MatrixXd& whole, double (*f)(double share)) {
   constexpr double rounding = 1e-12;
+  if (whole.size() == 0) return whole;
   const VectorXd sigma = whole.diagonal().cwiseSqrt(), per_sigma = (sigma.array() > 0).select(sigma.cwiseInverse(), 0.0);
   const SymmetricEigen all = symmetric_eigen(per_sigma.asDiagonal() * whole * per_sigma.asDiagonal());
   const VectorXd root = (all.values.array() > rounding).select(all.values.cwiseMax(0).cwiseSqrt(), 0.0);

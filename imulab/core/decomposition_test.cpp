@@ -101,5 +101,19 @@ TEST(Decomposition, ReverseCholeskyIsOfTheOtherOrder) {
   EXPECT_FALSE(reverse_cholesky(-a));
 }
 
+TEST(Decomposition, APartOfACovarianceIsNoMoreThanAllOfIt) {
+  MatrixXd whole(2, 2), part(2, 2);
+  whole << 4, 1, 1, 2;
+  part << 6, 0, 0, 0.5;
+  const MatrixXd limited = limited_part(part, whole);
+  EXPECT_GT(MatrixXd(whole - limited).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-12);
+  EXPECT_LT((limited_part(0.3 * whole, whole) - 0.3 * whole).norm(), 1e-12);
+  EXPECT_LT((common_part(whole, whole) - whole).norm(), 1e-12);
+  EXPECT_LT((common_part(0.3 * whole, whole) - 0.3 * whole).norm(), 1e-12);
+  for (const MatrixXd& all : {whole, part})
+    EXPECT_GT(MatrixXd(all - common_part(whole, part)).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-12);
+  EXPECT_EQ(limited_part(MatrixXd(0, 0), MatrixXd(0, 0)).size(), 0);  // nothing is stated
+}
+
 }  // namespace
 }  // namespace imulab
