@@ -76,7 +76,7 @@ Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& a);
 
 /// A part of a covariance, limited to all of it in every direction.
 Eigen::MatrixXd limited_part(const Eigen::MatrixXd& part, const Eigen::MatrixXd& covariance);
-/// The largest covariance that is a part of both in every direction in which one is: of the sum a + b, the smaller share.
+/// A part of both: along each common axis of a and b, the smaller of the two. Equal ones have all in common.
 Eigen::MatrixXd common_part(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 /// A = U diag(values) V^T, thin, values descending.

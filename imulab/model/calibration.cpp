@@ -51,6 +51,7 @@ std::string size_problem(const Calibration& c) {
                      c.covariance.cols(), n, n);
 }
 
+/// Of the covariance, or a part of it: what is rounding is a matter of the whole.
 std::string covariance_problem(const Calibration& c, const Eigen::MatrixXd& p) {
   const auto name = [&](Eigen::Index i) { return coefficient(c.estimated[static_cast<std::size_t>(i)]).name; };
   for (Eigen::Index i = 0; i < p.rows(); ++i)
@@ -58,7 +59,7 @@ std::string covariance_problem(const Calibration& c, const Eigen::MatrixXd& p) {
   for (Eigen::Index i = 0; i < p.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
       constexpr double rounding = 1e-9;  // far above that of any program that computed the matrix
-      const double scale = std::sqrt(p(i, i) * p(j, j));
+      const double scale = std::sqrt(c.covariance(i, i) * c.covariance(j, j));
       if (!(std::abs(p(i, j) - p(j, i)) <= rounding * scale)) return fmt::format("the covariance of {} and {} is not symmetric", name(i), name(j));
       if (!(std::abs(p(i, j)) <= (1 + rounding) * scale)) return fmt::format("{} and {} are correlated by more than 1", name(i), name(j));
     }

@@ -100,7 +100,7 @@ std::vector<TurnError> turn_errors(const Recording& recording, const std::vector
     const Matrix3d turned = rotation_over(after, recording, turn, earth);
     const double angle = rotation_log(turned).norm();
     if (angle < unit::deg) continue;
-    out.push_back({from.end_s, to.begin_s, angle, error(rotation_over(before, recording, turn, earth)), error(turned)});
+    out.push_back({from.end_s, to.begin_s, angle, error(&before == &after ? turned : rotation_over(before, recording, turn, earth)), error(turned)});
   }
   return out;
 }

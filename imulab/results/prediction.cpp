@@ -77,13 +77,12 @@ std::string share_rows(const Prediction& p, const Shares& shares, const Shares* 
   return text;
 }
 
-/// The worst of each group, for an IMU of half and of twice the effects; empty where that is not asked for.
-std::string sizes_text(const Prediction& p) {
-  std::string text;
+/// The worst of each group, and where it was asked for, of an IMU of half and of twice the effects.
+std::string summary_rows(const Prediction& p) {
+  const auto of = [&](const Eigen::VectorXd& sigma) { return [&](CoefficientIndex index) { return sigma_of(index, p.coefficients, sigma); }; };
+  std::string text = reached_text(of(p.sigma));
   const auto add = [&](const char* size, const Eigen::VectorXd& sigma) {
-    if (sigma.size() > 0)
-      text += fmt::format("\nIf the IMU's effects are {} as large as expected\n", size) +
-              worst_rows([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, sigma); });
+    if (sigma.size() > 0) text += fmt::format("\nIf the IMU's effects are {} as large as expected\n", size) + worst_rows(of(sigma));
   };
   add("half", p.sigma_of_half), add("twice", p.sigma_of_twice);
   return text;
@@ -139,14 +138,13 @@ double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirem
 
 std::string table_of_shares(const Prediction& p, bool details) {
   if (p.coefficients.empty()) return {};
-  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
+  std::string text = summary_rows(p);
   const Shares each = all_shares(p);
   text += "\nStandard uncertainty of every coefficient, shares of its variance in percent,\nand the source with the largest share\n\n" +
           share_rows(p, by_group(each), &each);
   if (details)
     for (const Shares& part : in_columns(each)) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p);
-  text += sizes_text(p);
   text += "\n" + text::wrapped("  ", fmt::format("{}. --verbose shows each source.", groups_text(p.sources))) + term_rows(p);
   if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
     text += "\n" + text::wrapped("",
@@ -165,7 +163,7 @@ std::string table_of_shares(const Prediction& p, bool details) {
 
 std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements, bool details) {
   if (!p.sources.empty()) return table_of_shares(p, details);
-  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
+  std::string text = summary_rows(p);
   text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
@@ -181,7 +179,6 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
     const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
     text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }
-  text += sizes_text(p);
   if (!p.considered.empty())
     text += "\n" + text::wrapped("", "Its prior: the procedure does not show the term; its prior enters the other uncertainties.");
   for (const std::string& note : p.notes) text += "\n" + text::wrapped("", note);

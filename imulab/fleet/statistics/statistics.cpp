@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <utility>
 
 namespace imulab {
@@ -39,15 +38,15 @@ FleetColumn column_of(const FleetSample& s, Eigen::Index column, const std::vect
     if (!std::isnan(s.values(row, column))) c.rows.push_back(row);
   c.values = s.values.col(column)(c.rows);
   c.variances = s.variances.col(column)(c.rows);
-  constexpr double least = 1e-6;  // of a variance is drawn anew: the prior alone would be no measurement
-  c.constant = s.constant_variances.size() > 0 ? Eigen::ArrayXd(s.constant_variances.col(column)(c.rows)) : Eigen::ArrayXd::Zero(std::ssize(c.rows));
-  std::map<Eigen::Index, double> shared;  // by the unit: the least of its calibrations
-  const auto unit_of = [&](Eigen::Index k) { return s.unit[static_cast<std::size_t>(c.rows[static_cast<std::size_t>(k)])]; };
-  for (Eigen::Index k = 0; k < c.constant.size(); ++k) {
-    const auto [at, first] = shared.emplace(unit_of(k), c.constant[k]);
-    at->second = std::min(at->second, c.constant[k]);
+  c.constant = Eigen::ArrayXd::Zero(c.values.size());
+  if (s.constant_variances.size() > 0) {
+    const auto unit_of = [&](Eigen::Index row) { return s.unit[static_cast<std::size_t>(row)]; };
+    Eigen::ArrayXd shared =
+        Eigen::ArrayXd::Constant(std::ranges::max(s.unit) + 1, std::numeric_limits<double>::infinity());  // the least of a unit's calibrations
+    for (const Eigen::Index row : c.rows) shared[unit_of(row)] = std::min(shared[unit_of(row)], s.constant_variances(row, column));
+    for (std::size_t k = 0; k < c.rows.size(); ++k) c.constant[static_cast<Eigen::Index>(k)] = shared[unit_of(c.rows[k])];
   }
-  for (Eigen::Index k = 0; k < c.constant.size(); ++k) c.constant[k] = shared[unit_of(k)];
+  constexpr double least = 1e-6;  // of a variance is drawn anew: the prior alone would be no measurement
   c.drawn_anew = (c.variances - c.constant).max(least * c.variances);
   return c;
 }

@@ -45,7 +45,8 @@ std::vector<CoefficientIndex> read_estimated(const Field& names) {
   return out;
 }
 
-Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
+/// `whole`: of which it is a part, which says what is rounding; null: of itself.
+Eigen::MatrixXd read_covariance(const Field& field, std::size_t n, const Eigen::MatrixXd* whole = nullptr) {
   const auto at = [&](std::size_t i, std::size_t j) { return field.item(i, n, "rows, one a coefficient").item(j, n, "numbers, one a coefficient"); };
   if (field.size() != n) field.fail(fmt::format("expected {} rows, one a coefficient", n));
   const auto size = static_cast<Eigen::Index>(n);
@@ -56,7 +57,7 @@ Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
     if (p(i, i) < 0) at(static_cast<std::size_t>(i), static_cast<std::size_t>(i)).expected("a variance, which is not negative");
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
-      const double scale = std::sqrt(p(i, i) * p(j, j));
+      const double scale = whole != nullptr ? std::sqrt((*whole)(i, i) * (*whole)(j, j)) : std::sqrt(p(i, i) * p(j, j));
       const Field element = at(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
       // A billionth of the scale is far above the rounding of any program that computed the matrix.
       if (std::abs(p(i, j) - p(j, i)) > 1e-9 * scale) element.expected(fmt::format("{}, as on the other side of the diagonal", p(j, i)));
@@ -67,7 +68,7 @@ Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
 
 /// Part of the covariance.
 Eigen::MatrixXd read_constant(const Field& field, const Calibration& c) {
-  Eigen::MatrixXd part = read_covariance(field, c.estimated.size());
+  Eigen::MatrixXd part = read_covariance(field, c.estimated.size(), &c.covariance);
   for (Eigen::Index i = 0; i < part.rows(); ++i)
     if (part(i, i) > (1 + 1e-9) * c.covariance(i, i))
       field.fail(fmt::format("{}: {} is more than its variance of {}; expected a part of it",

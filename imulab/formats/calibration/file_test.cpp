@@ -60,6 +60,7 @@ Calibration any_calibration() {
                .rotations = {{31.25, 40, 1.7, true}},
                .requirements = {{"accel.offset <= 20 ug", "accel.offset.y", 2e-4, 1.5e-4, true},
                                 {"gyro.offset <= 1 deg/h", "gyro.offset.x", 5e-6, std::numeric_limits<double>::infinity(), false}}};
+  c.constant_covariance = 0.5 * c.covariance;
   c.serial = "012";
   c.operated_by = "A. N. Other";
   c.firmware = "2.1", c.filter = "low-pass, 42 Hz", c.station = "table 2", c.measured = "2026-03-31", c.valid_until = "2027-03-31";
@@ -197,6 +198,10 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       {"/covariance/coefficients/1", "\"accel.ofset.x\"", "calibration.json: covariance.coefficients[1]: unknown coefficient \"accel.ofset.x\""},
       {"/covariance/coefficients/1", "\"gyro.matrix.xy\"", "calibration.json: covariance.coefficients[1]: gyro.matrix.xy is listed twice"},
       {"/covariance/matrix", "[[1, 0], [0, 1]]", "calibration.json: covariance.matrix: expected 3 rows"},
+      {"/covariance/constant", "[[1, 0], [0, 1]]", "calibration.json: covariance.constant: expected 3 rows"},
+      {"/covariance/constant", "null", "calibration.json: covariance.constant: expected a list, found null"},
+      {"/covariance/constant/0/0", "1e9", "calibration.json: covariance.constant: gyro.matrix.xy: 1000000000"},
+      {"/covariance/constant/0/0", "-1", "calibration.json: covariance.constant[0][0]: expected a variance, which is not negative"},
       {"/covariance/matrix/2", "[1, 0]", "calibration.json: covariance.matrix[2]: expected 3 numbers"},
       {"/covariance/matrix/0/0", "-1", "calibration.json: covariance.matrix[0][0]: expected a variance, which is not negative, found -1"},
       {"/covariance/matrix/1/0", "0", "calibration.json: covariance.matrix[1][0]: expected"},
@@ -305,6 +310,15 @@ TEST(CalibrationFile, AMistypedKeyIsNotZero) {
   EXPECT_EQ(with(R"("Frame": "accelerometers", )", "", ""), "c.json: Frame: is unknown; did you mean frame?");
   EXPECT_EQ(with(R"("covarience": {}, )", "", ""), "c.json: covarience: is unknown; did you mean covariance?");
   EXPECT_EQ(with(R"("comment": "by hand", "name": "an IMU", "rig": {}, "": 0, )", "", ""), "");
+}
+
+/// What is rounding of the constant part is a matter of the whole: a coefficient without any may have some.
+TEST(CalibrationFile, RoundingOfTheConstantPartIsNoDamage) {
+  Calibration c = any_calibration();
+  c.constant_covariance.row(0).setZero(), c.constant_covariance.col(0).setZero();
+  c.constant_covariance(0, 1) = 1e-13 * std::sqrt(c.covariance(0, 0) * c.covariance(1, 1));
+  EXPECT_EQ(parse_calibration(calibration_text(c), "calibration.json").constant_covariance, c.constant_covariance);
+  EXPECT_NO_THROW(validate(c));
 }
 
 TEST(CalibrationFile, ACovarianceItsVariancesDoNotAllowIsRefused) {
