@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/files.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/recording/origin.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/rests.hpp"
@@ -18,8 +19,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -99,9 +102,17 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
 
 /// Larger effects never help, and an IMU whose effects are as expected is between those of half and of twice as large.
 TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {
+  int told_by_noise = 0;
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
-    const Prediction p = predict(method, example(method).session, {.sizes = true, .advice = false});
+    Session session = example(method).session;
+    if (session.imu.grade) {
+      const Grade& declared = grade(*std::exchange(session.imu.grade, std::nullopt));
+      session.imu.accel_noise_density = declared.accel_noise.N;
+      session.imu.gyro_noise_density = declared.gyro_noise.N;
+      ++told_by_noise;
+    }
+    const Prediction p = predict(method, session, {.sizes = true, .advice = false});
     ASSERT_EQ(p.sigma_of_half.size(), p.sigma.size());
     ASSERT_EQ(p.sigma_of_twice.size(), p.sigma.size());
     constexpr double rounding = 1e-6, second_order = 0.02;  // of a table, whose products grow with what is uncertain
@@ -111,8 +122,9 @@ TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {
       EXPECT_GE(p.sigma_of_twice[i], (1 - (p.sources.empty() ? rounding : second_order)) * p.sigma[i]) << name;
     }
     EXPECT_GT((p.sigma_of_twice.array() / p.sigma_of_half.array()).maxCoeff(), 1.5);  // 4 where effects alone count
-    EXPECT_EQ(predict(method, example(method).session, {.advice = false}).sigma_of_half.size(), 0);
+    EXPECT_EQ(predict(method, session, {.advice = false}).sigma_of_half.size(), 0);
   }
+  EXPECT_GE(told_by_noise, 3);
 }
 
 /// The part of the covariance that a unit brings again: less than all of it in every direction, and not nothing.

@@ -52,6 +52,10 @@ ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen) {
   return imu;
 }
 
+ImuDeclaration of_declared_noise(const ImuDeclaration& imu) {
+  return of_likeliest_grade(imu, {.accel_noise = imu.accel_noise_density.value_or(0), .gyro_noise = imu.gyro_noise_density.value_or(0)});
+}
+
 double* size_of(PriorSizes& sizes, const Coefficient& c) {
   TriadPrior& triad = c.triad == Triad::accel ? sizes.accel : sizes.gyro;
   switch (c.term) {
@@ -99,12 +103,11 @@ PriorSizes optional_priors(const ImuDeclaration& imu) {
 }
 
 ImuDeclaration of_size(const ImuDeclaration& imu, double factor) {
-  ImuDeclaration out = imu;
-  const std::string grade = likeliest(likely_grades(imu, {})).name;
+  ImuDeclaration out = of_declared_noise(imu);
   for (const Effect& e : effects())
     if ((e.needs & ~(Effect::of_accel | Effect::of_gyro | Effect::by_thermometer)) == 0)
-      out.effect_sigmas[std::string(e.name)] = factor * effect_sigma(e, imu.effect_sigmas, grade);
-  const PriorSizes sizes = optional_priors(imu);
+      out.effect_sigmas[std::string(e.name)] = factor * effect_sigma(e, imu.effect_sigmas, *out.grade);
+  const PriorSizes sizes = optional_priors(out);
   TermSigmas& terms = out.term_sigmas;
   terms.accel_quadratic = factor * sizes.accel.quadratic, terms.accel_cubic = factor * sizes.accel.cubic;
   terms.gyro_quadratic = factor * sizes.gyro.quadratic, terms.gyro_cubic = factor * sizes.gyro.cubic;
