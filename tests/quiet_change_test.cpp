@@ -72,7 +72,7 @@ TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {
     const Calibration scattered = hybrid::calibrate(input_of(s.session, r, s.rests), without).calibration;
     EXPECT_THAT(scattered.quality.warnings,
                 Contains(testing::ContainsRegex(accel > 0 ? "the rests' mean forces scatter [0-9.]+ times as much"
-                                                          : "the rests' mean rates about the vertical scatter [0-9.]+ times as much")));
+                                                          : "the headings within the rests scatter [0-9.]+ times as much")));
   }
 }
 

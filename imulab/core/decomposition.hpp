@@ -138,17 +138,17 @@ struct SquareRootEstimate {
   /// Zero, known exactly.
   explicit SquareRootEstimate(Eigen::Index size) : x(Eigen::VectorXd::Zero(size)), factor(Eigen::MatrixXd::Zero(size, size)) {}
 
-  /// The last N states become `transition` times all states, plus noise of this positive definite covariance. The others, constants, keep their rows;
-  /// the last columns take up the noise.
-  template <int N>
-  void predict(const Eigen::Matrix<double, N, Eigen::Dynamic>& transition, const Eigen::Matrix<double, N, N>& noise) {
+  /// The last N states become `transition` times all states, plus `noise` times M white ones of unit variance. The others, constants, keep their
+  /// rows; the last columns take up the noise.
+  template <int N, int M>
+  void predict(const Eigen::Matrix<double, N, Eigen::Dynamic>& transition, const Eigen::Matrix<double, N, M>& noise) {
     using Square = Eigen::Matrix<double, N, N>;
     x.tail<N>() = (transition * x).eval();
     const Eigen::MatrixXd rows = transition * factor.triangularView<Eigen::Lower>();
     factor.bottomLeftCorner(N, x.size() - N) = rows.leftCols(x.size() - N);
-    Eigen::Matrix<double, 2 * N, N> both;
-    both << rows.rightCols<N>().transpose(), Square(noise.llt().matrixL()).transpose();
-    const Eigen::HouseholderQR<Eigen::Matrix<double, 2 * N, N>> qr(both);
+    Eigen::Matrix<double, N + M, N> both;
+    both << rows.rightCols<N>().transpose(), noise.transpose();
+    const Eigen::HouseholderQR<Eigen::Matrix<double, N + M, N>> qr(both);
     factor.bottomRightCorner<N, N>() = Square(qr.matrixQR().template topRows<N>().template triangularView<Eigen::Upper>()).transpose();
   }
 

@@ -5,7 +5,6 @@
 namespace imulab {
 namespace {
 
-using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -16,10 +15,10 @@ TEST(SquareRootEstimate, IsTheKalmanFilterOfTheCovariance) {
   Vector3d x = e.x;
   Matrix3d P = e.factor * e.factor.transpose(), F = Matrix3d::Identity(), Q = Matrix3d::Zero();
   const Eigen::Matrix<double, 2, Eigen::Dynamic> transition{{0.5, 1, 0.2}, {-0.3, 0, 0.9}};
-  const Matrix2d noise{{0.2, 0.1}, {0.1, 0.3}};
-  F.bottomRows<2>() = transition, Q.bottomRightCorner<2, 2>() = noise;
+  const Eigen::Matrix<double, 2, 3> noise{{0.2, 0.1, -0.3}, {0.1, 0.3, 0.2}};
+  F.bottomRows<2>() = transition, Q.bottomRightCorner<2, 2>() = noise * noise.transpose();
 
-  e.predict<2>(transition, noise);
+  e.predict(transition, noise);
   x = F * x, P = F * P * F.transpose() + Q;
   EXPECT_LT((e.factor * e.factor.transpose() - P).norm(), 1e-14 * P.norm());
 

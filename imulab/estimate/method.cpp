@@ -320,7 +320,6 @@ Prediction predict(const Method& method, const Session& declared, const Predicti
   Session procedure = declared;
   if (procedure.file.empty()) procedure.file = "procedure";  // as messages name one in memory
   errors_at(procedure.file, [&] { procedure.site.gravity(); });
-  if (!method.takes_aids) procedure.imu = kernel::of_declared_noise(procedure.imu);
   if (!method.predict) throw Error(fmt::format("the method {} has no prediction", method.name));
   const WorkScope scope(options.stop);
   stop_point();

@@ -9,6 +9,8 @@
 #include "imulab/units.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace imulab::hybrid {
 
@@ -21,6 +23,7 @@ namespace {
 struct Innovation {
   Vector3d whitened = Vector3d::Zero();
   bool used = false;
+  Index at = 0;  // its place among those that tell of the effects
 };
 
 /// Observes the velocity after a block, unless its innovation is beyond `outlier`.
@@ -31,10 +34,70 @@ Innovation observe_velocity(SquareRootEstimate& e, std::optional<Separation>& se
   const Matrix3d lower = s.llt().matrixL();
   const Vector3d innovation = lower.triangularView<Eigen::Lower>().solve(velocity - e.x.tail<3>());
   if (!(innovation.squaredNorm() <= outlier)) return {innovation, false};
-  if (separation) separation->observe(e, lower, innovation);
+  const Index place = separation ? separation->observe<3>(e, at, lower, innovation) : 0;
   for (Index i = 2; i >= 0; --i) e.observe(at + i, velocity[i], sigma);
-  return {innovation, true};
+  return {innovation, true, place};
 }
+
+/// A unit at rest keeps its heading. What its gyros add to it there is their error about the vertical: one observation a rest, since the error of
+/// their integral at a moment makes neighboring ones alike.
+class RestHeading {
+ public:
+  static constexpr int rows = 7;  ///< its state, and the errors of attitude and velocity
+  using Rows = Eigen::Matrix<double, rows, Eigen::Dynamic>;
+
+  RestHeading(const States& states, const Noise& noise)
+      : state_(states.first(Group::rest_heading)), heading_(states.attitude() + 2), sigma_(std::numbers::sqrt2 * noise.angle) {}
+
+  /// Block k, which turns the computed attitude from `before` to `after`.
+  void over(const std::vector<Block>& blocks, std::size_t k, const Matrix3d& before, const Matrix3d& after) {
+    const Block& block = blocks[k];
+    at_rest_ = block.at_rest;
+    begins_ = k == 0 || !blocks[k - 1].at_rest || block.lost;
+    if (begins_) turned_ = 0, whole_ = true;
+    turned_ += rotation_log(after * before.transpose()).z();
+    whole_ = whole_ && at_rest_ && block.observed;
+  }
+  Rows transition(const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_states) const {
+    Rows out = with(by_states);
+    if (at_rest_) out(0, heading_) -= 1;
+    if (at_rest_ && !begins_) out(0, state_) = 1;
+    return out;
+  }
+  /// The block's rows with the heading's once more, as the first.
+  template <int Columns>
+  Eigen::Matrix<double, rows, Columns> with(const Eigen::Matrix<double, 6, Columns>& of_block) const {
+    Eigen::Matrix<double, rows, Columns> out(rows, of_block.cols());
+    out.row(0) = (at_rest_ ? 1.0 : 0.0) * of_block.row(2);
+    out.template bottomRows<6>() = of_block;
+    return out;
+  }
+  /// After block k, the last one of a rest.
+  void observe(std::size_t k, SquareRootEstimate& e, std::optional<Separation>& separation, double outlier) {
+    if (!whole_) return;
+    using One = Eigen::Matrix<double, 1, 1>;
+    const double variance = e.factor.row(state_).squaredNorm() + sigma_ * sigma_;
+    const One sigma(std::sqrt(variance)), innovation((-turned_ - e.x[state_]) / sigma[0]);
+    const bool used = innovation.squaredNorm() <= outlier;
+    seen.push_back({k, innovation[0], variance, used});
+    at_.push_back(used && separation ? separation->observe<1>(e, state_, sigma, innovation) : 0);
+    if (used) e.observe(state_, -turned_, sigma_);
+  }
+  /// With the effects c.
+  void correct(const Separation& separation, const Eigen::VectorXd& c) {
+    for (std::size_t k = 0; k < seen.size(); ++k)
+      if (seen[k].used) seen[k].whitened = separation.innovation<1>(at_[k], c)[0];
+  }
+
+  std::vector<SeenHeading> seen;
+
+ private:
+  Index state_, heading_;
+  double sigma_;
+  bool at_rest_ = false, begins_ = false, whole_ = false;
+  double turned_ = 0;  // rad, in the rest so far
+  std::vector<Index> at_;
+};
 
 /// Innovations of a filter whose model is right are white (Mehra 1970). An unmodeled effect lasts, so that consecutive innovations are correlated.
 class Whiteness {
@@ -139,9 +202,8 @@ void add_effects(Pass& out, Separation& separation, std::vector<Innovation>& inn
   out.x += separation.U * c;
   out.across = separation.U * C;
   out.covariance += out.across * separation.U.transpose();
-  std::size_t observation = 0;
   for (Innovation& innovation : innovations)
-    if (innovation.used) innovation.whitened = separation.innovation(observation++, c);
+    if (innovation.used) innovation.whitened = separation.innovation<3>(innovation.at, c);
 }
 
 /// The constants of the effects beside the states.
@@ -153,10 +215,10 @@ struct Beside {
   bool any() const { return known.size() > 0 || separation; }
 
   /// After block k.
-  void predict(SquareRootEstimate& e, const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_states, std::size_t k, const BlockSums& sums) {
+  void predict(SquareRootEstimate& e, const RestHeading& heading, const RestHeading::Rows& by_states, std::size_t k, const BlockSums& sums) {
     if (!any()) return;
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> by_c = effect_states.columns(data.blocks[k], sums);
-    if (known.size() > 0) e.x.tail<6>() += by_c * known;
+    const RestHeading::Rows by_c = heading.with(effect_states.columns(data.blocks[k], sums));
+    if (known.size() > 0) e.x.tail<RestHeading::rows>() += by_c * known;
     if (separation) separation->predict(by_states, by_c);
   }
 
@@ -202,6 +264,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   e.factor.diagonal().head(states.constants()) = known.sigma;
   Pass out;
   std::vector<Innovation> innovations;
+  RestHeading heading(states, noise);
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
   bool used_before = true;  // a knock across the end of a block that is left out is in the next one, too
@@ -229,9 +292,11 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     const BlockSums sums = navigator.over(block, first);
     velocity += sums.velocity;
     // X' = F X + G W with the state X of Cheng 2014 eq 19, integrated over the block: F from eqs 22 and 23, G W as a covariance.
-    const auto by_states = transition(sums, states, about.place);
-    e.predict<6>(by_states, sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
-    beside.predict(e, by_states, k, sums);
+    heading.over(blocks, k, before, navigator.C_nb);
+    const RestHeading::Rows by_states = heading.transition(transition(sums, states, about.place));
+    const in_place::Matrix6 root = sums.covariance(noise, 0.5 * (before + navigator.C_nb)).llt().matrixL();
+    e.predict(by_states, heading.with(root));
+    beside.predict(e, heading, by_states, k, sums);
     drift(e, separation, states, noise, sums.duration, sums.duration / whole);
     // Z = H X + v, H = [I 0] (sec 2.3): the computed velocity, less the lever arms' part, of a unit in one place is the velocity error.
     Innovation innovation;
@@ -241,6 +306,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }
+    if (k + 1 == blocks.size() || !blocks[k + 1].at_rest || blocks[k + 1].lost) heading.observe(k, e, separation, options.outlier);
     if (innovation.used && used_before && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
     used_before = innovation.used;
     const double time = data.recording.time_s(block.samples.end - 1);
@@ -253,8 +319,12 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   }
   out.x = e.x;
   out.covariance = e.factor * e.factor.transpose();
-  if (separation) add_effects(out, *separation, innovations);
+  if (separation) {
+    add_effects(out, *separation, innovations);
+    heading.correct(*separation, out.effects.value);
+  }
   add_innovations(out, innovations);
+  out.headings = std::move(heading.seen);
   return out;
 }
 

@@ -44,7 +44,7 @@ struct Linearization {
 };
 
 struct PassOptions {
-  double outlier = std::numeric_limits<double>::infinity();  ///< a velocity whose innovation is beyond this chi-square is not used
+  double outlier = std::numeric_limits<double>::infinity();  ///< what has an innovation beyond this chi-square is not used
   double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
   bool rates = false;                                        ///< at rest, for `rates`
   bool effects = true;                                       ///< estimates those of `Data`; false: they are as the linearization has them
@@ -62,6 +62,13 @@ struct RestRate {
   Vector3d rate_n;        ///< rad/s
 };
 
+/// What the gyros' errors were seen to add to the heading in a rest, in its standard deviations, and the variance of that.
+struct SeenHeading {
+  std::size_t last;  ///< block of the rest
+  double whitened, variance;
+  bool used;
+};
+
 /// Correlation of each value with the next, and its standard deviation where they are white.
 struct Serial {
   double correlation = 0, sigma = 0;
@@ -71,8 +78,9 @@ struct Pass {
   Matrix3d start;     ///< attitude at the start about which the pass was linearized
   Eigen::VectorXd x;  ///< constants, and errors of attitude and velocity at the end
   Eigen::MatrixXd covariance;
-  std::vector<double> chi2;       ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
-  Serial serial;                  ///< of the innovations
+  std::vector<double> chi2;  ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
+  Serial serial;             ///< of these
+  std::vector<SeenHeading> headings;
   std::vector<CurvePoint> curve;  ///< thinned
   std::vector<RestRate> rates;
   Separation::Estimate effects = {};  ///< empty: none were estimated
@@ -80,6 +88,9 @@ struct Pass {
   std::vector<EffectState> states;    ///< at the end of each block, where effects were estimated
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
+  double chi2_of_headings() const {
+    return std::accumulate(headings.begin(), headings.end(), 0.0, [](double sum, const SeenHeading& h) { return sum + h.whitened * h.whitened; });
+  }
 };
 
 /// One pass over the blocks. The errors are states beside the model that they are linearized about; only the level is fed back, after each block at

@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/units.hpp"
 
@@ -58,6 +59,36 @@ TEST(Hybrid, ACleanSessionIsGoodUnderAGradeWorseThanTheUnit) {
       const auto [sum, count] = normalized_error(c, s.truth.model);
       EXPECT_LT(sum / count, 2) << seed << " " << grade;  // of some 30: once in 1,000
     }
+}
+
+/// About the vertical, in the middle of each rest: by four times what the gyros' noise adds up to in it. No velocity shows that.
+void turn_in_rests(HybridSession& s, std::uint64_t seed) {
+  const RandomStream draws(seed, "turns in rests");
+  for (std::size_t k = 0; k < s.rests.size(); ++k) {
+    const std::size_t middle = (s.rests[k].begin + s.rests[k].end) / 2;
+    const Vector3d up = reading_at(s.recording.accel, middle).normalized();
+    const double rate = 4e-6 * draws.normal(k) / s.recording.interval_s;
+    for (std::size_t axis = 0; axis < 3; ++axis) s.recording.gyro[axis][middle] += rate * up[static_cast<Eigen::Index>(axis)];
+  }
+}
+
+TEST(Hybrid, RestsThatTurnALittleCountLess) {
+  constexpr int sessions = 3;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
+    HybridSession s = hybrid_session(seed);
+    const Calibration still = calibrated(s, base_terms()).calibration;
+    EXPECT_THAT(still.quality.warnings, Not(Contains(HasSubstr("headings"))));
+    turn_in_rests(s, seed);
+    const Calibration c = calibrated(s, base_terms()).calibration;
+    EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+    EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the headings within the rests scatter [2-5]")));
+    const CoefficientIndex offset = coefficient_index("gyro.offset.x"), scale = coefficient_index("accel.matrix.xx");
+    EXPECT_GT(*standard_uncertainty(c, offset), 1.2 * *standard_uncertainty(still, offset));
+    EXPECT_LT(*standard_uncertainty(c, scale), 1.05 * *standard_uncertainty(still, scale));  // the heading is not in it
+    sum += normalized_error(c, s.truth.model).sum;
+  }
+  EXPECT_LT(sum, chi_square_quantile(0.9995, sessions * 21));
 }
 
 /// Exact readings, or rounded ones of a sensor whose noise is far below its steps: the noise that the rests show is zero.
@@ -171,8 +202,14 @@ TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
   const CalibrationResult result = calibrated(s, base_terms());
   const Calibration& c = result.calibration;
   // Gravity never comes onto y, nothing turns about x or z, and which way x points about the axis of the turns is a matter of the frame.
-  for (const char* name : {"accel.offset.y", "accel.matrix.yy", "gyro.matrix.xx", "gyro.matrix.zz"})
+  for (const char* name : {"accel.offset.y", "accel.matrix.yy", "gyro.matrix.xz", "gyro.matrix.zx"})
     EXPECT_THAT(c.quality.unobservable, Contains(name));
+  // Their scales show in the Earth's rate at rest: no better than all of it does.
+  const double earth = earth_rate * std::sin(*s.session.site.latitude), seconds = s.session.steps.back().end;
+  for (const char* name : {"gyro.matrix.xx", "gyro.matrix.zz"}) {
+    EXPECT_GT(*standard_uncertainty(c, coefficient_index(name)), *s.session.imu.gyro_noise_density / (earth * std::sqrt(seconds))) << name;
+    EXPECT_LT(*standard_uncertainty(c, coefficient_index(name)), 0.025) << name;  // half of what is known before
+  }
   for (const char* name : {"accel.matrix.xx", "accel.matrix.zz", "gyro.matrix.yy"}) EXPECT_THAT(c.quality.unobservable, Not(Contains(name)));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("not determined by the data"));
   for (const std::string& name : c.quality.unobservable) {
@@ -205,7 +242,7 @@ TEST(Hybrid, TurnedByHand) {
       const NormalizedError e = normalized_error(c, truth.model);
       sum += e.sum;
       m += e.count;
-      EXPECT_EQ(c.quality.warnings.empty(), grade == std::string("navigation")) << "MEMS gyros do not find the heading";
+      EXPECT_THAT(c.quality.warnings, IsEmpty());
     }
     EXPECT_GT(sum, chi_square_quantile(0.0005, m)) << grade;
     EXPECT_LT(sum, chi_square_quantile(0.9995, m)) << grade;

@@ -34,6 +34,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid/heading_error.hpp"
 #include "imulab/estimate/hybrid/turns.hpp"
+#include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
@@ -210,6 +211,10 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
     const Pass look = filter_pass(data, about, states, known, {.outlier = unlikely, .effects = false});
     std::vector<kernel::Suspect> suspects;
     for (const double chi2 : look.chi2) suspects.push_back({{}, log_chi_square_tail(chi2, 3)});
+    for (const SeenHeading& h : look.headings) {
+      double& of_block = suspects[h.last].log_probability;
+      of_block = std::min(of_block, log_chi_square_tail(h.whitened * h.whitened, 1));
+    }
     return kernel::improbable(suspects, chi_square_tail(unlikely, 3));
   };
   const auto too_many = [&](const std::vector<std::size_t>& found) { return 20 * found.size() > data.blocks.size(); };
@@ -276,6 +281,20 @@ bool infer_sizes(Data& data, Iterate& c) {
   return changed;
 }
 
+/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. As an error of the
+/// gyros' integral at both ends, of the size with which the scatter is what is expected.
+double angle_of(const std::vector<SeenHeading>& seen, double angle) {
+  const auto excess = [&](double more) {
+    double sum = -static_cast<double>(seen.size());
+    for (const SeenHeading& h : seen) sum += h.whitened * h.whitened * h.variance / (h.variance + more);
+    return sum;
+  };
+  double low = 0, high = std::ranges::max_element(seen, {}, &SeenHeading::variance)->variance;
+  while (excess(high) > 0) low = high, high *= 2;
+  while (high - low > 1e-3 * high) (excess(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+  return std::hypot(angle, std::sqrt(high / 2));
+}
+
 /// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
 bool is_hopeless(const Data& data, const Iterate& c) {
   constexpr double far = 5;  // as from there on a result is doubtful
@@ -313,7 +332,7 @@ double scatter_of(const Data& data, const Iterate& c) {
 
 Converged converge(Data& data, double significance) {
   constexpr int most_rounds = 10;
-  Converged out{first_iterate(data), {}, {}, {}};
+  Converged out{first_iterate(data), {}, {}, {}, 1};
   const auto infer = [&] {
     if (is_hopeless(data, out.last)) return false;
     out.tests = tests_of_terms(data, out.last, significance);
@@ -327,8 +346,15 @@ Converged converge(Data& data, double significance) {
     return !outlying.empty();
   };
   const auto lose = [&] { return lose_turn(data, out); };
+  const auto widen = [&] {
+    if (!out.last.converged || scatter_of(data, out.last) > other_data) return false;
+    const std::vector<SeenHeading>& seen = out.last.pass.headings;
+    const double excess = kernel::excess(out.last.pass.chi2_of_headings(), static_cast<double>(seen.size()));
+    if (excess > 1) data.noise.angle = angle_of(seen, data.noise.angle), out.headings *= excess;
+    return excess > 1;
+  };
   kernel::refine(
-      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, infer, drop);
+      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, infer, drop, widen);
   return out;
 }
 

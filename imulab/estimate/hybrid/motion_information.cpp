@@ -43,6 +43,16 @@ MatrixXd without(const Matrix3d& three, const Across& across, MatrixXd others) {
   return others;
 }
 
+/// The same motion several times.
+MotionInformation repeated(MotionInformation motion, int times) {
+  MotionInformation out;
+  for (int left = times; left > 0; left /= 2) {
+    if (left % 2 == 1) out = out.size() == 0 ? motion : joined(out, motion);
+    if (left > 1) motion = joined(motion, motion);
+  }
+  return out;
+}
+
 }  // namespace
 
 InformationModel::InformationModel(const Plan& plan)
@@ -52,15 +62,24 @@ InformationModel::InformationModel(const Plan& plan)
     if ((s < start || s >= start + 3) && states.prior[s] > 0) constants.push_back(s);
 }
 
-MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds) {
-  MotionInformation doubled = block_information(
-                        model, [&](double) { return Attitude{C_nb}; }, 0, 1),
-                    out;
-  for (int left = seconds; left > 0; left /= 2) {
-    if (left % 2 == 1) out = out.size() == 0 ? doubled : joined(out, doubled);
-    if (left > 1) doubled = joined(doubled, doubled);
-  }
-  return out;
+RestSeconds used_seconds(const InformationModel& model, int rest, bool outermost) {
+  constexpr auto settling = static_cast<int>(in_place::settling_time);
+  if (!model.observe_motion) return {std::max(1, rest - unseen_before - unseen_after)};
+  return {std::max(1, rest - 2 * settling), outermost ? settling : 2 * settling};
+}
+
+MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, RestSeconds seconds) {
+  const MotionInformation second = block_information(
+      model, [&](double) { return Attitude{C_nb}; }, 0, 1);
+  // The heading stays: next to the gyros' noise, and within the error of their integral at both ends.
+  constexpr double next_to_noise = 1e-3;
+  MotionInformation still = second;
+  const Index before = model.size() + 2, now = model.size() + 5;
+  const double weight = 1 / std::max(next_to_noise * model.noise.gyro.cwiseAbs2().mean(), 2 * std::pow(model.noise.angle, 2) / seconds.still);
+  still(before, before) += weight, still(now, now) += weight;
+  still(before, now) -= weight, still(now, before) -= weight;
+  still = repeated(std::move(still), seconds.still);
+  return seconds.settling > 0 ? joined(repeated(second, seconds.settling), still) : still;
 }
 
 MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn) {

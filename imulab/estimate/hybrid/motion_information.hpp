@@ -40,7 +40,13 @@ struct Turn {
   Vector3d axis;                     ///< of n, unit vector
   double angle, rate, acceleration;  ///< rad, rad/s, rad/s^2; the sign is the angle's
 };
-MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds);
+/// What is used of a rest [s]: while it is still, and while it settles. The velocity is zero in both; in the first the heading stays.
+struct RestSeconds {
+  int still, settling = 0;
+};
+/// Of a rest between two turns, or at the beginning or end of the recording, whose outermost second is not used.
+RestSeconds used_seconds(const InformationModel& model, int rest, bool outermost);
+MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, RestSeconds seconds);
 MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn);
 
 MotionInformation joined(const MotionInformation& first, const MotionInformation& second);

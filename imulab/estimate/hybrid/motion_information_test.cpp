@@ -26,10 +26,10 @@ Eigen::VectorXd by_parts(const Plan& plan, const InformationModel& model) {
     for (std::size_t a = 0; a < 3; ++a) states[a].angle = angles[a];
     const BodyState body = turntable_state(ideal_axes(), states);
     if (step.kind == StepKind::hold) {
-      const bool outermost = &step == &steps.front() || &step == &steps.back();  // the session's first and last second are not used
-      const int of_turns = &step == &steps.front() ? 2 : 3;                      // a turn by hand takes a second before it, and two after it
-      const int shorter = plan.observe_motion ? outermost : of_turns;
-      knowledge = after(knowledge, rest_information(model, body.C_nb, static_cast<int>(std::lround(step.end - step.start)) - shorter));
+      RestSeconds used = used_seconds(model, static_cast<int>(std::lround(step.end - step.start)), &step == &steps.front() || &step == &steps.back());
+      if (!plan.observe_motion && &step == &steps.front())
+        ++used.still;  // a turn by hand takes two seconds of the rest after it, of which it has none
+      knowledge = after(knowledge, rest_information(model, body.C_nb, used));
     } else {
       auto& state = states[static_cast<std::size_t>(step.axis)];
       state.rate = 1;
@@ -57,31 +57,36 @@ void expect_the_filters_sigmas(const Session& session, double tolerance) {
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilter) {
-  // Both have the same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there.
-  expect_the_filters_sigmas(hybrid_procedure(15, 100), 2e-3);
+  // Both have the same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there; still rests of 12.9 s there, since samples have ends.
+  expect_the_filters_sigmas(hybrid_procedure(15, 100), 5e-3);
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilterByHand) {
   Session session = hybrid_procedure(15, 20);
   session.rigs.front() = {};
-  expect_the_filters_sigmas(session, 0.015);  // a turn is one block of 12 to 21 s here: to first order in what the Earth turns within it
+  // A turn is one block of 12 to 21 s here: to first order in what the Earth turns within it. Its last second is one of 13 in which the heading
+  // stays.
+  expect_the_filters_sigmas(session, 0.03);
 }
 
 TEST(MotionInformation, PartsAddUpWithAnUncertainLatitudeAndGSensitivity) {
   Session session = hybrid_procedure(15, 100);
   session.imu.grade = "mems";
   session.site.latitude_sigma = 0.1 * unit::deg;
-  expect_the_filters_sigmas(session, 2e-3);
+  expect_the_filters_sigmas(session, 5e-3);
 }
 
 TEST(MotionInformation, ARestIsTheSumOfItsSeconds) {
   const Plan plan = plan_of(hybrid_procedure(15, 20));
   const InformationModel model(plan);
   const Matrix3d C = rotation_about(Vector3d(1, 2, 3).normalized(), 1.0);
-  Knowledge one_by_one = prior_knowledge(model), at_once = one_by_one;
-  for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, 1));
-  at_once = after(at_once, rest_information(model, C, 13));
-  // A part that one rest does not determine has fourteen digits less than a part that it determines: rounding.
+  Knowledge one_by_one = prior_knowledge(model);
+  for (int k = 0; k < 12; ++k)
+    one_by_one = after(one_by_one, rest_information(model, rotation_about(Vector3d(k % 3, 1, k % 4).normalized(), k), {60}));
+  Knowledge at_once = one_by_one;
+  for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, {1}));
+  at_once = after(at_once, rest_information(model, C, {13}));
+  // That the heading stays is known to sixteen digits more than where it points.
   EXPECT_LT((sigma_of(one_by_one).cwiseQuotient(sigma_of(at_once)).array() - 1).abs().maxCoeff(), 1e-3);
 }
 

@@ -32,12 +32,10 @@ PathJudge::PathJudge(const PathQuestion& q)
       for (std::size_t t = 0; t < quarter_turns.size(); ++t)
         turn_[k][static_cast<std::size_t>(a)][t] =
             turn_information(model_, attitudes[k], {Vector3d::Unit(a), quarter_turns[t] * quarter, turn_rate_, turn_acceleration});
-    const int of_turns = model_.observe_motion ? 0 : unseen_before + unseen_after,
-              at_end = std::max(of_turns, static_cast<int>(in_place::settling_time));
-    const MotionInformation one = rest_information(model_, attitudes[k], quantum);
+    const MotionInformation one = rest_information(model_, attitudes[k], {quantum});
     for (const std::size_t outermost : {0u, 1u}) {
       std::vector<MotionInformation>& rests = rest_[k][outermost];
-      rests.push_back(rest_information(model_, attitudes[k], quantum - (outermost == 1 ? at_end : of_turns)));
+      rests.push_back(rest_information(model_, attitudes[k], used_seconds(model_, quantum, outermost == 1)));
       for (int quanta = 2; quanta <= most; ++quanta) rests.push_back(joined(rests.back(), one));
     }
   });

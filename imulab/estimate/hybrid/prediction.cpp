@@ -168,7 +168,7 @@ Advice advise(const Plan& plan, const FilterPrediction& prediction, const std::v
   const auto with = [&](const Knowledge& before, const PoseOnTable& pose, const TableTurn& turn) {
     const Turn motion{pose.axis(turn), turn.angle_deg * unit::deg, rate, acceleration};
     return outcome(after(after(before, turn_information(model, pose.C_nb, motion)),
-                         rest_information(model, turned(pose, turn).C_nb, static_cast<int>(std::lround(rest)))),
+                         rest_information(model, turned(pose, turn).C_nb, used_seconds(model, static_cast<int>(std::lround(rest)), true))),
                    target);
   };
   std::vector<TableTurn> turns;

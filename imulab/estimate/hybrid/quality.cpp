@@ -25,7 +25,7 @@ namespace {
 int degrees_of_freedom(const Data& data, const Iterate& iterate) {
   double estimated = static_cast<double>((iterate.states.prior.array() > 0).count());
   if (iterate.pass.effects.value.size() > 0) estimated += data.unmodeled.effects.degrees_of_freedom(iterate.pass.effects.covariance);
-  return static_cast<int>(3 * static_cast<double>(data.observed()) - estimated);
+  return static_cast<int>(static_cast<double>(3 * data.observed() + std::ssize(iterate.pass.headings)) - estimated);
 }
 
 /// Neighbouring blocks that were left out together.
@@ -84,54 +84,51 @@ void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
                   correlation));
 }
 
-/// Mean force and rate at a rest, in the body, and what the effects change: of the force along up (first row), and of the rate about it.
-struct RestMotion {
-  Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
-  double duration = 0;  // s
-  Eigen::Matrix<double, 2, Eigen::Dynamic> by_effect = {};
+/// Force along up at a rest, and what the effects change of it.
+struct RestForce {
+  Vector3d force = Vector3d::Zero();  // mean, in the body
+  double duration = 0;                // s
+  Eigen::RowVectorXd by_effect = {};
 };
 
-std::vector<RestMotion> rests_of(const Data& data, const Iterate& last) {
+std::vector<RestForce> rests_of(const Data& data, const Iterate& last) {
   CompensatedReadings readings(data.recording, last.about.model);
   kernel::Effects effects = data.unmodeled.effects;
   if (last.pass.effects.value.size() > 0) effects.correct(last.pass.effects.value);
-  std::vector<RestMotion> rests;
+  std::vector<RestForce> rests;
   bool new_rest = true;
   for (std::size_t k = 0; k < data.blocks.size(); ++k) {
     const Block& block = data.blocks[k];
     new_rest = new_rest || !block.at_rest || block.lost;
     if (!block.at_rest || !block.observed) continue;
-    if (std::exchange(new_rest, false)) rests.emplace_back().by_effect.setZero(2, effects.size());
-    RestMotion& rest = rests.back();
-    const double dt = data.recording.interval_s;
-    for (std::size_t i = block.samples.begin; i < block.samples.end; ++i)
-      rest.force += dt * readings.force(i), rest.rate += dt * readings.rate(i), rest.duration += dt;
+    if (std::exchange(new_rest, false)) rests.emplace_back().by_effect.setZero(effects.size());
+    RestForce& rest = rests.back();
+    const double dt = data.recording.interval_s, duration = dt * static_cast<double>(block.samples.size());
+    for (std::size_t i = block.samples.begin; i < block.samples.end; ++i) rest.force += dt * readings.force(i);
+    rest.duration += duration;
     if (effects.size() == 0) continue;
     const EffectState& state = last.pass.states[k];
-    const OutputChange change = effects.output(state);
-    const double duration = dt * static_cast<double>(block.samples.size());
-    rest.force -= duration * change.force, rest.rate -= duration * change.rate;
+    rest.force -= duration * effects.output(state).force;
     const Vector3d up = state.force.normalized();
-    for (Index c = 0; c < effects.size(); ++c) {
-      const OutputChange by = effects.columns()[static_cast<std::size_t>(c)].at(state);
-      rest.by_effect.col(c) += duration * Eigen::Vector2d(up.dot(by.force), up.dot(by.rate));
-    }
+    for (Index c = 0; c < effects.size(); ++c) rest.by_effect[c] += duration * up.dot(effects.columns()[static_cast<std::size_t>(c)].at(state).force);
   }
-  for (RestMotion& rest : rests) rest.force /= rest.duration, rest.rate /= rest.duration, rest.by_effect /= rest.duration;
+  for (RestForce& rest : rests) rest.force /= rest.duration, rest.by_effect /= rest.duration;
   return rests;
 }
 
-/// By how much this value of the rests scatters about its mean, over what white noise of this density explains, and what is not known of the effects
-/// that were taken out of it (`row` of RestMotion::by_effect).
-template <class Value>
-double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& density, const MatrixXd& of_effects, Index row, Value value) {
+/// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere. By how much the
+/// rests' forces scatter about their mean, over what the white noise explains, and what is not known of the effects that were taken out of them.
+/// Declared slow noise explains some.
+double drift_between_rests(const Data& data, const Iterate& last) {
+  const std::vector<RestForce> rests = rests_of(data, last);
   const Index n = std::ssize(rests);
-  if (n < 2) return 1;
+  if (n < 2 || data.noise.accel_slow.any()) return 1;
   VectorXd values(n), noise(n);
+  const MatrixXd& of_effects = last.pass.effects.covariance;
   MatrixXd by_effect(n, of_effects.cols());
   for (Index k = 0; k < n; ++k) {
-    const RestMotion& rest = rests[static_cast<std::size_t>(k)];
-    values[k] = value(rest), noise[k] = density.cwiseAbs2().mean() / rest.duration, by_effect.row(k) = rest.by_effect.row(row);
+    const RestForce& rest = rests[static_cast<std::size_t>(k)];
+    values[k] = rest.force.norm(), noise[k] = data.noise.accel.cwiseAbs2().mean() / rest.duration, by_effect.row(k) = rest.by_effect;
   }
   MatrixXd covariance = by_effect * of_effects * by_effect.transpose();
   covariance.diagonal() += noise;
@@ -140,23 +137,15 @@ double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& de
   return kernel::excess(squared_norm_in(covariance, values), static_cast<double>(n) - 1);
 }
 
-/// Names the velocities that scatter, and their excess over the noise.
-struct Scatter {
-  const char* what;
-  double factor;
-};
+/// How much drifts from rest to rest before a result is doubtful, as residuals and scatter of all methods.
+constexpr double much_drift = 5;
 
-/// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere, or the rate along
-/// it not the Earth's. Unless slow noise is declared, which explains some.
-Scatter drift_between_rests(const Data& data, const Iterate& last) {
-  const std::vector<RestMotion> rests = rests_of(data, last);
-  const auto force = [](const RestMotion& r) { return r.force.norm(); };
-  const auto rate = [](const RestMotion& r) { return r.force.normalized().dot(r.rate); };
-  const MatrixXd& C = last.pass.effects.covariance;
-  const Scatter forces{"the rests' mean forces", data.noise.accel_slow.any() ? 1 : scatter_of_rests(rests, data.noise.accel, C, 0, force)};
-  const Scatter rates{"the rests' mean rates about the vertical",
-                      data.noise.gyro_slow.any() ? 1 : scatter_of_rests(rests, data.noise.gyro, C, 1, rate)};
-  return forces.factor > rates.factor ? forces : rates;
+/// The headings' scatter is in their weight (angle_of).
+void judge_headings(double scatter, kernel::Findings& findings) {
+  if (scatter <= 1) return;
+  const std::string text = fmt::format("the headings within the rests scatter {:.3g} times as much as the gyros' noise explains", scatter);
+  findings.warn(text + ", as on a stand that moves, or with offsets that drift; they count that much less");
+  if (scatter > much_drift) findings.doubt(text);
 }
 
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.
@@ -170,11 +159,11 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   double factor = excess_of([](const Block& b) { return b.at_rest; });
   // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
-  if (const auto [what, drift] = drift_between_rests(data, iterate); drift > factor) {
-    constexpr double much = 5, much_of_velocities = 1.5;  // as residuals and scatter of all methods
-    const std::string text = fmt::format("{} scatter {:.3g} times as much as the noise explains", what, drift);
+  if (const double drift = drift_between_rests(data, iterate); drift > factor) {
+    constexpr double much_of_velocities = 1.5;
+    const std::string text = fmt::format("the rests' mean forces scatter {:.3g} times as much as the noise explains", drift);
     findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
-    if (drift > much || factor > much_of_velocities) findings.doubt(text);
+    if (drift > much_drift || factor > much_of_velocities) findings.doubt(text);
     factor = drift;
   } else {
     kernel::add_scatter(findings, "velocities", factor);
@@ -239,8 +228,9 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
 void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings) {
   const Iterate& last = result.last;
   const auto sigma = [&](Index state) { return std::sqrt(last.pass.covariance(state, state)); };
-  calibration.quality.chi2_per_dof = last.pass.total_chi2() / std::max(1, calibration.quality.degrees_of_freedom);
+  calibration.quality.chi2_per_dof = (last.pass.total_chi2() + last.pass.chi2_of_headings()) / std::max(1, calibration.quality.degrees_of_freedom);
   enlarge(data, last, calibration, findings);
+  judge_headings(result.headings, findings);
   calibration.quality.term_tests = result.tests;
   calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
@@ -249,11 +239,6 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   kernel::add_dropped(findings, result.lost, result.lost.size() + motions_of(data.blocks).size(), "rotations");
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
-  if (const double heading = sigma(last.states.first(Group::start) + 2); last.states.has(Group::g_sensitivity) && heading > 3 * unit::deg)
-    findings.warn(
-        fmt::format("the gyros hardly measure the Earth's rate (the heading at the start has u = {:.0f} deg); a g-sensitivity equal on all "
-                    "axes is somewhat less certain than stated; the other coefficients are not affected",
-                    heading / unit::deg));
   if (const Index at = last.states.first(Group::delay); at >= 0) {
     const double delay = last.pass.x[at];
     findings.note(fmt::format("the accelerometers' output is {:.3g} ms (u = {:.2g} ms) behind the gyros'", 1e3 * delay, 1e3 * sigma(at)));

@@ -73,33 +73,35 @@ kernel::Parameters parameters_of(const kernel::Effects& effects) {
 Separation::Separation(kernel::Parameters c, Index states)
     : U(MatrixXd::Zero(states, c.size())), parameters_(std::move(c)), information_(parameters_.size()) {}
 
-void Separation::predict(const Eigen::Matrix<double, 6, Eigen::Dynamic>& transition, const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_c) {
-  const Eigen::Matrix<double, 6, Eigen::Dynamic> next = transition * U + by_c;
-  U.bottomRows<6>() = next;
+template <int N>
+Index Separation::observe(const SquareRootEstimate& e, Index state, const Eigen::Matrix<double, N, N>& lower,
+                          const Eigen::Matrix<double, N, 1>& whitened) {
+  const Index at = std::ssize(innovations_);
+  if (at + N > rows_.cols()) rows_.conservativeResize(U.cols(), std::max<Index>(3 * 256, 2 * at));
+  const auto in_units = lower.template triangularView<Eigen::Lower>();
+  // The innovation is z - x_v: its derivative by c is -U_v.
+  const Eigen::Matrix<double, N, Eigen::Dynamic> scaled = in_units.solve(U.middleRows<N>(state));
+  rows_.middleCols<N>(at) = -scaled.transpose();
+  innovations_.insert(innovations_.end(), whitened.begin(), whitened.end());
+  // K = P H^T (L L^T)^-1, and U - K U_v.
+  const MatrixXd gain = in_units.solve((e.factor * e.factor.middleRows<N>(state).transpose()).transpose()).transpose();
+  U.noalias() -= gain * scaled;
+  return at;
 }
 
-void Separation::observe(const SquareRootEstimate& e, const Matrix3d& lower, const Vector3d& whitened) {
-  const Index at = 3 * std::ssize(innovations_);
-  if (at + 3 > rows_.cols()) rows_.conservativeResize(U.cols(), std::max<Index>(3 * 256, 2 * at));
-  // The innovation is z - x_v: its derivative by c is -U_v.
-  const Eigen::Matrix<double, 3, Eigen::Dynamic> scaled = lower.triangularView<Eigen::Lower>().solve(U.bottomRows<3>());
-  rows_.middleCols<3>(at) = -scaled.transpose();
-  innovations_.push_back(whitened);
-  // K = P H^T (L L^T)^-1, and U - K U_v.
-  const MatrixXd gain = lower.triangularView<Eigen::Lower>().solve((e.factor * e.factor.bottomRows<3>().transpose()).transpose()).transpose();
-  U.noalias() -= gain * scaled;
-}
+template Index Separation::observe(const SquareRootEstimate&, Index, const Eigen::Matrix<double, 1, 1>&, const Eigen::Matrix<double, 1, 1>&);
+template Index Separation::observe(const SquareRootEstimate&, Index, const Matrix3d&, const Vector3d&);
 
 Separation::Estimate Separation::estimate() {
   const Index count = std::ssize(innovations_);
-  if (count > summed_)  // Eigen's update by no column divides by zero
-    information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows_.middleCols(3 * summed_, 3 * (count - summed_)));
-  for (Index k = summed_; k < count; ++k) {
-    const Vector3d& innovation = innovations_[static_cast<std::size_t>(k)];
-    information_.g += rows_.middleCols<3>(3 * k) * innovation;
-    information_.chi2 += innovation.squaredNorm();
+  if (count > summed_) {  // Eigen's update by no column divides by zero
+    const auto rows = rows_.middleCols(summed_, count - summed_);
+    const Eigen::Map<const VectorXd> innovations(&innovations_[static_cast<std::size_t>(summed_)], rows.cols());
+    information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+    information_.g += rows * innovations;
+    information_.chi2 += innovations.squaredNorm();
   }
-  information_.rows = static_cast<int>(3 * count);
+  information_.rows = static_cast<int>(count);
   summed_ = count;
   Estimate out{information_, {}, {}};
   out.information.N.triangularView<Eigen::StrictlyUpper>() = information_.N.transpose();
@@ -107,10 +109,6 @@ Separation::Estimate Separation::estimate() {
   out.value = std::move(solution.x);
   out.covariance = std::move(solution.covariance);
   return out;
-}
-
-Vector3d Separation::innovation(std::size_t k, const VectorXd& c) const {
-  return innovations_[k] + rows_.middleCols<3>(3 * static_cast<Index>(k)).transpose() * c;
 }
 
 }  // namespace imulab::hybrid

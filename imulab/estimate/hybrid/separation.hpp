@@ -64,9 +64,17 @@ class Separation {
 
   /// A new attitude, which does not depend on c.
   void begin() { U.bottomRows<6>().setZero(); }
-  void predict(const Eigen::Matrix<double, 6, Eigen::Dynamic>& transition, const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_c);
-  /// Before the filter does: its factor, the lower Cholesky factor of the innovation's covariance, and the innovation in units of that.
-  void observe(const SquareRootEstimate& estimate, const Matrix3d& lower, const Vector3d& whitened);
+  /// Of the last N states.
+  template <int N>
+  void predict(const Eigen::Matrix<double, N, Eigen::Dynamic>& transition, const Eigen::Matrix<double, N, Eigen::Dynamic>& by_c) {
+    const Eigen::Matrix<double, N, Eigen::Dynamic> next = transition * U + by_c;
+    U.bottomRows<N>() = next;
+  }
+  /// States from `state` on, before the filter does: its factor, the lower Cholesky factor of the innovation's covariance, and the innovation in
+  /// units of that. Returns the innovation's place.
+  template <int N>
+  Eigen::Index observe(const SquareRootEstimate& estimate, Eigen::Index state, const Eigen::Matrix<double, N, N>& lower,
+                       const Eigen::Matrix<double, N, 1>& whitened);
 
   struct Estimate {
     kernel::Information information;  ///< on c, of the innovations
@@ -75,16 +83,19 @@ class Separation {
   };
   /// By the innovations so far.
   Estimate estimate();
-  /// With c: the k-th whitened innovation.
-  Vector3d innovation(std::size_t k, const Eigen::VectorXd& c) const;
+  /// With c: the whitened innovation at this place.
+  template <int N>
+  Eigen::Matrix<double, N, 1> innovation(Eigen::Index at, const Eigen::VectorXd& c) const {
+    return Eigen::Map<const Eigen::Matrix<double, N, 1>>(&innovations_[static_cast<std::size_t>(at)]) + rows_.middleCols<N>(at).transpose() * c;
+  }
 
   Eigen::MatrixXd U;
 
  private:
   kernel::Parameters parameters_;
-  Eigen::MatrixXd rows_;  // a column of three for each observation: whitened derivatives of the innovation, transposed
-  std::vector<Vector3d> innovations_;
-  kernel::Information information_;  // of the first `summed_` observations
+  Eigen::MatrixXd rows_;             // a column for each of the innovations: whitened derivatives, transposed
+  std::vector<double> innovations_;  // whitened
+  kernel::Information information_;  // of the first `summed_`
   Eigen::Index summed_ = 0;
 };
 

@@ -21,6 +21,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using in_place::Matrix6;
 
+using One = Eigen::Matrix<double, 1, 1>;
 using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 /// Two constants and six states, which three constants c beside them drive; the last three states are observed.
@@ -54,12 +55,12 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
   const int blocks = 12;
   for (int k = 0; k < blocks; ++k) {
     const Rows6 by_states = 0.4 * s.drawn(6, n), by_c = s.drawn(6, m);
-    const Matrix6 noise = 0.1 * Matrix6::Identity();
+    const Matrix6 noise = std::sqrt(0.1) * Matrix6::Identity();
     Rows6 both(6, m + n);
     both << by_c, by_states;
-    separated.predict<6>(by_states, noise);
+    separated.predict(by_states, noise);
     separation.predict(by_states, by_c);
-    augmented.predict<6>(both, noise);
+    augmented.predict(both, noise);
 
     const Vector3d seen = s.drawn(3, 1);
     const auto whitening = [&](const SquareRootEstimate& e) {
@@ -69,12 +70,22 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
     const auto whitened = [&](const SquareRootEstimate& e) -> Vector3d {
       return whitening(e).triangularView<Eigen::Lower>().solve(seen - e.x.tail<3>());
     };
-    separation.observe(separated, whitening(separated), whitened(separated));
+    EXPECT_EQ(separation.observe<3>(separated, n - 3, whitening(separated), whitened(separated)), 4 * k);
     chi2 += whitened(augmented).squaredNorm();
     for (Index i = 2; i >= 0; --i) {
       separated.observe(n - 3 + i, seen[i], s.sigma);
       augmented.observe(m + n - 3 + i, seen[i], s.sigma);
     }
+    // One of the others alone.
+    const auto one = [&](const SquareRootEstimate& e, Index at) {
+      const double deviation = std::hypot(e.factor.row(at).norm(), s.sigma);
+      return std::pair(One(deviation), One((seen[0] - e.x[at]) / deviation));
+    };
+    const auto [deviation, innovation] = one(separated, 2);
+    separation.observe<1>(separated, 2, deviation, innovation);
+    chi2 += one(augmented, m + 2).second.squaredNorm();
+    separated.observe(2, seen[0], s.sigma);
+    augmented.observe(m + 2, seen[0], s.sigma);
     if (k == blocks / 2) separation.estimate();  // as for a curve: what follows adds to it
   }
   const Separation::Estimate c = separation.estimate();
@@ -86,7 +97,8 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
   EXPECT_LT((of_states - covariance.bottomRightCorner<n, n>()).norm(), 1e-10);
   // The residuals at c and its prior make up the augmented filter's chi-square.
   double residual = (c.value - s.c.offset).cwiseQuotient(s.c.sigma).squaredNorm();
-  for (std::size_t k = 0; k < blocks; ++k) residual += separation.innovation(k, c.value).squaredNorm();
+  for (Index k = 0; k < blocks; ++k)
+    residual += separation.innovation<3>(4 * k, c.value).squaredNorm() + separation.innovation<1>(4 * k + 3, c.value).squaredNorm();
   EXPECT_NEAR(residual, chi2, 1e-9 * chi2);
 }
 

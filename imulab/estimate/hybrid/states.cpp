@@ -55,7 +55,7 @@ bool asked(const Setting& s) {
 bool slow(const Setting& s) { return s.slow(); }
 constexpr int processes = in_place::SlowNoise::processes;
 
-constexpr std::array<Row, 14> table{
+constexpr std::array<Row, 15> table{
     {{Group::accel_offset, "accel.offset"},
      {Group::accel_matrix, "accel.matrix"},
      {Group::gyro_offset, "gyro.offset"},
@@ -106,7 +106,10 @@ constexpr std::array<Row, 14> table{
       .size = 6,
       .linearity = Linearity::path,
       .present = slow,
-      .prior = [](const Setting&, Index) { return 0.0; }}}};
+      .prior = [](const Setting&, Index) { return 0.0; }},
+     {.group = Group::rest_heading, .name = "heading in a rest", .size = 1, .linearity = Linearity::path, .prior = [](const Setting&, Index) {
+        return 0.0;
+      }}}};
 
 /// Row by row; of the accelerometers' matrix the lower triangle, by the frame.
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {

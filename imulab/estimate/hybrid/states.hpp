@@ -41,7 +41,8 @@ bool on_turntable(const Session& session);
 /// triangular), relative error of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms
 /// [m], quadratic terms, g-sensitivity, delay of the accelerometers' output behind the gyros' [s], and its mean square `smear` where it is spread
 /// over a time, as by a filter [s^2]. With slow noise `flicker`, the processes of each axis, accelerometers first; and `mean`, of the offsets over
-/// the time so far, of which each block adds its part: the offsets that are stated.
+/// the time so far, of which each block adds its part: the offsets that are stated. Last, `rest_heading`: what the gyros' errors add to the heading
+/// in the present rest [rad].
 enum class Group {
   accel_offset,
   accel_matrix,
@@ -56,7 +57,8 @@ enum class Group {
   delay,
   smear,
   flicker,
-  mean
+  mean,
+  rest_heading
 };
 using Groups = std::set<Group>;
 
@@ -114,7 +116,7 @@ class States {
   struct Span {
     Eigen::Index first = -1, size = 0;
   };
-  std::array<Span, 14> places_;
+  std::array<Span, 15> places_;
   std::vector<CoefficientIndex> corrects_;
 };
 

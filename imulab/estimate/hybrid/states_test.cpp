@@ -24,7 +24,7 @@ TEST(HybridStates, GroupsStandOneAfterTheOther) {
     next += states.size(group);
   }
   EXPECT_EQ(next, states.constants());
-  EXPECT_EQ(states.size(), 21 + 1 + 3 + 1 + 9 + 3 + 9 + 1 + 1 + 6);
+  EXPECT_EQ(states.size(), 21 + 1 + 3 + 1 + 9 + 3 + 9 + 1 + 1 + 1 + 6);
   EXPECT_FALSE(States({}, {0.8, 9.8}).has(Group::latitude)) << "it is known";
 }
 

@@ -42,18 +42,17 @@ const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades) { return *s
 
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen) {
   if (imu.grade) return {{*imu.grade}};
+  SeenOfUnit known = seen;
+  if (known.accel_noise == 0) known.accel_noise = imu.accel_noise_density.value_or(0);
+  if (known.gyro_noise == 0) known.gyro_noise = imu.gyro_noise_density.value_or(0);
   std::vector<LikelyGrade> out;
-  for (const std::string_view name : graded_names()) out.push_back({std::string(name), log_probability_of(grade(name), seen)});
+  for (const std::string_view name : graded_names()) out.push_back({std::string(name), log_probability_of(grade(name), known)});
   return out;
 }
 
 ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen) {
   imu.grade = likeliest(likely_grades(imu, seen)).name;
   return imu;
-}
-
-ImuDeclaration of_declared_noise(const ImuDeclaration& imu) {
-  return of_likeliest_grade(imu, {.accel_noise = imu.accel_noise_density.value_or(0), .gyro_noise = imu.gyro_noise_density.value_or(0)});
 }
 
 double* size_of(PriorSizes& sizes, const Coefficient& c) {
@@ -103,11 +102,12 @@ PriorSizes optional_priors(const ImuDeclaration& imu) {
 }
 
 ImuDeclaration of_size(const ImuDeclaration& imu, double factor) {
-  ImuDeclaration out = of_declared_noise(imu);
+  ImuDeclaration out = imu;
+  const std::string grade = likeliest(likely_grades(imu, {})).name;
   for (const Effect& e : effects())
     if ((e.needs & ~(Effect::of_accel | Effect::of_gyro | Effect::by_thermometer)) == 0)
-      out.effect_sigmas[std::string(e.name)] = factor * effect_sigma(e, imu.effect_sigmas, *out.grade);
-  const PriorSizes sizes = optional_priors(out);
+      out.effect_sigmas[std::string(e.name)] = factor * effect_sigma(e, imu.effect_sigmas, grade);
+  const PriorSizes sizes = optional_priors(imu);
   TermSigmas& terms = out.term_sigmas;
   terms.accel_quadratic = factor * sizes.accel.quadratic, terms.accel_cubic = factor * sizes.accel.cubic;
   terms.gyro_quadratic = factor * sizes.gyro.quadratic, terms.gyro_cubic = factor * sizes.gyro.cubic;

@@ -64,12 +64,10 @@ struct LikelyGrade {
   double log_weight = 0;
 };
 const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades);
-/// The declared grade, or each by what is seen.
+/// The declared grade, or each by what is seen or, of the noise, declared.
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen);
 /// With the likeliest grade where none is declared.
 ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen);
-/// By the declared noise, all that is known before the data.
-ImuDeclaration of_declared_noise(const ImuDeclaration& imu);
 
 /// Priors of quadratic, cubic, g-sensitivity and lever arms for any method, in fields of the same name; offsets, scales, misalignments and drifts
 /// stay 0. Declared sizes come first, then those of the grade (docs/theory/effects.md).

@@ -15,7 +15,7 @@ Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const NoiseModels& d
   const auto slow = [&](const NoiseModel& n) {
     return SlowNoise{n.K, n.B * std::sqrt(std::log(ratio) / std::numbers::pi), {duration_s, duration_s / ratio, duration_s / (ratio * ratio)}};
   };
-  return {gyro, accel, slow(declared.gyro), slow(declared.accel), declared.accel.Q};
+  return {gyro, accel, slow(declared.gyro), slow(declared.accel), declared.accel.Q, declared.gyro.Q};
 }
 
 BlockSums::BlockSums() {

@@ -28,11 +28,13 @@ struct SlowNoise {
   bool any() const { return walk > 0 || flicker > 0; }
 };
 
-/// White noise densities of the calibrated output, per axis; slow noise; the standard deviation of the velocity after a block.
+/// White noise densities of the calibrated output, per axis; slow noise; the standard deviations of the velocity after a block, and of the gyros'
+/// integral at any time.
 struct Noise {
   Vector3d gyro, accel;  ///< rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
   SlowNoise gyro_slow = {}, accel_slow = {};
   double velocity = 0;  ///< m/s
+  double angle = 0;     ///< rad
 };
 
 /// With these densities, the other terms as declared, in a recording of this duration.
