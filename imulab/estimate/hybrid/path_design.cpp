@@ -220,7 +220,7 @@ TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& prog
   std::vector<Candidate> found;
   const auto search_part = [&](std::size_t k) {
     std::vector<double> numbers;
-    for (const Candidate& c : search_turns(judge, moves, rests[k], longest)) {
+    for (const Candidate& c : search_turns(judge, moves, rests[k], longest, q.time.has_value())) {
       numbers.insert(numbers.end(), {c.merit, c.within ? 1. : 0.});
       add(numbers, c.path);
     }

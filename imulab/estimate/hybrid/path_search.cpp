@@ -164,7 +164,7 @@ std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Begin
 
 }  // namespace
 
-std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest) {
+std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, bool all_the_time) {
   std::vector<Candidate> found;
   std::vector<Beginning> beam{{after(judge.start(), judge.rest({}, rest, true)), {}, {}, static_cast<double>(rest * judge.quantum), {}}};
   double best = HUGE_VAL, least = HUGE_VAL, enough = HUGE_VAL;
@@ -179,12 +179,13 @@ std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<Qu
         of_least = depth;
       }
       const bool within = b.score.worst <= 1;
-      if (merit >= best && !(within && b.duration < enough)) continue;
+      const double of_those_within = all_the_time ? b.score.worst : b.duration;
+      if (merit >= best && !(within && of_those_within < enough)) continue;
       best = std::min(best, merit);
-      if (within) enough = std::min(enough, b.duration);
-      found.push_back({{b.turns, std::vector<int>(b.turns.size() + 1, rest)}, within ? b.duration : merit, within});
+      if (within) enough = std::min(enough, of_those_within);
+      found.push_back({{b.turns, std::vector<int>(b.turns.size() + 1, rest)}, within ? of_those_within : merit, within});
     }
-    if (beam.empty() || nearest > 1.1 * enough) break;
+    if (beam.empty() || (!all_the_time && nearest > 1.1 * enough)) break;
   }
   return found;
 }

@@ -68,6 +68,7 @@ struct Candidate {
 };
 
 /// Paths from zero angles of these moves, with every rest `rest` quanta and all in all at most `longest` [s]: each that was better than those before.
-std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest);
+/// Those within the limits are the better the shorter they are or, where all the time is given, the more they leave of the limits.
+std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, bool all_the_time);
 
 }  // namespace imulab::hybrid
