@@ -29,7 +29,13 @@ std::vector<Index> Parameters::with(Role wanted) const {
 Information::Information(Index parameters) : N(MatrixXd::Zero(parameters, parameters)), g(VectorXd::Zero(parameters)) {}
 
 Information::Information(const MatrixXd& jacobian, const VectorXd& residual)
-    : N(jacobian.transpose() * jacobian), g(jacobian.transpose() * residual), chi2(residual.squaredNorm()), rows(static_cast<int>(residual.size())) {}
+    : N(MatrixXd::Zero(jacobian.cols(), jacobian.cols())),
+      g(jacobian.transpose() * residual),
+      chi2(residual.squaredNorm()),
+      rows(static_cast<int>(residual.size())) {
+  if (rows > 0) N.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
+  N.triangularView<Eigen::StrictlyUpper>() = N.transpose();
+}
 
 Information& Information::operator+=(const Information& other) {
   if (N.size() == 0) return *this = other;

@@ -27,20 +27,10 @@ double log_lambda(int point) {
   return begin + (end - begin) * point / (grid_points - 1);
 }
 
-/// The most probable ln of a factor of m columns with squares q about it, and its variance: the maximum of -m u - q exp(-2u)/2 - u^2/(2 spread^2).
+/// The most probable ln of a factor, and its variance.
 struct Factor {
   double log = 0, variance = log_own_spread * log_own_spread;
 };
-Factor most_probable(double m, double q, double start) {
-  constexpr double weight = 1 / (log_own_spread * log_own_spread);
-  double u = start;
-  for (int step = 0; step < 50; ++step) {
-    const double pull = q * std::exp(-2 * u), change = (pull - m - weight * u) / (2 * pull + weight);
-    u += std::clamp(change, -1.0, 1.0);
-    if (std::abs(change) < 1e-6) break;
-  }
-  return {u, 1 / (2 * q * std::exp(-2 * u) + weight)};
-}
 
 bool has_unit_factor(SizedGroup::Of of) { return of != SizedGroup::Of::declared && of != SizedGroup::Of::rig; }
 int triad_of(SizedGroup::Of of) { return of == SizedGroup::Of::accel ? 0 : of == SizedGroup::Of::gyro ? 1 : -1; }
@@ -95,7 +85,8 @@ class Sizes {
     constexpr int most_rounds = 20;
     constexpr double still = 0.01;
     Conditional c = conditional(data_, sizes(log_factor, factors));
-    for (int round = 0; round < most_rounds && update(factors, c, log_factor) > still; ++round) c = conditional(data_, sizes(log_factor, factors));
+    for (int round = 0; round < most_rounds && update(factors, c, log_factor, round) > still; ++round)
+      c = conditional(data_, sizes(log_factor, factors));
     SizeNode node;
     node.log_factor = log_factor;
     node.weight = c.log_evidence + hypothesis_.log_weight - 0.5 * std::pow(log_factor / log_unit_spread, 2);
@@ -127,27 +118,49 @@ class Sizes {
     return out;
   }
 
-  /// The factors that are most probable with this answer; returns the largest change of a logarithm.
-  double update(Factors& factors, const Conditional& c, double log_factor) const {
-    double moved = 0;
-    std::array<double, 2> columns{}, squares{};
+  /// A step to the most probable factors, about this answer; returns the largest change of a logarithm. By u = ln o_k of m columns with squares
+  /// q = (|c|^2 + tr P) / size^2 the derivative of the evidence is q - m - u/spread^2, and of q what it is where columns do not depend on each other,
+  /// with g = 1 - P/size^2, which the data have of a column: -2 sum(c^2/size^2 (2g - 1) + g P/size^2). A triad's factor moves all of its groups.
+  double update(Factors& factors, const Conditional& c, double log_factor, int round) const {
+    constexpr double weight = 1 / (log_own_spread * log_own_spread), longest = 1;
+    constexpr int patience = 3;  // then columns do depend on each other: at least half of what it is where c is known
+    struct Slope {
+      double own = 0, bend = 0;
+    };
+    std::vector<Slope> slopes(groups_.size());
+    std::array<Slope, 2> of_triad{};
+    std::array<double, 2> squares{};
+    const auto triad_at = [&](std::size_t k) { return static_cast<std::size_t>(triad_of(groups_[k].of)); };
     for (std::size_t k = 0; k < groups_.size(); ++k) {
       const SizedGroup& g = groups_[k];
       if (g.of == SizedGroup::Of::declared) continue;
-      const double size = hypothesis_.sizes[k] * std::exp(has_unit_factor(g.of) ? log_factor : 0);
-      const double square = (c.value.segment(g.first, g.size).squaredNorm() + c.variance.segment(g.first, g.size).sum()) / (size * size);
-      const int triad = triad_of(g.of);
-      const double of_triad = triad < 0 ? 0 : factors.triad[static_cast<std::size_t>(triad)].log;
-      const auto m = static_cast<double>(g.size);
-      const Factor own = most_probable(m, square * std::exp(-2 * of_triad), factors.own[k].log);
-      moved = std::max(moved, std::abs(own.log - factors.own[k].log));
-      factors.own[k] = own;
-      if (triad >= 0) columns[static_cast<std::size_t>(triad)] += m, squares[static_cast<std::size_t>(triad)] += square * std::exp(-2 * own.log);
+      const double variance = std::pow(hypothesis_.sizes[k] * std::exp(log_size(k, log_factor, factors)), 2);
+      const auto seen = (1 - c.variance.segment(g.first, g.size).array() / variance).eval();
+      const auto square = (c.value.segment(g.first, g.size).array().square() / variance).eval();
+      const double q = square.sum() + (1 - seen).sum(), pull = q - static_cast<double>(g.size);
+      const double alone = std::max(0.0, 2 * (square * (2 * seen - 1) + seen * (1 - seen)).sum());
+      const double bend = round < patience ? alone : std::max(alone, q);
+      slopes[k] = {pull - weight * factors.own[k].log, bend};
+      factors.own[k].variance = 1 / (2 * q + weight);
+      if (triad_of(g.of) < 0) continue;
+      Slope& t = of_triad[triad_at(k)];
+      t.own += pull - bend * slopes[k].own / (bend + weight), t.bend += bend * weight / (bend + weight);
+      squares[triad_at(k)] += q;
     }
+    std::array<double, 2> steps{};
+    double moved = 0;
     for (std::size_t t = 0; t < 2; ++t) {
-      const Factor of_triad = most_probable(columns[t], squares[t], factors.triad[t].log);
-      moved = std::max(moved, std::abs(of_triad.log - factors.triad[t].log));
-      factors.triad[t] = of_triad;
+      Factor& f = factors.triad[t];
+      steps[t] = std::clamp((of_triad[t].own - weight * f.log) / (of_triad[t].bend + weight), -longest, longest);
+      f.log += steps[t], f.variance = 1 / (2 * squares[t] + weight);
+      moved = std::max(moved, std::abs(steps[t]));
+    }
+    for (std::size_t k = 0; k < groups_.size(); ++k) {
+      if (groups_[k].of == SizedGroup::Of::declared) continue;
+      const double with_triad = triad_of(groups_[k].of) < 0 ? 0 : slopes[k].bend * steps[triad_at(k)];
+      const double step = std::clamp((slopes[k].own - with_triad) / (slopes[k].bend + weight), -longest, longest);
+      factors.own[k].log += step;
+      moved = std::max(moved, std::abs(step));
     }
     return moved;
   }
@@ -165,14 +178,15 @@ Factors continued(const Factors& last, const Factors& before) {
   return out;
 }
 
-/// The nodes of a hypothesis that matter, from the middle of the grid to either side.
-std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups) {
+/// The nodes of a hypothesis that matter, from the middle of the grid to either side. `most_of_others`: the largest weight of those before.
+std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups, double most_of_others) {
   std::vector<SizeNode> out;
   double most = -HUGE_VAL;
   Factors middle_factors{std::vector<Factor>(groups)};
   constexpr int middle = grid_points * 4 / 7;  // lambda of about 1
   for (const int direction : {1, -1}) {
     Factors factors = middle_factors, before = factors;
+    double last_weight = -HUGE_VAL;
     for (int point = direction > 0 ? middle : middle - 1; point >= 0 && point < grid_points; point += direction) {
       const Factors last = factors;
       factors = point == middle || point == middle + 1 || point == middle - 1 ? last : continued(last, before);
@@ -180,8 +194,8 @@ std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups) {
       out.push_back(sizes.at(log_lambda(point), factors));
       if (point == middle) middle_factors = factors;
       const double weight = out.back().weight;
-      if (weight < most - negligible) break;
-      most = std::max(most, weight);
+      if (weight < most - negligible || (weight < most_of_others - negligible && weight < last_weight)) break;
+      most = std::max(most, weight), last_weight = weight;
     }
   }
   return out;
@@ -218,6 +232,7 @@ double explained_cost(const ReducedEffects& data, const VectorXd& size) { return
 
 SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGroup>& groups, const std::vector<SizeHypothesis>& hypotheses) {
   SizePosterior out;
+  double most = -HUGE_VAL;
   std::vector<std::size_t> likeliest_first(hypotheses.size());
   std::iota(likeliest_first.begin(), likeliest_first.end(), std::size_t{0});
   std::ranges::sort(likeliest_first, std::greater<>(), [&](std::size_t h) { return hypotheses[h].log_weight; });
@@ -225,13 +240,13 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
     // The factors let any hypothesis have the sizes of any other, at a price.
     constexpr double hopeless = 20;
     if (hypotheses[h].log_weight < hypotheses[likeliest_first.front()].log_weight - hopeless) break;
-    for (SizeNode& node : nodes_of(Sizes(data, groups, hypotheses[h]), groups.size())) {
+    for (SizeNode& node : nodes_of(Sizes(data, groups, hypotheses[h]), groups.size(), most)) {
       node.hypothesis = h;
+      most = std::max(most, node.weight);
       out.nodes.push_back(std::move(node));
     }
   }
-  double most = -HUGE_VAL, sum = 0;
-  for (const SizeNode& node : out.nodes) most = std::max(most, node.weight);
+  double sum = 0;
   for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
   for (SizeNode& node : out.nodes) node.weight /= sum;
   out.log_evidence = most + std::log(sum);

@@ -71,9 +71,10 @@ void HandheldProblem::integrate() {
   for (std::size_t k = 0; k < links_.size(); ++k) {
     Link& link = links_[k];
     if (!link.usable) continue;
-    if (link.at) {  // a small step follows from the derivatives: the second-order part of 1e-4 rad is below 1e-8 rad
+    if (link.at) {  // a small step follows from the derivatives: its square is below a hundredth of the noise, or 1e-8 rad
+      const double small = std::max(1e-8, 0.01 * std::sqrt(link.rotation.covariance.trace() / 3));
       const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
-      if (angle.norm() < 1e-4 &&
+      if (angle.squaredNorm() < small &&
           (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
         link.now.C = corrected(link.rotation, angle);
         continue;
