@@ -5,6 +5,8 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/Cholesky>
@@ -89,6 +91,20 @@ TEST(Hybrid, RestsThatTurnALittleCountLess) {
     sum += normalized_error(c, s.truth.model).sum;
   }
   EXPECT_LT(sum, chi_square_quantile(0.9995, sessions * 21));
+}
+
+/// By a coarse start the Earth's rate at rest looks like another latitude: a place that is known well is no reason for short steps.
+TEST(Hybrid, AWellKnownLatitudeDoesNotHoldItUp) {
+  for (const std::uint64_t seed : {43u, 48u, 60u}) {
+    Session session = method("hybrid").example({.on_table = {.rest = 30, .rate_hz = 50}, .seed = seed});
+    session.imu.noise = NoiseTerms::full;
+    const Truth truth = draw_truth(session, seed);
+    const Recording recording =
+        simulate_recording(session, session.recordings.front(), truth, seed, draw_rig_errors(session, session.recordings.front(), seed));
+    const CalibrationResult result = calibrate(input_of(session, recording), {});
+    EXPECT_EQ(result.calibration.quality.verdict, "good") << seed << ": " << verdict_text(result.calibration.quality);
+    EXPECT_LE(result.iterations, 20) << seed;
+  }
 }
 
 /// Exact readings, or rounded ones of a sensor whose noise is far below its steps: the noise that the rests show is zero.

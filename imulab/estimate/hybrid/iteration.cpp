@@ -149,8 +149,7 @@ double shortening(const VectorXd& step, const States& states) {
   constexpr double longest_of_latitude = 10 * unit::deg;  // its sine and cosine are nearly linear
   const Index n = states.first(Group::start);
   double longest = std::max(1.0, step.head(n).cwiseAbs().cwiseQuotient(3 * states.prior.head(n).cwiseMax(1e-30)).maxCoeff());
-  if (const Index at = states.first(Group::latitude); at >= 0)
-    longest = std::max(longest, std::abs(step[at]) / std::min(3 * states.prior[at], longest_of_latitude));
+  if (const Index at = states.first(Group::latitude); at >= 0) longest = std::max(longest, std::abs(step[at]) / longest_of_latitude);
   return longest;
 }
 
