@@ -35,4 +35,16 @@ std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, do
   return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
 }
 
+double angle_of(const std::vector<SeenHeading>& seen, double angle) {
+  const auto excess = [&](double more) {
+    double sum = -static_cast<double>(seen.size());
+    for (const SeenHeading& h : seen) sum += h.whitened * h.whitened * h.variance / (h.variance + more);
+    return sum;
+  };
+  double low = 0, high = std::ranges::max_element(seen, {}, &SeenHeading::variance)->variance;
+  while (excess(high) > 0) low = high, high *= 2;
+  while (high - low > 1e-3 * high) (excess(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+  return std::hypot(angle, std::sqrt(high / 2));
+}
+
 }  // namespace imulab::hybrid

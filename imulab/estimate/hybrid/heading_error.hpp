@@ -1,4 +1,4 @@
-// The heading at the start of gyros that hardly resolve the Earth's rate in one rest.
+// What the rests tell of the heading: at the start, for gyros that hardly resolve the Earth's rate in one rest; and whether it stays in them.
 #pragma once
 
 #include "imulab/estimate/hybrid/filter.hpp"
@@ -16,5 +16,9 @@ struct HeadingError {
 /// From any heading, and one that turns: of gyros that hardly resolve the Earth's rate in one rest, that error of the heading with which the rates of
 /// all rests add up to most. Nothing where that is not five times what their noise adds up to.
 std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate);
+
+/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. As an error of the
+/// gyros' integral at both ends, of the size with which the scatter is what is expected.
+double angle_of(const std::vector<SeenHeading>& seen, double angle);
 
 }  // namespace imulab::hybrid

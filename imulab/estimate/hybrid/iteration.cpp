@@ -280,20 +280,6 @@ bool infer_sizes(Data& data, Iterate& c) {
   return changed;
 }
 
-/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. As an error of the
-/// gyros' integral at both ends, of the size with which the scatter is what is expected.
-double angle_of(const std::vector<SeenHeading>& seen, double angle) {
-  const auto excess = [&](double more) {
-    double sum = -static_cast<double>(seen.size());
-    for (const SeenHeading& h : seen) sum += h.whitened * h.whitened * h.variance / (h.variance + more);
-    return sum;
-  };
-  double low = 0, high = std::ranges::max_element(seen, {}, &SeenHeading::variance)->variance;
-  while (excess(high) > 0) low = high, high *= 2;
-  while (high - low > 1e-3 * high) (excess(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
-  return std::hypot(angle, std::sqrt(high / 2));
-}
-
 /// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
 bool is_hopeless(const Data& data, const Iterate& c) {
   constexpr double far = 5;  // as from there on a result is doubtful
