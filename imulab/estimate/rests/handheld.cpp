@@ -177,25 +177,12 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
   std::vector<HandheldProblem::RotationRows> rotations = problem.rotation_rows(fit.conditions);
   std::erase_if(rotations, [](const auto& rotation) { return !(rotation.angle > 10 * unit::deg); });
   const std::size_t folds = std::min<std::size_t>(10, rotations.size());
-  const Conditions& c = fit.conditions;
-  const Index size = c.value.size(), columns = c.jacobian.cols();
-  Eigen::MatrixXd joined(size, columns + 1);
-  joined << c.jacobian, c.value;
-  const Eigen::MatrixXd white = whitened(c.blocks, std::move(joined));
-  const kernel::Information all = c.information();
   double squares = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
-    std::vector<Index> held_out;
+    Conditions held_out = fit.conditions;
     for (std::size_t i = fold; i < rotations.size(); i += folds)
-      for (Index row = rotations[i].first; row < c.blocks[rotations[i].block].first + c.blocks[rotations[i].block].size; ++row)
-        held_out.push_back(row);
-    // With the weight W of all rows those that are held out tell (W J)_h^T W_hh^-1 (W J)_h of the parameters.
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(size, std::ssize(held_out));
-    for (Index k = 0; k < unit.cols(); ++k) unit(held_out[static_cast<std::size_t>(k)], k) = 1;
-    unit = whitened(c.blocks, std::move(unit));
-    const Eigen::MatrixXd told = Cholesky(unit.transpose() * unit).solve_lower(Eigen::MatrixXd(unit.transpose() * white));
-    const kernel::Information others = all - kernel::Information(told.leftCols(columns), told.col(columns));
-    const VectorXd residual = c.value + c.jacobian * kernel::correction(others, fit.parameters, "the rests");
+      held_out.blocks[rotations[i].block].covariance.diagonal().tail(held_out.blocks[rotations[i].block].size - 4) *= 1e10;  // no weight
+    const Eigen::VectorXd residual = adjust(held_out, fit.parameters).residual;
     for (std::size_t i = fold; i < rotations.size(); i += folds) squares += residual.segment<2>(rotations[i].first).squaredNorm();
   }
   return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
