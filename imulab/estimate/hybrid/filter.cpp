@@ -79,14 +79,14 @@ class RestHeading {
     const double variance = e.factor.row(state_).squaredNorm() + sigma_ * sigma_;
     const One sigma(std::sqrt(variance)), innovation((-turned_ - e.x[state_]) / sigma[0]);
     const bool used = innovation.squaredNorm() <= outlier;
-    seen.push_back({k, innovation[0], variance, used});
-    at_.push_back(used && separation ? separation->observe<1>(e, state_, sigma, innovation) : 0);
+    seen.push_back({k, innovation[0], variance});
+    at_.push_back(used && separation ? separation->observe<1>(e, state_, sigma, innovation) : -1);
     if (used) e.observe(state_, -turned_, sigma_);
   }
   /// With the effects c.
   void correct(const Separation& separation, const Eigen::VectorXd& c) {
     for (std::size_t k = 0; k < seen.size(); ++k)
-      if (seen[k].used) seen[k].whitened = separation.innovation<1>(at_[k], c)[0];
+      if (at_[k] >= 0) seen[k].whitened = separation.innovation<1>(at_[k], c)[0];
   }
 
   std::vector<SeenHeading> seen;
@@ -96,7 +96,7 @@ class RestHeading {
   double sigma_;
   bool at_rest_ = false, begins_ = false, whole_ = false;
   double turned_ = 0;  // rad, in the rest so far
-  std::vector<Index> at_;
+  std::vector<Index> at_;  // places of those among what tells of the effects; -1: none
 };
 
 /// Innovations of a filter whose model is right are white (Mehra 1970). An unmodeled effect lasts, so that consecutive innovations are correlated.

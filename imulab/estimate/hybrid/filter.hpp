@@ -66,7 +66,6 @@ struct RestRate {
 struct SeenHeading {
   std::size_t last;  ///< block of the rest
   double whitened, variance;
-  bool used;
 };
 
 /// Correlation of each value with the next, and its standard deviation where they are white.

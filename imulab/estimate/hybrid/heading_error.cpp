@@ -35,7 +35,7 @@ std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, do
   return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
 }
 
-double angle_of(const std::vector<SeenHeading>& seen, double angle) {
+double noise_of_angle(const std::vector<SeenHeading>& seen, double angle) {
   const auto excess = [&](double more) {
     double sum = -static_cast<double>(seen.size());
     for (const SeenHeading& h : seen) sum += h.whitened * h.whitened * h.variance / (h.variance + more);

@@ -17,8 +17,8 @@ struct HeadingError {
 /// all rests add up to most. Nothing where that is not five times what their noise adds up to.
 std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate);
 
-/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. As an error of the
-/// gyros' integral at both ends, of the size with which the scatter is what is expected.
-double angle_of(const std::vector<SeenHeading>& seen, double angle);
+/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. Noise::angle with
+/// which the scatter is what is expected; `angle`: the one that they were seen with.
+double noise_of_angle(const std::vector<SeenHeading>& seen, double angle);
 
 }  // namespace imulab::hybrid

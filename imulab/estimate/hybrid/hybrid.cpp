@@ -217,7 +217,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
   std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
-  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}, 1} : converge(data, options.significance);
+  Converged result = seen ? Converged{first_iterate(data)} : converge(data, options.significance);
   if (!seen && shows_no_noise(data.noise, session.imu)) {
     const double scatter = scatter_of(data, result.last);
     data.noise.accel *= std::max(1.0, scatter), data.noise.gyro *= std::max(1.0, scatter);

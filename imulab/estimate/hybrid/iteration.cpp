@@ -317,7 +317,7 @@ double scatter_of(const Data& data, const Iterate& c) {
 
 Converged converge(Data& data, double significance) {
   constexpr int most_rounds = 10;
-  Converged out{first_iterate(data), {}, {}, {}, 1};
+  Converged out{first_iterate(data)};
   const auto infer = [&] {
     if (is_hopeless(data, out.last)) return false;
     out.tests = tests_of_terms(data, out.last, significance);
@@ -335,7 +335,7 @@ Converged converge(Data& data, double significance) {
     if (!out.last.converged || scatter_of(data, out.last) > other_data) return false;
     const std::vector<SeenHeading>& seen = out.last.pass.headings;
     const double excess = kernel::excess(out.last.pass.chi2_of_headings(), static_cast<double>(seen.size()));
-    if (excess > 1) data.noise.angle = angle_of(seen, data.noise.angle), out.headings *= excess;
+    if (excess > 1) data.noise.angle = noise_of_angle(seen, data.noise.angle), out.headings *= excess;
     return excess > 1;
   };
   kernel::refine(

@@ -49,10 +49,10 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 
 struct Converged {
   Iterate last;
-  std::vector<TermTest> tests;        ///< of the optional groups: are they seen?
-  std::vector<std::size_t> left_out;  ///< blocks whose velocity is an outlier
-  std::vector<std::string> lost;      ///< turns that no model explains
-  double headings = 1;                ///< their scatter in the rests over what the noise explains, before it was taken for movement
+  std::vector<TermTest> tests = {};        ///< of the optional groups: are they seen?
+  std::vector<std::size_t> left_out = {};  ///< blocks whose velocity is an outlier
+  std::vector<std::string> lost = {};      ///< turns that no model explains
+  double headings = 1;                     ///< their scatter in the rests over what the noise explains, before it was taken for movement
 };
 
 /// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`, and turns that

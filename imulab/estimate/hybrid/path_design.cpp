@@ -236,7 +236,7 @@ TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& prog
   const auto part_of = [](std::size_t done, std::size_t all) { return static_cast<double>(done) / static_cast<double>(all); };
   for_each_path({rests.size(), search_part, take_candidates, [&](std::size_t done) { report(0.7 * part_of(done, rests.size())); }}, sharing, "turns");
 
-  const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : 2);
+  const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : q.time ? 4 : 2);
   const auto rested = [&](QuarterPath path) {
     if (q.rest) return path;
     return q.time ? best_in(judge, std::move(path), longest) : shortest(judge, std::move(path), longest);

@@ -56,7 +56,8 @@ TEST(PathDesign, IsAsGoodAsTheStandardPathInItsTime) {
   q.time = standard.session.steps.back().end;
   const TurnPath path = design_path(q);
   EXPECT_LE(path.duration, *q.time);
-  EXPECT_LE(worst_ratio(predicted(path, standard.plan), q), 1.01);  // where no single change helps
+  // A search among single changes does not find the last percent: the standard path is the work of its author.
+  EXPECT_LE(worst_ratio(predicted(path, standard.plan), q), 1.01);
 }
 
 TEST(PathDesign, UsesAllOfItsTime) {

@@ -140,7 +140,7 @@ double drift_between_rests(const Data& data, const Iterate& last) {
 /// How much drifts from rest to rest before a result is doubtful, as residuals and scatter of all methods.
 constexpr double much_drift = 5;
 
-/// The headings' scatter is in their weight (angle_of).
+/// The headings' scatter is in their weight (noise_of_angle).
 void judge_headings(double scatter, kernel::Findings& findings) {
   if (scatter <= 1) return;
   const std::string text = fmt::format("the headings within the rests scatter {:.3g} times as much as the gyros' noise explains", scatter);

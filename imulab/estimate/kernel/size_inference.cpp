@@ -122,13 +122,14 @@ class Sizes {
   /// q = (|c|^2 + tr P) / size^2 the derivative of the evidence is q - m - u/spread^2, and of q what it is where columns do not depend on each other,
   /// with g = 1 - P/size^2, which the data have of a column: -2 sum(c^2/size^2 (2g - 1) + g P/size^2). A triad's factor moves all of its groups.
   double update(Factors& factors, const Conditional& c, double log_factor, int round) const {
-    constexpr double weight = 1 / (log_own_spread * log_own_spread), longest = 1;
+    static constexpr double weight = 1 / (log_own_spread * log_own_spread), longest = 1;
     constexpr int patience = 3;  // then columns do depend on each other: at least half of what it is where c is known
     struct Slope {
-      double own = 0, bend = 0;
+      double value = 0, bend = 0;  // the second without that of the factor's own spread
+      double step(double by_others = 0) const { return std::clamp((value - by_others) / (bend + weight), -longest, longest); }
     };
-    std::vector<Slope> slopes(groups_.size());
-    std::array<Slope, 2> of_triad{};
+    std::vector<Slope> own(groups_.size());
+    std::array<Slope, 2> of_triad{Slope{-weight * factors.triad[0].log}, Slope{-weight * factors.triad[1].log}};
     std::array<double, 2> squares{};
     const auto triad_at = [&](std::size_t k) { return static_cast<std::size_t>(triad_of(groups_[k].of)); };
     for (std::size_t k = 0; k < groups_.size(); ++k) {
@@ -140,25 +141,23 @@ class Sizes {
       const double q = square.sum() + (1 - seen).sum(), pull = q - static_cast<double>(g.size);
       const double alone = std::max(0.0, 2 * (square * (2 * seen - 1) + seen * (1 - seen)).sum());
       const double bend = round < patience ? alone : std::max(alone, q);
-      slopes[k] = {pull - weight * factors.own[k].log, bend};
+      own[k] = {pull - weight * factors.own[k].log, bend};
       factors.own[k].variance = 1 / (2 * q + weight);
       if (triad_of(g.of) < 0) continue;
-      Slope& t = of_triad[triad_at(k)];
-      t.own += pull - bend * slopes[k].own / (bend + weight), t.bend += bend * weight / (bend + weight);
+      Slope& t = of_triad[triad_at(k)];  // with what the group's own factor does about it
+      t.value += pull - bend * own[k].value / (bend + weight), t.bend += bend * weight / (bend + weight);
       squares[triad_at(k)] += q;
     }
     std::array<double, 2> steps{};
     double moved = 0;
     for (std::size_t t = 0; t < 2; ++t) {
-      Factor& f = factors.triad[t];
-      steps[t] = std::clamp((of_triad[t].own - weight * f.log) / (of_triad[t].bend + weight), -longest, longest);
-      f.log += steps[t], f.variance = 1 / (2 * squares[t] + weight);
+      steps[t] = of_triad[t].step();
+      factors.triad[t].log += steps[t], factors.triad[t].variance = 1 / (2 * squares[t] + weight);
       moved = std::max(moved, std::abs(steps[t]));
     }
     for (std::size_t k = 0; k < groups_.size(); ++k) {
       if (groups_[k].of == SizedGroup::Of::declared) continue;
-      const double with_triad = triad_of(groups_[k].of) < 0 ? 0 : slopes[k].bend * steps[triad_at(k)];
-      const double step = std::clamp((slopes[k].own - with_triad) / (slopes[k].bend + weight), -longest, longest);
+      const double step = own[k].step(triad_of(groups_[k].of) < 0 ? 0 : own[k].bend * steps[triad_at(k)]);
       factors.own[k].log += step;
       moved = std::max(moved, std::abs(step));
     }
