@@ -55,6 +55,8 @@ double higher_orders(const EffectState& s, int i, int function) {
 }
 double offset_drift(const EffectState& s, int, int function) { return slow(s, function); }
 double drift_in_force(const EffectState& s, int i, int function) { return slow(s, function) * s.force[i]; }
+double force_in_rate(const EffectState& s, int i, int function) { return s.rate[i] * s.force[function]; }
+double along_horizontal(const EffectState& s, int i, int function) { return s.horizontal[static_cast<std::size_t>(function)][i]; }
 double drift_in_rate(const EffectState& s, int i, int function) { return slow(s, function) * s.rate[i]; }
 double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
 double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
@@ -92,6 +94,12 @@ OutputChange change_of_mount(const EffectState& s, int column) {
 OutputChange longer_arm(const EffectState& s, int) { return {.force = s.stretching}; }
 OutputChange farther_north(const EffectState& s, int) { return s.by_latitude; }
 OutputChange turned_about_up(const EffectState& s, int machine) { return machine == s.machine ? s.by_heading : OutputChange{}; }
+
+/// The thermometers of the accelerometers and of the gyros are off by a constant in each recording.
+OutputChange thermometer_error(const EffectState& s, int column) {
+  if (column / 2 != s.recording) return {};
+  return column % 2 == 0 ? OutputChange{.force = s.by_thermometer.force} : OutputChange{.rate = s.by_thermometer.rate};
+}
 
 constexpr double force_squared = ug / (g * g), g_squared = deg_per_h / (g * g);
 constexpr unsigned need_accel = Effect::of_accel, need_gyro = Effect::of_gyro;
@@ -178,6 +186,36 @@ constexpr std::array table{
            .declared = "gyro_higher_orders_sigma_ppm",
            .words = "the gyros have terms of the fourth and fifth order",
            .advice = "add turns at several rates"},
+    Effect{.name = "gyro.scale_force",
+           .needs = need_gyro,
+           .basis = 9,
+           .phi = of_gyros<force_in_rate>,
+           .unit = ppm / g,
+           .unit_name = "ppm/g",
+           .prior = {0.2, 1, 10, 100},
+           .declared = "gyro_scale_force_sigma_ppm_per_g",
+           .words = "the gyros' scales depend on the force",
+           .advice = "turn about each axis with it up and down"},
+    Effect{.name = "accel.heading",
+           .needs = need_accel | Effect::by_north,
+           .basis = 6,
+           .phi = of_accels<along_horizontal>,
+           .unit = ug,
+           .unit_name = "ug",
+           .prior = {1, 5, 200, 1000},
+           .declared = "accel_heading_sigma_ug",
+           .words = "the accelerometers' offsets follow the heading",
+           .advice = "repeat an attitude under several headings, far from iron and magnets"},
+    Effect{.name = "gyro.heading",
+           .needs = need_gyro | Effect::by_north,
+           .basis = 6,
+           .phi = of_gyros<along_horizontal>,
+           .unit = deg_per_h,
+           .unit_name = "deg/h",
+           .prior = {0.0001, 0.0007, 0.2, 20},
+           .declared = "gyro_heading_sigma_deg_per_h",
+           .words = "the gyros' offsets follow the heading",
+           .advice = "repeat an attitude under several headings, far from iron and magnets"},
     Effect{.name = "accel.drift",
            .needs = need_accel,
            .basis = 6,
@@ -262,6 +300,17 @@ constexpr std::array table{
            .declared = "gyro_scale_temperature_sigma_ppm_per_K",
            .words = "the gyros' scales follow the temperature",
            .advice = "keep the temperature, or use a chamber"},
+    Effect{.name = "thermometer.offset",
+           .needs = need_accel | need_gyro | Effect::by_thermal,
+           .basis = 2,
+           .phi = thermometer_error,
+           .unit = 1,
+           .unit_name = "K",
+           .prior = {0.3, 0.3, 0.3, 0.3},
+           .declared = "thermometer_offset_sigma_K",
+           .words = "a thermometer reads too much or too little in a recording",
+           .advice = "wait until the IMU has the temperature of its surroundings",
+           .each = Effect::Each::recording},
     Effect{.name = "accel.turn_on",
            .needs = need_accel | Effect::by_recordings,
            .basis = 3,

@@ -43,6 +43,8 @@ struct EffectState {
   std::optional<double> warming = {};                          ///< K from the recording's mean; absent: no thermometer
   int machine = 0;                                             ///< of a session's, from 0
   OutputChange by_latitude = {}, by_heading = {};  ///< of what ideal sensors measure, by the latitude, and by the machine's turn about up [1/rad]
+  OutputChange by_thermometer = {};                ///< 1/K: what the thermal terms make of an error of the thermometer
+  std::array<Vector3d, 2> horizontal{Vector3d::Zero(), Vector3d::Zero()};  ///< unit vectors to north and east, body axes; zero: not known, or turning
 };
 
 /// What a session has, on which it depends which effects can be.
@@ -53,6 +55,8 @@ struct EffectSetting {
   bool moved = false;       ///< it changed its place there
   bool centrifuge = false;  ///< the machine is one
   bool latitude = false;    ///< Earth's rate at a latitude is used
+  bool heading = false;     ///< `horizontal` is known
+  bool thermal = false;     ///< thermal terms are estimated
   int recordings = 1;
   int machines = 1;  ///< whose heading is used
 };
@@ -67,7 +71,9 @@ struct Effect {
     by_mount = 16,
     by_centrifuge = 32,
     by_latitude = 64,
-    by_move = 128
+    by_move = 128,
+    by_north = 256,
+    by_thermal = 512
   };
 
   std::string_view name;                                      ///< "accel.asymmetry"

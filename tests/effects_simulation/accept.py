@@ -43,19 +43,21 @@ GRADES = {"static": ("navigation", "mems"), "handheld": ("navigation", "mems"), 
 # Effects that the residuals of a method's session can show.
 SHOWN = {
     "static": ("accel.asymmetry", "accel.cross_terms", "accel.drift"),
-    "handheld": ("accel.asymmetry", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry"),
+    "handheld": ("accel.asymmetry", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "gyro.scale_force"),
     "turntable": ("accel.hysteresis", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "mount.elastic"),
-    "hybrid": ("accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "gyro.scale_drift"),
+    "hybrid": ("accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "gyro.scale_drift", "gyro.scale_force"),
     "whole-unit": ("accel.turn_on", "gyro.turn_on", "gyro.g_squared", "gyro.drift", "centrifuge.arm"),
 }
 BOTH = ("navigation", "mems")
 # Sessions that show an effect: without these turns cross terms within their prior look like the bend.
 BETTER = {("turntable", "mount.elastic"): ("with turns on each face", {"all_faces": 1})}
-# Effects that shift a coefficient and do not show, whatever their size: a bend with turns on one face, a scale over temperature in one mount.
-ASSUMED = {"turntable": "mount.elastic", "whole-unit": "accel.scale_temperature"}
+# Effects that shift a coefficient and do not show, whatever their size: a bend, or a scale that follows the force, with turns on one face, a scale over
+# temperature in one mount.
+ASSUMED = {"turntable": ("mount.elastic", "gyro.scale_force"), "whole-unit": ("accel.scale_temperature",)}
 SPECIAL = {
     "static": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude", ("navigation",)),
-               ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("navigation",))),
+               ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("navigation",)),
+               ("offsets that follow the heading by 100 ug", {"heading_ug": 100}, "accel.heading", ("navigation",))),
     # A hand that wanders is no rest to a good gyro: that log is refused.
     "handheld": (("a tremor of 0.05 deg", {"tremor": 0.05}, None, BOTH), ("a hand that wanders by 0.3 deg", {"wander": 0.3}, None, ("mems",)),
                  ("a clock 1 % off", {"clock": 0.01}, None, BOTH)),
@@ -77,7 +79,7 @@ def cases() -> list[Case]:
                     words, special = BETTER.get((method, effect), ("", {}))
                     name = f"{effect} of ten times its prior" + (words and ", " + words)
                     out.append(Case(method, grade, name, {effect: 10}, special, effect, quick=grade == grades[0] and number < 2))
-            if effect := ASSUMED.get(method):
+            for effect in ASSUMED.get(method, ()):
                 out.append(Case(method, grade, f"{effect} of its prior, assumed", {effect: 1}, assumed=effect, quick=(method, grade) == ("turntable", "navigation")))
             for name, special, cause, of_grades in SPECIAL.get(method, ()):
                 if grade in of_grades:

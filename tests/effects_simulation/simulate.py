@@ -25,6 +25,7 @@ SIZES = {
     "accel.hysteresis": (UG, (1, 5, 50, 500)),
     "gyro.g_squared": (DPH / G**2, (0.0005, 0.002, 0.5, 10)),
     "accel.fourth_order": (PPM, (1, 5, 50, 1000)),
+    "gyro.scale_force": (PPM / G, (0.2, 1, 10, 100)),
     "accel.drift": (UG, (1, 5, 50, 2000)),
     "gyro.drift": (DPH, (0.0005, 0.003, 0.5, 150)),
     "accel.scale_drift": (PPM, (1, 5, 50, 500)),
@@ -52,6 +53,7 @@ class Motion:
     force: np.ndarray  # m/s^2, mean of the sample
     rate: np.ndarray  # rad/s, mean of the sample
     rest: np.ndarray  # true at rest
+    north: np.ndarray | None = None  # unit vectors to it
 
 
 def hand_motion(rng: np.random.Generator, rests: int, rest_s: float, rate_hz: float, latitude: float, gravity: float) -> Motion:
@@ -59,12 +61,13 @@ def hand_motion(rng: np.random.Generator, rests: int, rest_s: float, rate_hz: fl
     dt, up = 1 / rate_hz, np.array([0, 0, 1.0])
     earth = EARTH * np.array([0, np.cos(latitude), np.sin(latitude)])
     C = rotation(np.array([1.0, 0, 0]), np.array([rng.uniform(-np.pi, np.pi)]))[0]
-    force, rate, rest = [], [], []
+    force, rate, rest, north = [], [], [], []
     for k in range(rests):
         n = int(rest_s * rate_hz)
         force.append(np.tile(C.T @ up * gravity, (n, 1)))
         rate.append(np.tile(C.T @ earth, (n, 1)))
         rest.append(np.ones(n, bool))
+        north.append(np.tile(C[1], (n, 1)))
         if k + 1 == rests:
             break
         axis = rng.normal(size=3)
@@ -78,9 +81,10 @@ def hand_motion(rng: np.random.Generator, rests: int, rest_s: float, rate_hz: fl
         force.append(np.einsum("nji,j->ni", attitude, up) * gravity)
         rate.append(np.diff(profile)[:, None] / dt * axis + np.einsum("nji,j->ni", attitude, earth))
         rest.append(np.zeros(m, bool))
+        north.append(attitude[:, 1])
         C = C @ rotation(axis, profile[-1:])[0]
     f, w = np.concatenate(force), np.concatenate(rate)
-    return Motion((1 + np.arange(len(f))) * dt, f, w, np.concatenate(rest))
+    return Motion((1 + np.arange(len(f))) * dt, f, w, np.concatenate(rest), np.concatenate(north))
 
 
 def held_in_a_hand(rng: np.random.Generator, m: Motion, tremor_deg: float, wander_deg: float) -> Motion:
@@ -104,7 +108,7 @@ def held_in_a_hand(rng: np.random.Generator, m: Motion, tremor_deg: float, wande
         return v * np.cos(size) - np.cross(k, v) * np.sin(size) + k * np.sum(k * v, axis=1, keepdims=True) * (1 - np.cos(size))
 
     rate = seen(m.rate) + turning - 0.5 * np.cross(a, turning) + np.cross(a, np.cross(a, turning)) / 6
-    return Motion(m.time, seen(m.force), rate, m.rest)
+    return Motion(m.time, seen(m.force), rate, m.rest, None if m.north is None else seen(m.north))
 
 
 def slow(time: np.ndarray) -> np.ndarray:
@@ -138,6 +142,8 @@ def columns(name: str, m: Motion, gravity: float) -> list[np.ndarray]:
         return [f * nxt, f * last, nxt * last] + [x**2 - gravity**2 / 3 for x in (f, nxt, last)]
     if name == "accel.fourth_order":
         return [((f / G) ** 4 - (gravity / G) ** 4 / 5) * G]
+    if name == "gyro.scale_force":
+        return [w * f[:, j : j + 1] for j in range(3)]
     shapes = slow(m.time)
     if name in ("accel.drift", "gyro.drift"):
         return [np.repeat(s[:, None], 3, axis=1) for s in shapes]
@@ -174,7 +180,7 @@ def drawn_unit(rng: np.random.Generator, grade: str, effects: dict[str, float]) 
     unit = Unit(rng.normal(size=3) * u["ab"], accel, rng.normal(size=3) * u["gb"], gyro, rng.normal(size=(3, 3)) * u["gs"])
     for name, size in effects.items():
         scale, priors = SIZES[name]
-        count = {"accel.cross_terms": 5, "gyro.g_squared": 6}.get(name, 2 if "drift" in name else 1)
+        count = {"accel.cross_terms": 5, "gyro.g_squared": 6, "gyro.scale_force": 3}.get(name, 2 if "drift" in name else 1)
         unit.effects[name] = size * scale * priors[GRADES.index(grade)] * rng.normal(size=(count, 3))
     return unit
 
@@ -236,15 +242,19 @@ def in_recorded_seconds(unit: Unit, gain: float) -> None:
 
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, rests: int = 40, rest_s: float = 5, rate_hz: float = 50,
                   latitude: float = 48 * DEG, latitude_off: float = 0, wrong_sign: bool = False, tremor: float = 0, wander: float = 0,
-                  clock: float = 0) -> Unit:
+                  clock: float = 0, heading_ug: float = 0) -> Unit:
     """A session of a hand-turned unit with its noise and grade declared. `latitude_off` [deg]: of the declared one; `tremor`, `wander` [deg]: of the hand;
-    `clock`: the recording's seconds are shorter than true ones by this fraction."""
+    `clock`: the recording's seconds are shorter than true ones by this fraction; `heading_ug`: offsets of the accelerometers that follow the heading."""
     rng = np.random.default_rng(seed)
     gravity = 9.809
     motion = hand_motion(rng, rests, rest_s, rate_hz, latitude, gravity)
     unit = drawn_unit(rng, grade, effects)
     if tremor or wander:
         motion = held_in_a_hand(np.random.default_rng([seed, 1]), motion, tremor, wander)
+    if heading_ug:
+        east = np.cross(motion.north, motion.force / gravity)
+        by_north, by_east = np.random.default_rng([seed, 2]).normal(size=(2, 3)) * heading_ug * UG
+        motion = Motion(motion.time, motion.force + by_north * motion.north + by_east * east, motion.rate, motion.rest)
     accel, gyro = readings(rng, unit, motion, grade, rate_hz, gravity)
     in_recorded_seconds(unit, clock)
     text = imu_text(grade) + site_text((-1 if wrong_sign else 1) * latitude / DEG + latitude_off, gravity) + recording_text("recording.csv", rate_hz)

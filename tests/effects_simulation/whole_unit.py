@@ -18,11 +18,12 @@ SIZES = COMMON | {
     "accel.turn_on": (UG, (5, 25, 1000, 5000)),
     "gyro.turn_on": (DPH, (0.0005, 0.0035, 1, 100)),
     "mount.elastic": (ARCSEC / G, (0.5, 1, 5, 30)),
+    "thermometer.offset": (1, (0.3, 0.3, 0.3, 0.3)),
     "centrifuge.arm": (1e-3, (0.2, 0.2, 0.2, 0.2)),
     "site.latitude": (DEG, (0.05, 0.05, 0.05, 0.05)),
     "site.north": (DEG, (1, 1, 1, 1)),
 }
-COUNT = {"accel.cross_terms": 5, "gyro.g_squared": 6, "gyro.higher_orders": 2}
+COUNT = {"accel.cross_terms": 5, "gyro.g_squared": 6, "gyro.higher_orders": 2, "gyro.scale_force": 3}
 # What a whole-unit session has besides simulate.UNITS: terms (quadratic 1/(m/s^2), cubic), thermal drift by K, g-sensitivity.
 UG2, UG3, DPS = UG / G**2, UG / G**3, DEG
 TERMS = {
@@ -149,8 +150,8 @@ def change_of(name: str, c: np.ndarray, r: int, m: Motion, gravity: float, full:
         return np.cross(m.force, angle), np.cross(m.rate, angle)
     if name == "centrifuge.arm":
         return c[0, 0] * points["stretching"], nothing
-    if name.startswith("site"):
-        return nothing, nothing  # in the motion
+    if name.startswith(("site", "thermometer")):
+        return nothing, nothing  # in the motion, and in the temperature that is read
     own = c[2 * r : 2 * r + 2] if "drift" in name else c
     change = sum(ck * phi for ck, phi in zip(own, columns(name, m, gravity)))
     return (change, nothing) if name.startswith("accel") else (nothing, change)
@@ -187,7 +188,7 @@ class Unit:
         self.effects = {}
         for name, size in effects.items():
             scale, priors = SIZES[name]
-            count = 6 if "drift" in name else 3 if name in ("mount.elastic", "site.north") or name.endswith("turn_on") else COUNT.get(name, 1)
+            count = 6 if "drift" in name else 3 if name in ("mount.elastic", "site.north", "thermometer.offset") or name.endswith("turn_on") else COUNT.get(name, 1)
             self.effects[name] = size * scale * priors[GRADES.index(grade)] * rng.normal(size=(count, 3))
 
     def values(self) -> dict[str, float]:
@@ -266,7 +267,7 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
         gyro = raw_readings(unit.model, "gyro", rate - m.force @ unit.model["gyro.g_sensitivity"].T, warm)
         accel += rng.normal(size=accel.shape) * u["na"] * np.sqrt(rate_hz)
         gyro += rng.normal(size=gyro.shape) * u["ng"] * np.sqrt(rate_hz)
-        celsius = ROOM + warm + rng.normal(size=len(warm)) * 0.01
+        celsius = ROOM + warm + unit.effects.get("thermometer.offset", np.zeros((3, 3)))[r, 0] + rng.normal(size=len(warm)) * 0.01
         recordings[f"{MACHINES[r]}.csv"] = np.column_stack([m.time + 0.5 / rate_hz, gyro, accel, celsius])
     write(folder, session_text(points, grade, record, rate_hz, -latitude if wrong_sign else latitude, extra), unit, recordings)
     return unit

@@ -60,11 +60,11 @@ double significance_of(const EffectTest& test, const std::vector<EffectTest>& al
 }
 
 /// Notes the effects that could be ten times as large as expected and neither show nor be covered: along the change of an effect by which a
-/// coefficient follows it most, the data tell less than a tenth of what the prior does, and ten sigmas of the prior shift the coefficient by more
-/// than three of its own. One that the data show to be larger elsewhere cannot be assumed: that is a doubt.
+/// coefficient follows it most, the data tell less than a fifth of what the prior and they do, and ten sigmas of the prior shift the coefficient by
+/// more than three of its own. From a fifth on ten sigmas are seen to two, as surely more than the four that are a doubt.
 void name_assumed(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance,
                   const std::vector<CoefficientIndex>& coefficients) {
-  constexpr double told = 0.1, follows = 0.3;
+  constexpr double told = 0.2, follows = 0.3;
   const auto is_among = [](const std::vector<std::string>& names, std::string_view name) { return std::ranges::find(names, name) != names.end(); };
   std::vector<std::string>& considered = calibration.quality.considered;
   const Index first = covariance.rows() - effects.size();
@@ -93,10 +93,14 @@ void judge_unit_size(Quality& quality, Findings& findings, const Effects& effect
   UnitSize size{.factor = std::exp(found.log_factor), .factor_sigma = found.sigma, .grade = effects.grade()};
   if (found.weights.size() > 1) {
     for (std::size_t k = 0; k < found.weights.size(); ++k) size.weights[effects.grade(k)] = found.weights[k];
-    findings.note(
-        fmt::format("no grade declared: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes are "
-                    "averaged over the grades",
-                    size.grade, 100 * size.weights[size.grade]));
+    const std::optional<std::string>& declared = effects.declared_grade();
+    const std::string words = fmt::format(
+        "{}: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes are averaged over the grades",
+        declared ? "the data contradict the declared grade, " + *declared : "no grade declared", size.grade, 100 * size.weights[size.grade]);
+    if (declared)
+      findings.warn(words);
+    else
+      findings.note(words);
   } else if (found.factor_exceeds(worse) > sure || found.factor_exceeds(better) < 1 - sure) {
     std::string words = fmt::format("the IMU's effects are {:.2g} times those of its grade, {}", size.factor, size.grade);
     if (const std::string other = effects.grade_of_factor(size.factor); other != size.grade) words += "; the grade that fits is " + other;

@@ -58,9 +58,10 @@ class Effects {
   bool infer(const Parameters& parameters, const Solution& solution, const std::vector<CoefficientIndex>& coefficients = {});
   /// Absent before `infer`.
   const std::optional<SizePosterior>& posterior() const { return posterior_; }
-  /// The declared grade, or the likeliest once sizes were inferred.
+  /// The likeliest, once sizes were inferred by their evidence, too.
   const std::string& grade() const { return hypotheses_.at(best_).grade; }
   const std::string& grade(std::size_t hypothesis) const { return hypotheses_.at(hypothesis).grade; }
+  const std::optional<std::string>& declared_grade() const { return imu_.grade; }
   /// The grade whose effects are nearest to `factor` times those of `grade`.
   std::string grade_of_factor(double factor) const;
   /// What is far larger than expected and stands out of its IMU, and what explains the data as well.
@@ -78,8 +79,8 @@ class Effects {
   double p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
                  const std::vector<CoefficientIndex>& coefficients = {}) const;
 
-  /// The part of the coefficients' covariance that the same IMU brings again in a calibration like this one: the values of its own effects and optional
-  /// terms c pull the coefficients by P_xc S^-1 c, S their priors. `covariance`: of the parameters. Empty where sizes are not inferred.
+  /// The part of the coefficients' covariance that the same IMU brings again in a calibration like this one: the values of its own effects and
+  /// optional terms c pull the coefficients by P_xc S^-1 c, S their priors. `covariance`: of the parameters. Empty where sizes are not inferred.
   Eigen::MatrixXd constant_part(const Parameters& parameters, const Eigen::MatrixXd& covariance,
                                 const std::vector<CoefficientIndex>& coefficients) const;
 

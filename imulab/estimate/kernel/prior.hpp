@@ -64,9 +64,9 @@ struct LikelyGrade {
   double log_weight = 0;
 };
 const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades);
-/// The declared grade, or each by what is seen or, of the noise, declared.
+/// The declared grade alone unless what is seen contradicts it; otherwise each, by what is seen or, where no grade is declared, by the declared noise.
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen);
-/// With the likeliest grade where none is declared.
+/// With the likeliest of these.
 ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen);
 
 /// Priors of quadratic, cubic, g-sensitivity and lever arms for any method, in fields of the same name; offsets, scales, misalignments and drifts

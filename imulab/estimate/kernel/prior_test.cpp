@@ -28,5 +28,17 @@ TEST(OptionalTerms, TheGradeIsToldByAllThatIsSeen) {
   EXPECT_EQ(of_likeliest_grade(declared, {.accel_noise = mems.accel_noise.N}).grade, "tactical");
 }
 
+TEST(OptionalTerms, ADeclaredGradeHoldsUnlessTwoQuantitiesContradictIt) {
+  const Grade &mems = grade("mems"), &of = grade("tactical");
+  ImuDeclaration declared;
+  declared.grade = of.name;
+  SeenOfUnit seen{.accel_noise = of.accel_noise.N, .gyro_noise = of.gyro_noise.N, .accel_offset = of.accel_bias, .gyro_offset = of.gyro_bias};
+  EXPECT_EQ(likely_grades(declared, seen).size(), 1u);
+  seen.accel_offset = mems.accel_bias;  // a rest that was none
+  EXPECT_EQ(likely_grades(declared, seen).size(), 1u);
+  seen.gyro_offset = mems.gyro_bias;
+  EXPECT_EQ(likeliest(likely_grades(declared, seen)).name, "mems");
+}
+
 }  // namespace
 }  // namespace imulab::kernel

@@ -23,6 +23,7 @@ SiteChanges::SiteChanges(const Site& site) {
 void SiteChanges::fill(EffectState& state, const Matrix3d& C_bn) const {
   state.by_latitude = {C_bn * by_latitude_.force, C_bn * by_latitude_.rate};
   state.by_heading = {C_bn * by_heading_.force, C_bn * by_heading_.rate};
+  state.horizontal = {C_bn.col(1), C_bn.col(0)};
 }
 
 Site farther_north(Site site, double angle) {

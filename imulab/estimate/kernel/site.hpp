@@ -15,7 +15,7 @@ class SiteChanges {
  public:
   /// At this site, which may be the declared one moved by the estimated latitude (`farther_north`).
   explicit SiteChanges(const Site& site);
-  /// Sets `by_latitude` and `by_heading` of an observation; `C_bn` may be the mean of a turning body's.
+  /// Sets `by_latitude`, `by_heading` and `horizontal` of an observation; `C_bn` may be the mean of a turning body's.
   void fill(EffectState& state, const Matrix3d& C_bn) const;
 
  private:

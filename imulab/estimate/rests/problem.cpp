@@ -71,6 +71,23 @@ std::vector<CoefficientIndex> handheld_coefficients() {
 
 namespace {
 
+/// Where gyros at rest find north, a unit vector in body axes, if they resolve the Earth's rate.
+std::optional<Vector3d> north_of(const Vector3d& rate, const Vector3d& up, double latitude) {
+  const Vector3d across = rate - up.dot(rate) * up;
+  const double horizontal = earth_rate * std::cos(latitude);
+  if (!(std::abs(across.norm() - horizontal) < 0.5 * horizontal)) return std::nullopt;
+  return across.normalized();
+}
+
+/// Do the gyros find north in most rests?
+bool find_north(const coarse::RestStart& start, const Site& site) {
+  return site.latitude && 2 * std::ranges::count_if(start.rests, [&](const RestMeans& rest) {
+                            const Vector3d force = output(start.model.accel, start.accel(rest));
+                            const Vector3d rate = output(start.model.gyro, start.gyro(rest)) + start.model.g_sensitivity * force;
+                            return north_of(rate, force.normalized(), *site.latitude).has_value();
+                          }) > std::ssize(start.rests);
+}
+
 /// Gyros that are not calibrated have no effects.
 kernel::Effects expected_effects(const coarse::RestStart& start, const Recording& recording, const Session& session, bool with_effects, bool gyros) {
   EffectSetting setting;
@@ -79,6 +96,7 @@ kernel::Effects expected_effects(const coarse::RestStart& start, const Recording
                .gyro = gyros,
                .thermometer = start.recorded->thermometer(),
                .latitude = session.site.latitude.has_value(),
+               .heading = gyros && find_north(start, session.site),
                .recordings = start.recorded->recordings()};
   return kernel::Effects(kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity())), setting);
 }
@@ -223,11 +241,12 @@ EffectState RestProblem::state_at(const Rest& rest) const {
   state.force = imulab::output(model_.accel, scaling_.accel(rest.accel));
   state.rate = imulab::output(model_.gyro, scaling_.gyro(rest.gyro));
   if (latitude_) {
-    const Vector3d up = state.force.normalized(), rate = state.rate + model_.g_sensitivity * state.force, across = rate - up.dot(rate) * up;
-    const double horizontal = earth_rate * std::cos(*latitude_);
-    state.by_latitude.rate = horizontal * up;
-    // Only gyros that resolve the Earth's rate show where north is.
-    if (std::abs(across.norm() - horizontal) < 0.5 * horizontal) state.by_latitude.rate -= earth_rate * std::sin(*latitude_) * across.normalized();
+    const Vector3d up = state.force.normalized();
+    state.by_latitude.rate = earth_rate * std::cos(*latitude_) * up;
+    if (const std::optional<Vector3d> north = north_of(state.rate + model_.g_sensitivity * state.force, up, *latitude_)) {
+      state.by_latitude.rate -= earth_rate * std::sin(*latitude_) * *north;
+      state.horizontal = {*north, north->cross(up)};
+    }
   }
   return state;
 }

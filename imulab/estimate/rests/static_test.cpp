@@ -123,13 +123,15 @@ TEST(Static, GyrosFromEarthRate) {
 }
 
 TEST(Static, ABadRestIsDroppedAndNamed) {
-  SimulatedSession s = simulate_session(mems(20), 5);
-  s.session.imu.grade = "tactical";  // what a MEMS unit may do besides the model would explain it
+  HandHeldOptions options = mems(40);
+  options.grade = "tactical";  // what a MEMS unit may do besides the model would explain it
+  SimulatedSession s = simulate_session(options, 5);
   for (std::size_t i = s.rests[6].begin; i < s.rests[6].end; ++i)
     for (std::size_t j = 0; j < 3; ++j) s.recording.accel[j][i] *= 1.005;  // in gravity's direction: across it a rest alone cannot tell
   const Calibration c = calibrated("static", s.recording, s.rests, s.session.imu, s.site());
   expect_within(c, s.truth.model, 4.3);
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rest at")));
+  EXPECT_EQ(c.quality.verdict, "good");
 }
 
 TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {

@@ -31,8 +31,13 @@ TableEffects on_motion(TableEffects effects, const TableMotion& motion, const Ta
 TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
                            std::optional<std::size_t> moved_at) {
   const bool warms = std::any_of(plan.holds.begin(), plan.holds.end(), [](const TablePart& hold) { return hold.warming.has_value(); });
-  const EffectSetting setting{
-      .accel = true, .gyro = true, .thermometer = warms, .mount = true, .moved = moved_at.has_value(), .latitude = site.latitude.has_value()};
+  const EffectSetting setting{.accel = true,
+                              .gyro = true,
+                              .thermometer = warms,
+                              .mount = true,
+                              .moved = moved_at.has_value(),
+                              .latitude = site.latitude.has_value(),
+                              .heading = true};
   return on_motion({kernel::Effects(sizes, setting), moved_at, {}}, motion, plan, site);
 }
 

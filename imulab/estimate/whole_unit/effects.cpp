@@ -83,6 +83,13 @@ Vector3d stretching(const MachinePoint& point, double full_rate) {
   return -mount.outward.sign * rate * rate * std::pow(rate / full_rate, 2) * Vector3d::Unit(mount.outward.index);
 }
 
+/// What one unit more of the thermal reading changes in the output.
+Vector3d of_thermometer(const TriadModel& triad, const Vector3d& reading) {
+  if (!triad.temperature) return Vector3d::Zero();
+  const Vector3d warming = reading.array() - triad.temperature->reference;
+  return -triad.matrix * (triad.thermal.col(1) + 2 * triad.thermal.col(2).cwiseProduct(warming));
+}
+
 }  // namespace
 
 void PointProblem::mirror_latitude() {
@@ -112,6 +119,8 @@ void PointProblem::add_effects(const kernel::SeenOfUnit& seen) {
                                     .mount = true,
                                     .centrifuge = all.full_arm_rate > 0,
                                     .latitude = session->site.latitude.has_value(),
+                                    .heading = true,
+                                    .thermal = model.accel.temperature || model.gyro.temperature,
                                     .recordings = static_cast<int>(session->recordings.size()),
                                     .machines = static_cast<int>(all.rigs.size())});
   for (const kernel::EffectGroup& group : effects.groups())
@@ -147,6 +156,8 @@ void PointProblem::update_effects() {
                       .machine = static_cast<int>(rig - all.rigs.begin())};
     const TriadModel& triad = thermometer == 0 ? model.accel : model.gyro;
     if (triad.temperature) state.warming = (p.temperature.segment<3>(thermometer).mean() - triad.temperature->reference) * kelvin(points, *session);
+    state.by_thermometer = {of_thermometer(model.accel, p.temperature.head<3>()) / kelvin(points, *session),
+                            of_thermometer(model.gyro, p.temperature.tail<3>()) / kelvin(points, *session)};
     changes.fill(state, mean_attitude(p.step));
     auto& of_recording = by_effects[p.recording];
     if (of_recording.size() <= p.number) of_recording.resize(p.number + 1);
