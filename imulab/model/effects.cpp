@@ -58,6 +58,9 @@ double drift_in_force(const EffectState& s, int i, int function) { return slow(s
 double force_in_rate(const EffectState& s, int i, int function) { return s.rate[i] * s.force[function]; }
 double along_horizontal(const EffectState& s, int i, int function) { return s.horizontal[static_cast<std::size_t>(function)][i]; }
 double drift_in_rate(const EffectState& s, int i, int function) { return slow(s, function) * s.rate[i]; }
+double changed(const EffectState& s, int, int) { return s.changed; }
+double changed_in_force(const EffectState& s, int i, int) { return s.changed * s.force[i]; }
+double changed_in_rate(const EffectState& s, int i, int) { return s.changed * s.rate[i]; }
 double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
 double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }
@@ -87,7 +90,7 @@ OutputChange elastic_mount(const EffectState& s, int column) {
 
 /// The unit turns in its mount by a small angle, about axis `column`.
 OutputChange change_of_mount(const EffectState& s, int column) {
-  const Vector3d angle = s.moved * Vector3d::Unit(column);
+  const Vector3d angle = s.changed * Vector3d::Unit(column);
   return {.force = s.force.cross(angle), .rate = s.rate.cross(angle)};
 }
 
@@ -342,7 +345,7 @@ constexpr std::array table{
            .words = "the IMU bends in its mount under its weight",
            .advice = "turn the IMU in its mount, and repeat"},
     Effect{.name = "mount.change",
-           .needs = need_accel | need_gyro | Effect::by_mount | Effect::by_move,
+           .needs = need_accel | need_gyro | Effect::by_mount | Effect::by_change,
            .basis = 3,
            .phi = change_of_mount,
            .unit = arcsec,
@@ -351,6 +354,46 @@ constexpr std::array table{
            .declared = "mount_change_sigma_arcsec",
            .words = "the IMU moved in its mount",
            .advice = "fasten the IMU, and repeat"},
+    Effect{.name = "accel.change",
+           .needs = need_accel | Effect::by_change,
+           .basis = 3,
+           .phi = of_accels<changed>,
+           .unit = ug,
+           .unit_name = "ug",
+           .prior = {5, 25, 1000, 5000},
+           .declared = "accel_change_sigma_ug",
+           .words = "the accelerometers' offsets changed",
+           .advice = "repeat; use the parts before and after by themselves"},
+    Effect{.name = "gyro.change",
+           .needs = need_gyro | Effect::by_change,
+           .basis = 3,
+           .phi = of_gyros<changed>,
+           .unit = deg_per_h,
+           .unit_name = "deg/h",
+           .prior = {0.0005, 0.0035, 1, 100},
+           .declared = "gyro_change_sigma_deg_per_h",
+           .words = "the gyros' offsets changed",
+           .advice = "repeat; use the parts before and after by themselves"},
+    Effect{.name = "accel.scale_change",
+           .needs = need_accel | Effect::by_change,
+           .basis = 3,
+           .phi = of_accels<changed_in_force>,
+           .unit = ppm,
+           .unit_name = "ppm",
+           .prior = {5, 20, 150, 1000},
+           .declared = "accel_scale_change_sigma_ppm",
+           .words = "the accelerometers' scales changed",
+           .advice = "repeat; use the parts before and after by themselves"},
+    Effect{.name = "gyro.scale_change",
+           .needs = need_gyro | Effect::by_change,
+           .basis = 3,
+           .phi = of_gyros<changed_in_rate>,
+           .unit = ppm,
+           .unit_name = "ppm",
+           .prior = {5, 20, 150, 1000},
+           .declared = "gyro_scale_change_sigma_ppm",
+           .words = "the gyros' scales changed",
+           .advice = "repeat; use the parts before and after by themselves"},
     Effect{.name = "centrifuge.arm",
            .needs = need_accel | Effect::by_centrifuge,
            .basis = 1,

@@ -39,7 +39,7 @@ struct EffectState {
   Vector3d play = Vector3d::Zero();                            ///< of the accelerometers' hysteresis: -1 to 1 (PlayOperator)
   Vector3d shaking = Vector3d::Zero();                         ///< (m/s^2)^2: variance of the force beyond the sensor's own noise
   Vector3d stretching = Vector3d::Zero();                      ///< m/s^2 of 1 m at full rate: force that a centrifuge's longer arm adds
-  double moved = 0;                                            ///< 1 after a change of the unit's mount
+  double changed = 0;                                          ///< 1 after a change of the unit, or of its mount
   std::optional<double> warming = {};                          ///< K from the recording's mean; absent: no thermometer
   int machine = 0;                                             ///< of a session's, from 0
   OutputChange by_latitude = {}, by_heading = {};  ///< of what ideal sensors measure, by the latitude, and by the machine's turn about up [1/rad]
@@ -52,7 +52,7 @@ struct EffectSetting {
   bool accel = false, gyro = false;  ///< triads that are calibrated
   bool thermometer = false;
   bool mount = false;       ///< the unit is on a table or another machine
-  bool moved = false;       ///< it changed its place there
+  bool changed = false;     ///< it, or its place there, changed at a time
   bool centrifuge = false;  ///< the machine is one
   bool latitude = false;    ///< Earth's rate at a latitude is used
   bool heading = false;     ///< `horizontal` is known
@@ -71,7 +71,7 @@ struct Effect {
     by_mount = 16,
     by_centrifuge = 32,
     by_latitude = 64,
-    by_move = 128,
+    by_change = 128,
     by_north = 256,
     by_thermal = 512
   };

@@ -41,7 +41,7 @@ std::vector<Vector3d> play_after_steps(const TableMotion& motion, const TablePla
 }  // namespace
 
 std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, const TablePlan& plan, double gravity,
-                                                     std::optional<std::size_t> moved_at) {
+                                                     std::optional<std::size_t> changed_at) {
   const std::vector<Vector3d> play = play_after_steps(motion, plan, gravity);
   // The higher orders are declared as parts of the full scale, which is that of no IMU below a radian a second.
   double full_rate = EffectState{}.full_rate;
@@ -57,7 +57,7 @@ std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, 
       state.play = play[motion.step(k)];
       state.shaking = part.shaking;
       state.warming = part.warming;
-      state.moved = moved_at && motion.step(k) >= *moved_at ? 1 : 0;
+      state.changed = changed_at && motion.step(k) >= *changed_at ? 1 : 0;
       out[k].push_back({state, m.weight, m.C_bn});
     }
   return out;

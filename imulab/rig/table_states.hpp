@@ -17,9 +17,9 @@ struct WeightedState {
   Matrix3d C_bn;
 };
 
-/// The states of each part, as TableMotion numbers them; the unit moves in its mount before the step `moved_at`, counted from 0; absent: never. The
+/// The states of each part, as TableMotion numbers them; the unit changes before the step `changed_at`, counted from 0; absent: never. The
 /// accelerometers' play follows the steps in their order; between two holds all axes move at once.
 std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, const TablePlan& plan, double gravity,
-                                                     std::optional<std::size_t> moved_at = {});
+                                                     std::optional<std::size_t> changed_at = {});
 
 }  // namespace imulab

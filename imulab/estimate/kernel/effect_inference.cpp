@@ -19,9 +19,7 @@ using Eigen::VectorXd;
 namespace {
 
 SizedGroup::Of owner_of(const Coefficient& term, const ImuDeclaration& imu) {
-  if (is_declared(imu.term_sigmas, term)) return SizedGroup::Of::declared;
-  if (term.term == Term::lever_arm) return SizedGroup::Of::rig;
-  return term.triad == Triad::accel ? SizedGroup::Of::accel : SizedGroup::Of::gyro;
+  return is_declared(imu.term_sigmas, term) ? SizedGroup::Of::declared : SizedGroup::Of::rig;  // an IMU without effects may have it all the same
 }
 
 double size_in(PriorSizes sizes, const Coefficient& c) {

@@ -13,7 +13,9 @@ namespace {
 /// Whose factors are in an effect's size.
 SizedGroup::Of owner_of(const Effect& effect, const EffectSizes& sizes) {
   if (sizes.declared.contains(effect.name)) return SizedGroup::Of::declared;
-  if ((effect.needs & (Effect::by_mount | Effect::by_centrifuge | Effect::by_latitude | Effect::by_thermal)) != 0) return SizedGroup::Of::rig;
+  constexpr unsigned of_rig =
+      Effect::by_mount | Effect::by_centrifuge | Effect::by_latitude | Effect::by_thermal | Effect::by_north | Effect::by_change;
+  if ((effect.needs & of_rig) != 0) return SizedGroup::Of::rig;
   const bool accel = effect.changes(Triad::accel), gyro = effect.changes(Triad::gyro);
   return accel && gyro ? SizedGroup::Of::unit : accel ? SizedGroup::Of::accel : SizedGroup::Of::gyro;
 }

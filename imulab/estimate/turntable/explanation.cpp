@@ -27,9 +27,10 @@ constexpr double convincing = 5;
 constexpr double most_enlarged = 4;
 
 struct Candidate {
-  enum class Kind { none, step, move } kind = Kind::none;
+  enum class Kind { none, step, change } kind = Kind::none;
   double evidence = 0;
-  std::size_t place = 0;  ///< of a step among the parts, of a move among the steps
+  std::size_t place = 0;  ///< of a step among the parts, of a change among the steps
+  const Effect* effect = nullptr;
 };
 
 Candidate bad_step(const Fit& fit, double level) {
@@ -40,14 +41,11 @@ Candidate bad_step(const Fit& fit, double level) {
   return {Candidate::Kind::step, -log_p[worst] - all, worst};
 }
 
-/// The step before which a rotation of the unit in its mount explains most.
-Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
+/// The step before which a change of one kind explains most.
+Candidate change_of(const Effect& effect, const Fit& fit, const kernel::EffectSizes& sizes, const std::vector<std::vector<WeightedState>>& states) {
   const TableProblem& problem = *fit.problem;
   const std::size_t steps = problem.seen.parts.steps.size();
-  if (fit.options.effects.moved_at || steps < 2) return {};
-  const Effect& effect = *find_effect("mount.change");
   std::vector<MatrixXd> from(steps, MatrixXd::Zero(static_cast<Index>(6 * problem.motion.parts()), effect.basis));
-  const auto states = table_states(problem.motion, problem.seen.parts, problem.site.gravity(), 0);
   for (std::size_t part = 0; part < states.size(); ++part)
     for (const auto& [state, weight, attitude] : states[part])
       for (int column = 0; column < effect.basis; ++column) {
@@ -70,8 +68,24 @@ Candidate move(const Fit& fit, const kernel::EffectSizes& sizes) {
       const double information = std::max(V.values[i], 0.0);
       evidence += 0.5 * (s[i] * s[i] / (1 + information) - std::log1p(information));
     }
-    if (evidence > best.evidence) best = {Candidate::Kind::move, evidence, step};
+    if (evidence > best.evidence) best = {Candidate::Kind::change, evidence, step, &effect};
   }
+  return best;
+}
+
+/// Of the unit or its mount. One is looked for.
+Candidate change(const Fit& fit, const kernel::EffectSizes& sizes) {
+  const TableProblem& problem = *fit.problem;
+  Candidate best;
+  if (fit.options.effects.change || problem.seen.parts.steps.size() < 2) return best;
+  const auto states = table_states(problem.motion, problem.seen.parts, problem.site.gravity(), 0);
+  double kinds = 0;
+  for (const Effect& effect : effects()) {
+    if ((effect.needs & Effect::by_change) == 0 || !(sizes.of(effect) > 0)) continue;
+    kinds += 1;
+    if (const Candidate one = change_of(effect, fit, sizes, states); one.evidence > best.evidence) best = one;
+  }
+  best.evidence -= std::log(std::max(1.0, kinds));
   return best;
 }
 
@@ -142,13 +156,13 @@ Explained explained(const Fit& with_expected_sizes, const kernel::EffectSizes& s
   Fit expected = with_expected_sizes;
   for (int round = 0; round < most_rounds; ++round) {
     const TableProblem& problem = *expected.problem;
-    const Candidate step = bad_step(expected, level), moved = move(expected, sizes), best = step.evidence > moved.evidence ? step : moved;
+    const Candidate step = bad_step(expected, level), changed = change(expected, sizes), best = step.evidence > changed.evidence ? step : changed;
     if (best.kind == Candidate::Kind::none || best.evidence < convincing) break;
     EstimatorOptions options = expected.options;
     if (best.kind == Candidate::Kind::step)
       options.left_out.push_back(best.place);
     else
-      options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, best.place);
+      options.effects = table_effects(sizes, problem.motion, problem.seen.parts, problem.site, UnitChange{best.place, best.effect});
     Fit next = fit(problem, options);
     if (best.evidence + gain_of_sizes(next) < convincing + gain_of_sizes(expected)) break;
     const Fit larger = enlarged(expected, most_enlarged);

@@ -171,10 +171,13 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
     const VectorXd readings = estimator.linearized(problem.seen.readings);
     const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
+    const VectorXd errors = estimator.table_errors(readings);
     constexpr int enough = 1, most = 6;  // about the start; of noise far below the table's errors
-    if (const bool converged = pass >= enough && close(estimator, before, model); converged || pass == most)
-      return {&problem, options, std::move(estimator), readings, model, chi2, converged};
-    now.around = estimator.table_errors(readings);
+    constexpr double largest = 1;        // rad, s, m/s^2: of a table and its site nothing errs as much, and nothing is linear about it
+    const bool converged = pass >= enough && close(estimator, before, model);
+    const bool diverges = !((errors - problem.motion.nominal()).cwiseAbs().maxCoeff() < largest);
+    if (converged || diverges || pass == most) return {&problem, options, std::move(estimator), readings, model, chi2, converged};
+    now.around = errors;
   }
 }
 

@@ -13,7 +13,7 @@ TableEffects on_motion(TableEffects effects, const TableMotion& motion, const Ta
   const Index size = effects.table.size();
   effects.truth.setZero(static_cast<Index>(6 * motion.parts()), size);
   if (size == 0) return effects;
-  auto states = table_states(motion, plan, site.gravity(), effects.moved_at);
+  auto states = table_states(motion, plan, site.gravity(), effects.change ? std::optional(effects.change->step) : std::nullopt);
   const kernel::SiteChanges changes(site);
   for (std::size_t part = 0; part < motion.parts(); ++part)
     for (auto& [state, weight, C_bn] : states[part]) {
@@ -28,17 +28,19 @@ TableEffects on_motion(TableEffects effects, const TableMotion& motion, const Ta
   return effects;
 }
 
-TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
-                           std::optional<std::size_t> moved_at) {
+TableEffects table_effects(kernel::EffectSizes sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
+                           const std::optional<UnitChange>& change) {
+  for (const Effect& e : effects())
+    if ((e.needs & Effect::by_change) != 0 && change && change->effect != nullptr && change->effect != &e) sizes.declared[std::string(e.name)] = 0;
   const bool warms = std::any_of(plan.holds.begin(), plan.holds.end(), [](const TablePart& hold) { return hold.warming.has_value(); });
   const EffectSetting setting{.accel = true,
                               .gyro = true,
                               .thermometer = warms,
                               .mount = true,
-                              .moved = moved_at.has_value(),
+                              .changed = change.has_value(),
                               .latitude = site.latitude.has_value(),
                               .heading = true};
-  return on_motion({kernel::Effects(sizes, setting), moved_at, {}}, motion, plan, site);
+  return on_motion({kernel::Effects(sizes, setting), change, {}}, motion, plan, site);
 }
 
 }  // namespace imulab::turntable

@@ -10,15 +10,21 @@
 
 namespace imulab::turntable {
 
+/// A change of the unit or its mount, which lasts.
+struct UnitChange {
+  std::size_t step;                ///< before which it came
+  const Effect* effect = nullptr;  ///< what changed; null: all that can
+};
+
 struct TableEffects {
-  kernel::Effects table;                ///< with their priors; by default none
-  std::optional<std::size_t> moved_at;  ///< the step before which the unit moved in its mount
-  Eigen::MatrixXd truth;                ///< change of the truth, as TableMotion has it, by c = 1 of each: six rows a part
+  kernel::Effects table;  ///< with their priors; by default none
+  std::optional<UnitChange> change;
+  Eigen::MatrixXd truth;  ///< change of the truth, as TableMotion has it, by c = 1 of each: six rows a part
 };
 
 /// All that a unit on a table can have, with their functions at the states of a motion: of a hold at its state, of a turn integrated along it.
-TableEffects table_effects(const kernel::EffectSizes& sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
-                           std::optional<std::size_t> moved_at = {});
+TableEffects table_effects(kernel::EffectSizes sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
+                           const std::optional<UnitChange>& change = {});
 /// The same effects on another motion.
 TableEffects on_motion(TableEffects effects, const TableMotion& motion, const TablePlan& plan, const Site& site);
 

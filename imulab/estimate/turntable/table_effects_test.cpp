@@ -29,7 +29,7 @@ const kernel::EffectSizes mems_sizes{{}, {{"mems"}}};
 /// What each effect of c changes in the raw readings of a unit (a column each), sample by sample along the rig's motion: of each hold the means, of
 /// each turn the gyros' sum.
 MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, const SensorModel& unit, const kernel::Effects& effects,
-                           const VectorXd& c, std::size_t moved_at) {
+                           const VectorXd& c, std::size_t changed_at) {
   constexpr double interval = 0.02;  // 1 deg of the fastest turn
   const RigMotion motion = rig_motion(plan.steps);
   const double gravity = table_site().gravity();
@@ -49,7 +49,7 @@ MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, cons
     changes.fill(state, body.C_nb.transpose());
     state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
     state.play = play(truth.force);
-    state.moved = t > plan.steps[moved_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
+    state.changed = t > plan.steps[changed_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
     std::vector<OutputChange> change(groups);
     for (std::size_t g = 0; g < groups; ++g) {
       const kernel::EffectGroup& group = effects.groups()[g];
@@ -81,17 +81,17 @@ TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
   const TablePlan plan = table_plan(odd_steps(), rig);
   const TableMotion motion(plan, rig, table_site());
   const SensorModel unit = drawn_unit(3);
-  const std::size_t moved_at = 9;
+  const std::size_t changed_at = 9;
   EstimatorOptions options;
   options.terms = linear_terms();
-  options.effects = table_effects(mems_sizes, motion, plan, table_site(), moved_at);
+  options.effects = table_effects(mems_sizes, motion, plan, table_site(), UnitChange{changed_at});
   const kernel::Effects& effects = options.effects.table;
   const RawNoise noise{raw_density(table_accel_noise, unit.accel.matrix), raw_density(table_gyro_noise, unit.gyro.matrix)};
   const Estimator estimator(motion, unit, noise, options);
   VectorXd c = effects.sigma();
   for (const kernel::EffectGroup& g : effects.groups())  // all columns of an effect at once, by different sizes
     for (Index k = 0; k < g.size; ++k) c[g.first + k] *= 1 + 0.3 * static_cast<double>(k);
-  const MatrixXd simulated = simulated_changes(plan, motion, unit, effects, c, moved_at);
+  const MatrixXd simulated = simulated_changes(plan, motion, unit, effects, c, changed_at);
   for (std::size_t i = 0; i < effects.groups().size(); ++i) {
     const kernel::EffectGroup& g = effects.groups()[i];
     if (g.effect->name == "accel.rectification") continue;  // nothing shakes

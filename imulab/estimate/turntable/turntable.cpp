@@ -159,16 +159,16 @@ void add_effects(Calibration& calibration, Findings& findings, const Fit& last) 
   kernel::Parameters parameters(joint.rows());
   parameters.sigma << last.estimator.prior_sigma(last.model, calibration.estimated), effects.sigma();
   calibration.constant_covariance = limited_part(effects.constant_part(parameters, joint, calibration.estimated), calibration.covariance);
-  if (const std::optional<std::size_t> step = last.options.effects.moved_at) {
-    const TableProblem& problem = *last.problem;
-    const Effect& effect = *find_effect("mount.change");
-    VectorXd moved = VectorXd::Zero(3);
+  if (const std::optional<UnitChange>& change = last.options.effects.change) {
+    const std::vector<Step>& steps = last.problem->seen.parts.steps;
+    const Effect& effect = *change->effect;
+    VectorXd by = VectorXd::Zero(3);
     for (const kernel::EffectGroup& g : effects.groups())
-      if (g.effect == &effect) moved = effects.value().segment(g.first, g.size) / effect.unit;
-    findings.doubt(fmt::format("{} after {:.0f} s", effect.words, problem.seen.parts.steps[*step - 1].end));
-    findings.warn(fmt::format("{} by ({:.3g}, {:.3g}, {:.3g}) arcsec about its axes between {} and {}; the matrices are those before it; {}",
-                              effect.words, moved[0], moved[1], moved[2], step_name(problem.seen.parts.steps[*step - 1], *step - 1),
-                              step_name(problem.seen.parts.steps[*step], *step), effect.advice));
+      if (g.effect == &effect) by = effects.value().segment(g.first, g.size) / effect.unit;
+    findings.doubt(fmt::format("{} after {:.0f} s", effect.words, steps[change->step - 1].end));
+    findings.warn(fmt::format("{} by ({:.3g}, {:.3g}, {:.3g}) {} along (or about) its axes between {} and {}; the coefficients are those before it; {}",
+                              effect.words, by[0], by[1], by[2], effect.unit_name, step_name(steps[change->step - 1], change->step - 1),
+                              step_name(steps[change->step], change->step), effect.advice));
   }
 }
 

@@ -313,8 +313,16 @@ TEST(SessionFile, EveryEffectMayBeDeclaredAbsent) {
   const Session session = parse_session(text + "[site]\ngravity_mps2 = 9.8\n", "session.toml");
   for (const Effect& effect : effects()) EXPECT_EQ(session.imu.effect_sigmas.at(std::string(effect.name)), 0) << effect.name;
   EXPECT_EQ(parse_session(session_text(session), "again.toml").imu.effect_sigmas, session.imu.effect_sigmas);
-  const EffectSetting all{
-      .accel = true, .gyro = true, .thermometer = true, .mount = true, .moved = true, .centrifuge = true, .latitude = true, .recordings = 3};
+  const EffectSetting all{.accel = true,
+                          .gyro = true,
+                          .thermometer = true,
+                          .mount = true,
+                          .changed = true,
+                          .centrifuge = true,
+                          .latitude = true,
+                          .heading = true,
+                          .thermal = true,
+                          .recordings = 3};
   EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session), all).size(), 0) << "an absent effect has no column";
 }
 
