@@ -1,11 +1,11 @@
 #include "imulab/formats/recording/signals.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/arrays.hpp"
+#include "imulab/formats/recording/archive/text_tables.hpp"
+#include "imulab/formats/recording/arrays/arrays.hpp"
 #include "imulab/formats/recording/imu_tables.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
-#include "imulab/formats/recording/text_signals.hpp"
-#include "imulab/formats/recording/text_tables.hpp"
+#include "imulab/formats/recording/text/text_signals.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>
