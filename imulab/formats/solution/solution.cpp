@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -21,8 +23,7 @@ namespace {
 
 const std::vector<Column> state_columns{"latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg"};
 
-constexpr std::ptrdiff_t of_state = 11;  // numbers
-constexpr std::size_t numbers_at_once = 10'000 * of_state;
+constexpr std::size_t bytes_at_once = 1 << 20;
 
 }  // namespace
 
@@ -56,18 +57,6 @@ HeightRecord read_heights(const std::filesystem::path& path) {
 SolutionFile::SolutionFile(const std::filesystem::path& path)
     : file_(path), text_("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n") {}
 
-void SolutionFile::add(double time, const NavigationState& s) {
-  ++states_;
-  if (!file_.temporary().empty()) return write(time, s);
-  const Eigen::Vector4d q = s.q_nb.coeffs();
-  for (const double number : {time, s.latitude, s.longitude, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), q[0], q[1], q[2], q[3]})
-    waiting_.push_back(number);
-  if (waiting_.size() < numbers_at_once) return;
-  if (!waiting_file_) waiting_file_.emplace();
-  waiting_file_->append<double>(waiting_);
-  waiting_.clear();
-}
-
 void append_state(std::string& to, double time, const NavigationState& s, const EulerAngles& angles) {
   text::append_fixed(to, time, 9);
   const auto add = [&](double value, int decimals) { to += ',', text::append_fixed(to, value, decimals); };
@@ -76,30 +65,29 @@ void append_state(std::string& to, double time, const NavigationState& s, const 
   for (const double value : {angles.roll, angles.pitch, angles.heading}) add(value / unit::deg, 9);
 }
 
-void SolutionFile::write(double time, const NavigationState& s) {
+void SolutionFile::add(double time, const NavigationState& s) {
+  ++states_;
   const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
   const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;  // a compass counts from 0 to 360
   append_state(text_, time, s, {angles.roll, angles.pitch, heading});
   text_ += '\n';
-  if (text_.size() < 1 << 20) return;
-  file_.write(text_);
+  if (text_.size() < bytes_at_once) return;
+  if (!file_.temporary().empty()) {
+    file_.write(text_);
+  } else {
+    if (!waiting_) waiting_.emplace();
+    waiting_->append(std::as_bytes(std::span(text_)));
+  }
   text_.clear();
 }
 
 void SolutionFile::commit() {
-  const auto write_all = [this](const std::vector<double>& numbers) {
-    for (auto n = numbers.begin(); n != numbers.end(); n += of_state) {
-      NavigationState s;
-      s.latitude = n[1], s.longitude = n[2], s.height = n[3];
-      s.velocity = {n[4], n[5], n[6]};
-      s.q_nb.coeffs() = Eigen::Vector4d(n[7], n[8], n[9], n[10]);
-      write(n[0], s);
-    }
-  };
-  std::vector<double> numbers(numbers_at_once);
-  for (std::size_t begin = 0; waiting_file_ && begin < waiting_file_->size(); begin += numbers_at_once)
-    waiting_file_->read(begin, numbers), write_all(numbers);
-  write_all(waiting_);
+  std::string piece;
+  for (std::uint64_t begin = 0; waiting_ && begin < waiting_->size(); begin += piece.size()) {
+    piece.resize(static_cast<std::size_t>(std::min<std::uint64_t>(bytes_at_once, waiting_->size() - begin)));
+    waiting_->read(begin, std::as_writable_bytes(std::span(piece)));
+    file_.write(piece);
+  }
   file_.write(text_);
   text_.clear();
   file_.commit();

@@ -1,7 +1,7 @@
 // Navigation solutions and heights over time as CSV (docs/reference/results.md).
 #pragma once
 
-#include "imulab/formats/recording/column_file.hpp"
+#include "imulab/core/temporary_file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/navigate.hpp"
 
@@ -28,12 +28,9 @@ class SolutionFile {
   std::size_t states() const { return states_; }
 
  private:
-  void write(double time, const NavigationState& state);
-
   WholeFile file_;
   std::string text_;
-  std::vector<double> waiting_;  // states, before they are in the temporary file
-  std::optional<recording_io::ColumnFile> waiting_file_;
+  std::optional<TemporaryFile> waiting_;  // text for a stream
   std::size_t states_ = 0;
 };
 

@@ -40,7 +40,7 @@ TEST(PackedTexts, AreReadInEveryForm) {
   for (const std::string ending : {"gz", "bz2", "xz", "zst", "lz4"}) {
     const TableRequest request{.file = recording_file("walk.csv." + ending)};
     expect_columns(request, walk_columns, walk_value);
-    const SignalTable table = read_signals(request.file);
+    const SignalTable table = read_tables(request.file).front();
     EXPECT_EQ(table.topic, "") << ending;
     EXPECT_EQ(table.rows(), fixture_samples) << ending;
   }

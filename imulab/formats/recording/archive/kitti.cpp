@@ -1,9 +1,11 @@
 // KITTI's raw data (Geiger et al., IJRR 2013): a folder oxts of an OXTS RT 3003, with timestamps.txt, a time a line, and data/, a file of 30 numbers
 // for each of these lines. As a text of one table, which is read as any other.
+#include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/archive/text_tables.hpp"
 #include "imulab/formats/text/date.hpp"
 #include "imulab/formats/text/several_files.hpp"
+#include "imulab/formats/text/take_until.hpp"
 
 #include <fmt/core.h>
 
@@ -43,14 +45,6 @@ std::optional<std::int64_t> oxts_time_ns(std::string_view line) {
   return moment.seconds * 1'000'000'000 + fraction;
 }
 
-std::string_view take_one_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
-  std::string_view line = text.substr(0, end);
-  text.remove_prefix(std::min(end + 1, text.size()));
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
-  return line;
-}
-
 /// The numbers of a file with one line, each after a comma.
 std::string oxts_row(const fs::path& file) {
   constexpr std::uintmax_t longest = 4096;
@@ -58,15 +52,11 @@ std::string oxts_row(const fs::path& file) {
   if (fs::file_size(file, none) > longest)
     throw Error(fmt::format("{}: is longer than a line of {} numbers; expected one", file.string(), oxts_fields));
   const MappedFile mapped(file);
-  std::string_view text = mapped.text();
-  std::string_view line = take_one_line(text);
+  std::string_view all = mapped.text(), line = trimmed(text::take_until(all, '\n'));
   std::string row;
   std::size_t fields = 0;
-  while (!line.empty()) {
-    const std::size_t end = std::min(line.find(' '), line.size());
-    if (end > 0) row += "," + std::string(line.substr(0, end)), ++fields;
-    line.remove_prefix(std::min(end + 1, line.size()));
-  }
+  while (!line.empty())
+    if (const std::string_view field = text::take_until(line, ' '); !field.empty()) row += "," + std::string(field), ++fields;
   if (fields != oxts_fields) throw Error(fmt::format("{}:1: has {} fields; expected the {} of an OXTS record", file.string(), fields, oxts_fields));
   return row;
 }
@@ -78,7 +68,7 @@ std::string oxts_text(const fs::path& folder, std::uint64_t most) {
   std::size_t number = 0;
   for (const fs::path& file : files_of(folder / "data")) {
     if (file.extension() != ".txt") continue;
-    const std::string_view line = take_one_line(lines);
+    const std::string_view line = trimmed(text::take_until(lines, '\n'));
     const auto time_ns = oxts_time_ns(line);
     ++number;
     if (!time_ns)

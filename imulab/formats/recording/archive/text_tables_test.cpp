@@ -160,7 +160,7 @@ TEST_F(TextTables, OfAWorkbookIsItsFirstSheet) {
     rows += fmt::format("<row r=\"{0}\"><c r=\"A{0}\" s=\"1\"><v>{1:.2f}</v></c><c r=\"B{0}\"><v>1.5</v></c><c r=\"C{0}\"><v>1E-3</v></c></row>",
                         i + 2, 0.01 * i);
   const auto path = folder.write("log.xlsx", workbook_file(sheet_xml(rows)));
-  const SignalTable table = read_signals(path);
+  const SignalTable table = read_tables(path).front();
   EXPECT_EQ(table.topic, "");
   EXPECT_THAT(table.format, HasSubstr("Excel workbook"));
   ASSERT_EQ(table.signals.size(), 3U);
@@ -194,7 +194,7 @@ TEST_F(TextTables, OfKittiAreItsRecordsWithTheirTimes) {
   }
   const auto path = write_folder(texts);
   for (const std::filesystem::path& place : {path, path / "oxts"}) {
-    const SignalTable table = read_signals(place);
+    const SignalTable table = read_tables(place).front();
     EXPECT_THAT(table.format, HasSubstr("KITTI oxts folder"));
     const TableRows rows = recording_io::read_table(
         {place, "", ""}, {.columns = {"gyro.x [rad/s]", "accel.x [m/s^2]"}, .time = {.column = "timestamp_ns", .unit = "ns"}});

@@ -35,10 +35,10 @@ TEST(Hdf5, DatasetsInGroups) {
 
 TEST(Hdf5, ANumberAloneMayBeTheRate) {
   if (built_without({.file = recording_file("groups.h5")})) GTEST_SKIP();
-  const SignalTable table = read_signals(recording_file("groups.h5"), "/imu/accel");
+  const SignalTable table = read_tables(recording_file("groups.h5"), {"/imu/accel"}).front();
   EXPECT_EQ(table.rate_hz, 125);
   EXPECT_EQ(table.rate_name, "/imu/sampling_rate");
-  const SignalTable stated = read_signals(recording_file("compound.h5"));
+  const SignalTable stated = read_tables(recording_file("compound.h5")).front();
   EXPECT_EQ(stated.rate_hz, 125);
   EXPECT_EQ(stated.rate_name, "/fs") << "an attribute";
 }

@@ -46,10 +46,6 @@ std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::
 /// Rows of one of `columns`, which have `all` rows, as the first part says: how many came. The columns of integers with numbers too large for them
 /// become numbers.
 std::size_t receive_rows(FromChild& from, RawColumn& column, std::size_t columns, std::optional<std::size_t>& all) {
-  const auto as_numbers = [&] {
-    column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
-    column.integers = {};
-  };
   const bool integers = from.number() == 0;
   if (!all)
     all = from.most(columns * sizeof(double));
@@ -58,10 +54,10 @@ std::size_t receive_rows(FromChild& from, RawColumn& column, std::size_t columns
   const std::size_t room = *all - column.size();
   if (integers) {
     const std::size_t rows = receive_numbers(from, column.integers, *all, room);
-    if (rows > 0 && !column.numbers.empty()) as_numbers();
+    if (rows > 0 && !column.numbers.empty()) column.make_numbers();
     return rows;
   }
-  if (!column.integers.empty()) as_numbers();
+  column.make_numbers();
   return receive_numbers(from, column.numbers, *all, room);
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/child/read_program.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/child/child_tables.hpp"
 #include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/version.hpp"
@@ -43,28 +44,6 @@ void append_text(std::string& out, std::string_view text) {
   recording_io::append<std::uint64_t>(out, text.size());
   out += text;
 }
-
-/// Takes numbers and texts from the begin of a request.
-struct RequestText {
-  std::string_view left;
-
-  [[noreturn]] static void fail() {
-    throw Error("imulab-read: a request of another form; expected imulab to run it, which reads HDF5 and MATLAB files by it");
-  }
-  std::uint64_t number() {
-    if (left.size() < sizeof(std::uint64_t)) fail();
-    const auto n = load<std::uint64_t>(left.data());
-    left.remove_prefix(sizeof n);
-    return n;
-  }
-  std::string text() {
-    const std::uint64_t size = number();
-    if (size > left.size()) fail();
-    const std::string t(left.substr(0, static_cast<std::size_t>(size)));
-    left.remove_prefix(t.size());
-    return t;
-  }
-};
 
 /// The program, or the shared module, that this code is in.
 std::filesystem::path own_file() {
@@ -173,26 +152,30 @@ std::string to_text(const ReadRequest& request) {
   return out;
 }
 
-ReadRequest read_request(std::string_view text) {
-  RequestText from{text};
+ReadRequest read_request(std::string_view text) try {
+  bag::Bytes from(text);
+  const auto number = [&] { return from.number<std::uint64_t>(); };
+  const auto counted = [&] { return std::string(from.take(number())); };
   ReadRequest request;
-  if (const std::string version = from.text(); version != build().version)
+  if (const std::string version = counted(); version != build().version)
     throw Error(fmt::format("imulab-read {} serves no imulab {}; expected both of one version", build().version, version));
-  request.format = from.text();
-  request.task.file = from.text();
-  request.task.library = from.text();
-  request.task.limits.memory_bytes = from.number();
-  request.task.limits.computing_s = static_cast<unsigned>(from.number());
-  request.task.limits.wall_s = static_cast<unsigned>(from.number());
-  request.task.parent = static_cast<pid_t>(from.number());
-  request.describes = from.number() != 0;
-  request.topic = from.text();
-  for (std::uint64_t left = from.number(); left > 0; --left)
-    if (from.number() == 0)
-      request.columns.emplace_back(from.text());
+  request.format = counted();
+  request.task.file = counted();
+  request.task.library = counted();
+  request.task.limits.memory_bytes = number();
+  request.task.limits.computing_s = static_cast<unsigned>(number());
+  request.task.limits.wall_s = static_cast<unsigned>(number());
+  request.task.parent = static_cast<pid_t>(number());
+  request.describes = number() != 0;
+  request.topic = counted();
+  for (std::uint64_t left = number(); left > 0; --left)
+    if (number() == 0)
+      request.columns.emplace_back(counted());
     else
-      request.columns.emplace_back(static_cast<int>(from.number()));
+      request.columns.emplace_back(static_cast<int>(number()));
   return request;
+} catch (const bag::Damaged&) {
+  throw Error("imulab-read: a request of another form; expected imulab to run it, which reads HDF5 and MATLAB files by it");
 }
 
 std::vector<TableDescription> describe_by_program(const ProgramFormat& format, const TableRequest& request) {

@@ -1,5 +1,7 @@
 #include "imulab/formats/recording/logs/binary.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -39,60 +41,52 @@ T load_as(const char* p) {
 }
 
 /// Appends a field of all rows. One append of a block costs less than one of each number, and leaves no memory to be cleared first.
-template <class T, class Number, bool swapped>
-void append_in_order(std::vector<Number>& column, const RowPointers& rows, std::size_t count, std::size_t offset) {
+template <class Number, class Load>
+void append_block(std::vector<Number>& column, std::size_t count, const Load& load) {
   std::array<Number, RowPointers{}.size()> block;
-  for (std::size_t i = 0; i < count; ++i) block[i] = static_cast<Number>(load_as<T, swapped>(rows[i] + offset));
+  for (std::size_t i = 0; i < count; ++i) block[i] = static_cast<Number>(load(i));
   column.insert(column.end(), block.begin(), block.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
 template <class T, class Number>
 void append_field(std::vector<Number>& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
+  const std::size_t offset = field.offset;
   if (field.type.big_endian == (std::endian::native == std::endian::big))
-    append_in_order<T, Number, false>(column, rows, count, field.offset);
+    append_block(column, count, [&](std::size_t i) { return load_as<T, false>(rows[i] + offset); });
   else
-    append_in_order<T, Number, true>(column, rows, count, field.offset);
+    append_block(column, count, [&](std::size_t i) { return load_as<T, true>(rows[i] + offset); });
+}
+
+template <class Signed, class Unsigned>
+void append_integers(RawColumn& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
+  field.type.kind == 'i' ? append_field<Signed>(column.integers, rows, count, field) : append_field<Unsigned>(column.integers, rows, count, field);
 }
 
 /// Eight unsigned bytes fit the integers of a column up to 2^63.
-void append_unsigned(RawColumn& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
-  const bool all_fit = column.numbers.empty() && std::all_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](const char* row) {
-                         return load<std::uint64_t>(row + field.offset, field.type.big_endian) <= std::numeric_limits<std::int64_t>::max();
-                       });
-  if (all_fit) return append_field<std::uint64_t>(column.integers, rows, count, field);
-  column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
-  column.integers = {};
-  append_field<std::uint64_t>(column.numbers, rows, count, field);
-}
-
-void append_half(std::vector<double>& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
-  for (std::size_t i = 0; i < count; ++i) column.push_back(half_precision(load<std::uint16_t>(rows[i] + field.offset, field.type.big_endian)));
+bool are_too_large(const RawColumn& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
+  return field.type.kind == 'u' &&
+         (!column.numbers.empty() || std::any_of(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(count), [&](const char* row) {
+           return load<std::uint64_t>(row + field.offset, field.type.big_endian) > std::numeric_limits<std::int64_t>::max();
+         }));
 }
 
 void append_column(RawColumn& column, const RowPointers& rows, std::size_t count, const NumberField& field) {
-  const bool is_signed = field.type.kind == 'i';
-  if (field.type.kind == 'f') {
-    switch (field.type.bytes) {
-      case 2:
-        return append_half(column.numbers, rows, count, field);
-      case 4:
-        return append_field<float>(column.numbers, rows, count, field);
-      default:
-        return append_field<double>(column.numbers, rows, count, field);
-    }
-  }
+  const bool floating = field.type.kind == 'f';
   switch (field.type.bytes) {
     case 1:
-      return is_signed ? append_field<std::int8_t>(column.integers, rows, count, field)
-                       : append_field<std::uint8_t>(column.integers, rows, count, field);
+      return append_integers<std::int8_t, std::uint8_t>(column, rows, count, field);
     case 2:
-      return is_signed ? append_field<std::int16_t>(column.integers, rows, count, field)
-                       : append_field<std::uint16_t>(column.integers, rows, count, field);
+      if (!floating) return append_integers<std::int16_t, std::uint16_t>(column, rows, count, field);
+      return append_block(column.numbers, count,
+                          [&](std::size_t i) { return half_precision(load<std::uint16_t>(rows[i] + field.offset, field.type.big_endian)); });
     case 4:
-      return is_signed ? append_field<std::int32_t>(column.integers, rows, count, field)
-                       : append_field<std::uint32_t>(column.integers, rows, count, field);
+      return floating ? append_field<float>(column.numbers, rows, count, field)
+                      : append_integers<std::int32_t, std::uint32_t>(column, rows, count, field);
     default:
-      return is_signed ? append_field<std::int64_t>(column.integers, rows, count, field) : append_unsigned(column, rows, count, field);
+      if (floating) return append_field<double>(column.numbers, rows, count, field);
+      if (!are_too_large(column, rows, count, field)) return append_integers<std::int64_t, std::uint64_t>(column, rows, count, field);
+      column.make_numbers();
+      append_field<std::uint64_t>(column.numbers, rows, count, field);
   }
 }
 
@@ -127,6 +121,11 @@ void ColumnBuilder::flush() {
 std::vector<RawColumn> ColumnBuilder::take() {
   flush();
   return std::move(columns_);
+}
+
+void MessageLosses::add_warnings(const std::string& file, std::vector<std::string>& warnings) const {
+  if (skipped > 0) warnings.push_back(fmt::format("{}: {} bytes are no messages and were passed over: samples may be missing", file, skipped));
+  if (unfinished > 0) warnings.push_back(fmt::format("{}: {} bytes at the end are an unfinished message, which is not read", file, unfinished));
 }
 
 void add_counted(ColumnBuilder& builder, const char* first, std::size_t stride, std::size_t count, const ReadingMeter& meter) {

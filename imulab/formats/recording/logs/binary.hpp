@@ -87,6 +87,12 @@ class ColumnBuilder {
   std::size_t gathered_ = 0;
 };
 
+/// Bytes of a log that are no messages.
+struct MessageLosses {
+  std::size_t skipped = 0, unfinished = 0;
+  void add_warnings(const std::string& file, std::vector<std::string>& warnings) const;
+};
+
 /// Rows that stand one after the other, each counted.
 void add_counted(ColumnBuilder& builder, const char* first, std::size_t stride, std::size_t count, const ReadingMeter& meter);
 

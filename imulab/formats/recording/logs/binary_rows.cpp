@@ -4,6 +4,7 @@
 #include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/formats/text/take_until.hpp"
 
 #include <fmt/core.h>
 
@@ -48,9 +49,7 @@ bool add_word(RowLayout& layout, std::string_view word) {
 RowLayout row_layout(const TableRequest& request) {
   RowLayout layout;
   for (std::string_view rest = request.layout; !rest.empty();) {
-    const std::size_t end = std::min(rest.find(' '), rest.size());
-    const std::string_view word = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view word = text::take_until(rest, ' ');
     if (!word.empty() && !add_word(layout, word))
       throw Error(
           fmt::format("{}: layout \"{}\": {} is no type; expected words such as f8, f4x6, >i2x3 (types i1 u1 i2 u2 i4 u4 i8 u8 f4 f8) or +128, bytes "

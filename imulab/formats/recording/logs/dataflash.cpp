@@ -20,14 +20,10 @@ constexpr std::string_view message_begin("\xA3\x95", 2);
 
 bool is_dataflash(std::string_view head) { return head.starts_with("\xA3\x95\x80"); }
 
-struct DataflashLosses {
-  std::size_t skipped = 0, unfinished = 0;
-};
-
 /// Calls `message(id, bytes)` for each message. `length(id)`: of its messages as defined so far; 0 where it is not.
 template <class Length, class OnMessage>
-DataflashLosses walk_dataflash(std::string_view text, const Length& length, const OnMessage& message) {
-  DataflashLosses losses;
+MessageLosses walk_dataflash(std::string_view text, const Length& length, const OnMessage& message) {
+  MessageLosses losses;
   const ReadingMeter meter(text.size());
   std::size_t at = 0;
   while (text.size() - at >= 3) {
@@ -57,7 +53,7 @@ struct DataflashTable {
 struct DataflashContents {
   DataflashDefinitions definitions;
   std::vector<DataflashTable> tables;  // those with rows
-  DataflashLosses losses;
+  MessageLosses losses;
 
   /// The instance of a message; 0 where it has none.
   std::size_t instance(unsigned char id, std::string_view bytes) const {
@@ -108,9 +104,7 @@ std::vector<TableDescription> describe_dataflash(const TableRequest& request) {
 
 void divide(RawColumn& column, double divisor) {
   if (divisor == 1) return;
-  column.numbers.reserve(column.size());
-  column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
-  column.integers = {};
+  column.make_numbers();
   for (double& number : column.numbers) number /= divisor;
 }
 
@@ -137,10 +131,7 @@ void read_dataflash(const TableRequest& request, const Wanted& wanted, const Pie
       });
   TableRows rows{builder.take(), "message", {}};
   for (std::size_t c = 0; c < rows.columns.size(); ++c) divide(rows.columns[c], divisors[c]);
-  if (contents.losses.skipped > 0)
-    rows.warnings.push_back(fmt::format("{}: {} bytes are no messages and were passed over: samples may be missing", file, contents.losses.skipped));
-  if (contents.losses.unfinished > 0)
-    rows.warnings.push_back(fmt::format("{}: {} bytes at the end are an unfinished message, which is not read", file, contents.losses.unfinished));
+  contents.losses.add_warnings(file, rows.warnings);
   sink(std::move(rows));
 }
 

@@ -1,5 +1,7 @@
 #include "imulab/formats/recording/logs/dataflash_definitions.hpp"
 
+#include "imulab/formats/text/take_until.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -69,10 +71,8 @@ void DataflashDefinitions::define(std::string_view message) {
   std::size_t offset = 3;
   for (const char format : formats) {
     const DataflashType* type = dataflash_type(format);
-    const std::size_t end = std::min(labels.find(','), labels.size());
     if (type == nullptr || offset + type->bytes > defined.length) break;
-    defined.fields.push_back({std::string(labels.substr(0, end)), format, offset});
-    labels.remove_prefix(std::min(end + 1, labels.size()));
+    defined.fields.push_back({std::string(text::take_until(labels, ',')), format, offset});
     offset += type->bytes;
   }
   const DataflashMessage& before = messages_[id];

@@ -8,6 +8,7 @@
 #include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/formats/text/take_until.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -92,14 +93,13 @@ std::uint32_t novatel_crc(std::string_view bytes) { return ~crc32(bytes, ~std::u
 
 template <class T>
 bool take_number(std::string_view& fields, T& value, int base = 10) {
-  const std::size_t end = std::min(fields.find(','), fields.size());
-  const char* const last = fields.data() + end;
+  const std::string_view field = text::take_until(fields, ',');
+  const char *const first = field.data(), *const last = first + field.size();
   std::from_chars_result read{};
   if constexpr (std::is_floating_point_v<T>)
-    read = std::from_chars(fields.data(), last, value);
+    read = std::from_chars(first, last, value);
   else
-    read = std::from_chars(fields.data(), last, value, base);
-  fields.remove_prefix(std::min(end + 1, fields.size()));
+    read = std::from_chars(first, last, value, base);
   return read.ec == std::errc() && read.ptr == last;
 }
 

@@ -72,7 +72,7 @@ TEST_F(Novatel, BinaryIsWhatTheTextIs) {
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows.columns[0].integers[0], text.columns[0].integers[0]);
   for (std::size_t k = 1; k < axes.size(); ++k) EXPECT_EQ(rows.columns[k].numbers[1], text.columns[k].numbers[0]);
-  EXPECT_THAT(read_signals(folder / "x.log").signals.front().unit, "ns");
+  EXPECT_THAT(read_tables(folder / "x.log").front().signals.front().unit, "ns");
 }
 
 TEST_F(Novatel, CountsOfAnUnknownImuStayCounts) {
@@ -82,7 +82,7 @@ TEST_F(Novatel, CountsOfAnUnknownImuStayCounts) {
   EXPECT_THAT(plain.warnings, testing::ElementsAre(HasSubstr("RAWIMUS does not say which IMU it is: its increments stay counts")));
   const TableRows type = read(line("RAWIMUSXA,1692,1.0;00,250,1692,1.5,0,1,2,3,4,5,6"));
   EXPECT_THAT(type.warnings, testing::ElementsAre(HasSubstr("the scale of an IMU of type 250 is not known here")));
-  EXPECT_EQ(read_signals(folder / "x.log").signals[1].unit, "count");
+  EXPECT_EQ(read_tables(folder / "x.log").front().signals[1].unit, "count");
 }
 
 TEST_F(Novatel, DamagedMessagesAreLeftOutAndSaid) {

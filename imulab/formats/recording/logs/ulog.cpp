@@ -31,8 +31,8 @@ constexpr auto is_known = [] {
 bool is_ulog(std::string_view head) { return head.starts_with(ulog_magic); }
 
 /// The losses of a log.
-struct UlogLosses {
-  std::size_t dropouts = 0, dropout_ms = 0, skipped = 0, unfinished = 0;
+struct UlogLosses : MessageLosses {
+  std::size_t dropouts = 0, dropout_ms = 0;
 };
 
 /// Walks over the messages of a log, one part after the other: data may have been appended after the end, to which the last message before need not
@@ -121,10 +121,7 @@ std::vector<std::string> loss_warnings(const UlogLosses& losses, const std::stri
   if (losses.dropouts > 0)
     warnings.push_back(fmt::format("{}: {} dropout{} of the logger, {} ms together: messages of those times are missing", file, losses.dropouts,
                                    losses.dropouts == 1 ? "" : "s", losses.dropout_ms));
-  if (losses.skipped > 0)
-    warnings.push_back(fmt::format("{}: {} bytes are no messages and were passed over: samples may be missing", file, losses.skipped));
-  if (losses.unfinished > 0)
-    warnings.push_back(fmt::format("{}: {} bytes at the end are an unfinished message, which is not read", file, losses.unfinished));
+  losses.add_warnings(file, warnings);
   return warnings;
 }
 

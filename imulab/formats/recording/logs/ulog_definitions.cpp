@@ -1,6 +1,7 @@
 #include "imulab/formats/recording/logs/ulog_definitions.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/formats/text/take_until.hpp"
 
 #include <fmt/core.h>
 
@@ -61,9 +62,7 @@ void UlogDefinitions::add(std::string_view definition) {
   if (colon == std::string_view::npos) return;
   std::vector<Field> fields;
   for (std::string_view rest = definition.substr(colon + 1); !rest.empty();) {
-    const std::size_t end = std::min(rest.find(';'), rest.size());
-    const std::string_view field = rest.substr(0, end);
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const std::string_view field = text::take_until(rest, ';');
     const std::size_t blank = field.find(' ');
     if (blank == std::string_view::npos) continue;
     std::string_view type = field.substr(0, blank);

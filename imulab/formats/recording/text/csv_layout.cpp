@@ -6,6 +6,7 @@
 #include "imulab/formats/recording/text/encoding.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/take_until.hpp"
 #include "imulab/inspection/names.hpp"
 
 #include <fmt/core.h>
@@ -38,14 +39,13 @@ std::vector<std::string> names_of(std::string_view line, const TableLayout& layo
 
 }  // namespace
 
-std::vector<std::string> names_for_rows_of(std::string_view text, std::string_view sensor, char delimiter) {
+std::vector<std::string> names_for_rows_of(std::string_view lines, std::string_view sensor, char delimiter) {
   constexpr std::size_t looked_at = std::size_t{1} << 16;  // bytes
   TableLayout layout;
   layout.delimiter = delimiter;
-  text = text.substr(0, looked_at);
-  while (!text.empty() && !sensor.empty() && !is_number(sensor)) {
-    const std::string_view line = trimmed(text.substr(0, text.find('\n')));
-    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  lines = lines.substr(0, looked_at);
+  while (!lines.empty() && !sensor.empty() && !is_number(sensor)) {
+    const std::string_view line = trimmed(text::take_until(lines, '\n'));
     if (!line.starts_with('#')) continue;
     std::vector<std::string> names = names_of(line.substr(1), layout);
     if (names.front() == sensor) return names;

@@ -52,7 +52,7 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
 bool names_a_column(const TimeSource& time, const std::vector<Column>& columns);
 
 /// The names in a comment that begins with that of a sensor, as its rows do: "# UncalGyro,time,x,y,z"; none where there is no such comment.
-std::vector<std::string> names_for_rows_of(std::string_view text, std::string_view sensor, char delimiter);
+std::vector<std::string> names_for_rows_of(std::string_view lines, std::string_view sensor, char delimiter);
 
 /// The fields of one line, without the blanks around them.
 std::vector<std::string_view> fields_of(std::string_view line, const TableLayout& layout);

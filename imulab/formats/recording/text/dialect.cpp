@@ -5,6 +5,7 @@
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/text/number_form.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/take_until.hpp"
 #include "imulab/inspection/names.hpp"
 
 #include <fmt/core.h>
@@ -32,12 +33,10 @@ struct HeadLine {
 
 /// Calls `each` with the lines that have something in them and are no comments, until it returns false.
 template <class Each>
-void for_lines(std::string_view text, Each&& each) {
-  for (std::size_t number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed(text.substr(0, end));
-    if (!line.empty() && line.front() != '#' && !each(text.substr(0, end), number)) return;
-    text.remove_prefix(std::min(end + 1, text.size()));
+void for_lines(std::string_view lines, Each&& each) {
+  for (std::size_t number = 1; !lines.empty(); ++number) {
+    const std::string_view line = text::take_until(lines, '\n'), content = trimmed(line);
+    if (!content.empty() && content.front() != '#' && !each(line, number)) return;
   }
 }
 

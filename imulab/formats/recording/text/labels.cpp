@@ -3,6 +3,7 @@
 #include "imulab/core/text.hpp"
 #include "imulab/formats/recording/text/number_form.hpp"
 #include "imulab/formats/text/date.hpp"
+#include "imulab/formats/text/take_until.hpp"
 #include "imulab/inspection/names.hpp"
 
 #include <algorithm>
@@ -129,20 +130,18 @@ Labels::Labels(std::string_view head) {
   std::map<std::vector<std::string>, std::pair<std::size_t, std::vector<std::string>>> counts;
   std::size_t lines = 0, stamped = 0;
   char divider = ' ';
-  for (std::size_t begin = 0; begin < head.size() && lines < looked_at; ++lines) {
-    const std::size_t end = std::min(head.find('\n', begin), head.size());
-    const std::string_view own = head.substr(begin, end - begin);
-    if (end - begin < 4096 && find_arrow(own) != std::string_view::npos) {
+  for (; !head.empty() && lines < looked_at; ++lines) {
+    const std::string_view own = text::take_until(head, '\n');
+    if (own.size() >= 4096) continue;
+    if (find_arrow(own) != std::string_view::npos) {
       ++stamped;
       for (const char c : {';', ',', '\t'})
         if (divider == ' ' && own.find(c) != std::string_view::npos) divider = c;
     }
-    if (end - begin < 4096)
-      if (auto line = labeled_line(own)) {
-        auto& [count, units] = counts[line->names];
-        if (count++ == 0) units = std::move(line->units);
-      }
-    begin = end + 1;
+    if (auto line = labeled_line(own)) {
+      auto& [count, units] = counts[line->names];
+      if (count++ == 0) units = std::move(line->units);
+    }
   }
   for (auto& [names, found] : counts)
     if (found.first >= enough && 2 * found.first > lines) names_ = names, units_ = std::move(found.second);
@@ -151,20 +150,20 @@ Labels::Labels(std::string_view head) {
 
 void Labels::add(std::string_view lines, std::string& out) const {
   while (!lines.empty()) {
-    const std::size_t end = std::min(lines.find('\n'), lines.size());
-    const auto line = divider_ != 0 ? std::nullopt : labeled_line(lines.substr(0, end));
+    const bool whole = lines.find('\n') != std::string_view::npos;
+    const std::string_view own = text::take_until(lines, '\n');
+    const auto line = divider_ != 0 ? std::nullopt : labeled_line(own);
     if (divider_ != 0) {
-      add_stamped(lines.substr(0, end), divider_, out);
+      add_stamped(own, divider_, out);
     } else if (line && line->names == names_) {
       for (std::size_t i = 0; i < line->values.size(); ++i) {
         if (i > 0) out.push_back(',');
         out.append(line->values[i]);
       }
     } else {
-      out.append(lines.substr(0, end));
+      out.append(own);
     }
-    if (end < lines.size()) out.push_back('\n');
-    lines.remove_prefix(std::min(end + 1, lines.size()));
+    if (whole) out.push_back('\n');
   }
 }
 

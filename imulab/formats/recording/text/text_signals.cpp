@@ -12,6 +12,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
+#include "imulab/formats/text/take_until.hpp"
 #include "imulab/inspection/names.hpp"
 
 #include <fmt/core.h>
@@ -130,12 +131,11 @@ bool begins_another_table(const std::vector<std::string_view>& fields) {
 }
 
 /// What of the first rows is no number; where numbers are in it, the rows have a form that is not known here, and are shown.
-void add_unread(const TableLayout& layout, std::string_view text, SignalTable& table) {
+void add_unread(const TableLayout& layout, std::string_view rows, SignalTable& table) {
   constexpr std::size_t shown = 3;
   std::vector<std::string_view> lines;
-  for (std::string_view left = text.substr(layout.offset); lines.size() < shown && !left.empty();
-       left.remove_prefix(std::min(left.find('\n'), left.size() - 1) + 1))
-    lines.push_back(trimmed(left.substr(0, left.find('\n'))));
+  for (std::string_view left = rows.substr(layout.offset); lines.size() < shown && !left.empty();)
+    lines.push_back(trimmed(text::take_until(left, '\n')));
   const std::vector<std::string_view> fields = lines.empty() ? std::vector<std::string_view>{} : fields_of(lines.front(), layout);
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   bool known = true;
