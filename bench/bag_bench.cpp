@@ -3,7 +3,7 @@
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
-#include "imulab/formats/recording/binary.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
 
 #include <benchmark/benchmark.h>

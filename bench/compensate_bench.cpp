@@ -3,9 +3,9 @@
 #include "imulab/compensate.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/recording/stream.hpp"
+#include "imulab/formats/recording/text/stream.hpp"
+#include "imulab/formats/recording/written/csv_writer.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/outlier_filter.hpp"
 

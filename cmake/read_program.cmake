@@ -13,8 +13,8 @@ endif()
 # Its own sources, and those of the library that they need: it starts for each file, and has nothing else in it.
 set(IMULAB_READ_SOURCES ${PROJECT_SOURCE_DIR}/apps/imulab_read/main.cpp)
 foreach(needed core/memory core/nearest_name core/text recording/unit_names formats/text/file formats/text/printable formats/text/reading formats/text/reading_meter
-               formats/text/several_files formats/text/unfinished formats/recording/arrays formats/recording/binary formats/recording/child
-               formats/recording/child_channel formats/recording/child_tables formats/recording/read_program formats/recording/table)
+               formats/text/several_files formats/text/unfinished formats/recording/arrays/arrays formats/recording/logs/binary formats/recording/child/child
+               formats/recording/child/child_channel formats/recording/child/child_tables formats/recording/child/read_program formats/recording/table)
   list(APPEND IMULAB_READ_SOURCES ${PROJECT_SOURCE_DIR}/imulab/${needed}.cpp)
 endforeach()
 add_executable(imulab_read ${IMULAB_READ_SOURCES})

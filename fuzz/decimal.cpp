@@ -2,7 +2,7 @@
 #include "imulab/formats/text/decimal.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/csv.hpp"
+#include "imulab/formats/recording/text/csv.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

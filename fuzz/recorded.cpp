@@ -3,10 +3,10 @@
 #include "imulab/compensate.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/compensated_file.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
+#include "imulab/formats/recording/text/stream.hpp"
+#include "imulab/formats/recording/written/compensated_file.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/tasks/inspect.hpp"
 

@@ -2,8 +2,8 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/aid/format.hpp"
-#include "imulab/formats/recording/plain_text.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
+#include "imulab/formats/recording/text/plain_text.hpp"
 #include "imulab/navigate.hpp"
 
 #include "fuzz/fuzzed_file.hpp"

@@ -81,7 +81,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& options) {
 
 }  // namespace faces
 
-// imulab/formats/recording/imu7.cpp
+// imulab/formats/recording/logs/imu7.cpp
 namespace recording_io {
 
 /// Rows of seven doubles after the four bytes "IMU7".

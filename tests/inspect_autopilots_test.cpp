@@ -93,10 +93,8 @@ std::string ardupilot_log(std::size_t samples, const std::string& name) {
   return log;
 }
 
-Inspection inspected_file(const std::filesystem::path& file, const std::vector<std::string>& topics = {""}) {
-  std::vector<SignalTable> tables;
-  for (const std::string& topic : topics) tables.push_back(read_signals(file, topic, recording_formats()));
-  return inspect(inspection::joined(std::move(tables)));
+Inspection inspected_file(const std::filesystem::path& file, const std::vector<std::string>& topics = {}) {
+  return inspect(inspection::joined(read_tables(file, topics)));
 }
 
 TEST(InspectAutopilots, TakesTheReadingsAndNotTheirAveragesOfAPx4Log) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
+#include "imulab/formats/recording/written/csv_writer.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <string>

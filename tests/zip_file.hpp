@@ -1,7 +1,7 @@
 // For tests: zip archives, deflated, whose directory may lie.
 #pragma once
 
-#include "imulab/formats/recording/binary.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 
 #include <cstdint>
 #include <optional>

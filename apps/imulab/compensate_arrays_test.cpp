@@ -1,8 +1,8 @@
 // Compensated readings as arrays for NumPy.
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
+#include "imulab/formats/recording/written/csv_writer.hpp"
 #include "imulab/session.hpp"
 
 #include <gmock/gmock.h>

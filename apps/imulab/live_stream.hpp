@@ -4,7 +4,7 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/calibrate.hpp"
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/stream.hpp"
+#include "imulab/formats/recording/text/stream.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
 

@@ -1,9 +1,9 @@
 // HDF5 as libhdf5 reads it. Only what is requested is read, some rows at a time. Data outside the file, which a file may name, are not: by then
 // nothing more can be opened.
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/arrays.hpp"
-#include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/child_tables.hpp"
+#include "imulab/formats/recording/arrays/arrays.hpp"
+#include "imulab/formats/recording/child/child_tables.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"
 

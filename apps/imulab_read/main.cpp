@@ -1,7 +1,7 @@
 // imulab-read PIPE MEMORY REQUEST: reads HDF5 and MATLAB files for imulab, which gives it three descriptors. It is the only program that is linked
 // with the libraries for them; damaged files can crash these, and hostile ones might do more.
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/read_program.hpp"
+#include "imulab/formats/recording/child/read_program.hpp"
 
 #include "apps/imulab_read/readers.hpp"
 #include "apps/imulab_read/sandbox.hpp"

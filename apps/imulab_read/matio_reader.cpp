@@ -1,8 +1,8 @@
 // MATLAB's files of version 4 and 5 as libmatio reads them: variables, and fields of structures.
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/arrays.hpp"
-#include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/child_tables.hpp"
+#include "imulab/formats/recording/arrays/arrays.hpp"
+#include "imulab/formats/recording/child/child_tables.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 // The formats of imulab-read: each opens the file, closes the sandbox, and answers a request. Throws Error as the format's read does.
 #pragma once
 
-#include "imulab/formats/recording/read_program.hpp"
+#include "imulab/formats/recording/child/read_program.hpp"
 
 namespace imulab::recording_io {
 

@@ -1,7 +1,7 @@
 #include "apps/imulab_read/sandbox.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/child.hpp"
+#include "imulab/formats/recording/child/child.hpp"
 
 #include <fmt/core.h>
 

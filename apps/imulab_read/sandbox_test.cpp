@@ -2,7 +2,7 @@
 #include "apps/imulab_read/sandbox.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/child.hpp"
+#include "imulab/formats/recording/child/child.hpp"
 #include "imulab/version.hpp"
 
 #include <gmock/gmock.h>

@@ -2,7 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/written/csv_writer.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"

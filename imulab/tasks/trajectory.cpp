@@ -2,7 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
-#include "imulab/formats/recording/solution.hpp"
+#include "imulab/formats/solution/solution.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"

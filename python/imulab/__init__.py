@@ -12,85 +12,24 @@ All values are SI, arrays are N x 3 with a row a sample. Wrong input raises `Err
 import atexit as _atexit
 
 from . import _imulab
-from ._calibration import Calibration, Coefficient, Terms, Triad, import_calibration, read_calibration
-from ._fleet import Fleet, FleetStatistics
-from ._imulab import Error, Unsupported
-from ._live import Live
-from ._recording import Recording
-from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Result, Solution, Verification, VerifiedFile
-from ._session import Session, Site, procedure, read_session
-from ._text import DataWarning
-from ._verbs import (
-    Flight,
-    Simulation,
-    allan_deviation,
-    budget,
-    calibrate,
-    compare,
-    compensate,
-    export_targets,
-    inspect,
-    methods,
-    navigate,
-    noise,
-    plan,
-    predict,
-    read_recording,
-    simulate,
-    trajectory,
-    verify,
-)
+from ._calibration import Calibration as Calibration, Coefficient as Coefficient, Terms as Terms, Triad as Triad
+from ._calibration import import_calibration as import_calibration, read_calibration as read_calibration
+from ._fleet import Fleet as Fleet, FleetStatistics as FleetStatistics
+from ._imulab import Error as Error, Unsupported as Unsupported
+from ._live import Live as Live
+from ._recording import Recording as Recording
+from ._results import Budget as Budget, Comparison as Comparison, Inspection as Inspection, Navigation as Navigation, Noise as Noise, Plan as Plan
+from ._results import Prediction as Prediction, Result as Result, Solution as Solution, Verification as Verification, VerifiedFile as VerifiedFile
+from ._session import Session as Session, Site as Site, procedure as procedure, read_session as read_session
+from ._text import DataWarning as DataWarning
+from ._verbs import Flight as Flight, Simulation as Simulation, allan_deviation as allan_deviation, budget as budget, calibrate as calibrate
+from ._verbs import compare as compare, compensate as compensate, export_targets as export_targets, inspect as inspect, methods as methods
+from ._verbs import navigate as navigate, noise as noise, plan as plan, predict as predict, read_recording as read_recording
+from ._verbs import simulate as simulate, trajectory as trajectory, verify as verify
 
 __version__: str = _imulab.software.removeprefix("imulab ")
 
-__all__ = [
-    "Budget",
-    "Calibration",
-    "Coefficient",
-    "Comparison",
-    "DataWarning",
-    "Error",
-    "Fleet",
-    "FleetStatistics",
-    "Flight",
-    "Inspection",
-    "Live",
-    "Navigation",
-    "Noise",
-    "Plan",
-    "Prediction",
-    "Recording",
-    "Result",
-    "Session",
-    "Simulation",
-    "Site",
-    "Solution",
-    "Terms",
-    "Triad",
-    "Unsupported",
-    "Verification",
-    "VerifiedFile",
-    "allan_deviation",
-    "budget",
-    "calibrate",
-    "compare",
-    "compensate",
-    "export_targets",
-    "import_calibration",
-    "inspect",
-    "methods",
-    "navigate",
-    "noise",
-    "plan",
-    "predict",
-    "procedure",
-    "read_calibration",
-    "read_recording",
-    "read_session",
-    "simulate",
-    "trajectory",
-    "verify",
-]
+__all__ = sorted(_name for _name in globals() if not _name.startswith("_"))
 
 for _name in __all__:  # in messages and in help, the package's own names
     if getattr(globals()[_name], "__module__", "").startswith("imulab."):

@@ -21,6 +21,34 @@ def fixed(array: Array) -> Array:
     return array
 
 
+class _Own:
+    """What the extension's object has under the same name: an array read-only, and the same at every access."""
+
+    def __init__(self, holder: str, doc: str) -> None:
+        self._holder, self.__doc__ = holder, doc
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: Any, owner: type | None = None) -> Any:
+        if instance is None:
+            return self
+        if self._name in instance.__dict__:
+            return instance.__dict__[self._name]
+        value = getattr(getattr(instance, self._holder), self._name)
+        if isinstance(value, np.ndarray):
+            instance.__dict__[self._name] = fixed(value)
+        return value
+
+    def __set__(self, instance: Any, value: Any) -> None:
+        raise AttributeError(f"{self._name}: does not change")
+
+
+def own(holder: str, doc: str) -> Any:
+    """A property of a class whose objects keep that of the extension as `holder`."""
+    return _Own(holder, doc)
+
+
 def _kind(value: Any) -> str:
     return f"an array of {value.dtype}" if isinstance(value, np.ndarray) else f"a {type(value).__name__}"
 

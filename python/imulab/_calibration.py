@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _imulab, _plots, _tables
-from ._arrays import FloatArray
+from ._arrays import FloatArray, own
 from ._imulab import Error
 from ._results import Answer
 from ._text import PathLike, optional_package, path, warn
@@ -120,59 +120,23 @@ class Calibration(Answer):
     def _triad(self, name: str) -> Triad:
         return Triad(**_arrays_of({**self.values}, name), sigma=Terms(**_arrays_of(self.sigma, name)))
 
-    @property
-    def estimated(self) -> list[str]:
-        """Names of the coefficients in `covariance`."""
-        return list(self._answer.estimated)
-
-    @cached_property
-    def covariance(self) -> FloatArray:
-        """(M, M), SI, in the order of `estimated`."""
-        return _arrays.fixed(self._answer.covariance)
-
-    @cached_property
-    def constant_covariance(self) -> FloatArray:
-        """The part of `covariance` that the same IMU brings again at its next calibration; (0, 0) where it is zero."""
-        return _arrays.fixed(self._answer.constant_covariance)
-
-    @property
-    def verdict(self) -> str:
-        """"good" or "doubtful"."""
-        return self._answer.verdict
-
-    @property
-    def because(self) -> list[str]:
-        """Why it is doubtful."""
-        return self._answer.because
-
-    @property
-    def method(self) -> str:
-        return self._answer.method
-
-    @property
-    def imu(self) -> str:
-        """The name of the IMU."""
-        return self._answer.imu
+    estimated: list[str] = own("_answer", "Names of the coefficients in `covariance`.")
+    covariance: FloatArray = own("_answer", "(M, M), SI, in the order of `estimated`.")
+    constant_covariance: FloatArray = own(
+        "_answer", "The part of `covariance` that the same IMU brings again at its next calibration; (0, 0) where it is zero."
+    )
+    verdict: str = own("_answer", '"good" or "doubtful".')
+    because: list[str] = own("_answer", "Why it is doubtful.")
+    method: str = own("_answer", "The method that made it.")
+    imu: str = own("_answer", "The name of the IMU.")
+    gyro_unit: str = own("_answer", 'The unit of rates that `apply` takes: "rad/s" or "count".')
+    accel_unit: str = own("_answer", 'The unit of forces that `apply` takes: "m/s^2" or "count".')
+    details: str = own("_answer", "Every estimated coefficient in SI and in user units, what was used, and the tests of optional terms.")
 
     @cached_property
     def curves(self) -> dict[str, FloatArray]:
         """Convergence of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
         return {name: _arrays.fixed(curve) for name, curve in self._answer.curves.items()}
-
-    @property
-    def gyro_unit(self) -> str:
-        """The unit of rates that `apply` takes: "rad/s" or "count"."""
-        return self._answer.gyro_unit
-
-    @property
-    def accel_unit(self) -> str:
-        """The unit of forces that `apply` takes: "m/s^2" or "count"."""
-        return self._answer.accel_unit
-
-    @property
-    def details(self) -> str:
-        """Every estimated coefficient in SI and in user units, what was used, and the tests of optional terms."""
-        return self._answer.details
 
     def _verdict(self) -> tuple[str, str]:
         return self.verdict, f"{self.imu or 'an unnamed IMU'}{f', method {self.method}' if self.method else ''}"

@@ -86,10 +86,8 @@ class Fleet:
             raise TypeError(f"progress: expected a callable, got {type(progress).__name__}")
         below = [path("place", p) for p in places]
         options = (method, terms, station, operator, time)
-        if executor is None:
-            _parts.expect_executor(parts)
-            return _imulab.fleet_calibrate(self.store, below, *options, retry, progress, "")
-        return _parts.join_fleet(self.store, _parts.by_parts(executor, parts, progress, _parts.fleet, below, *options))
+        done = _parts.by_parts(executor, parts, progress, _parts.fleet, below, *options)
+        return _parts.join_fleet(self.store, done) if done else _imulab.fleet_calibrate(self.store, below, *options, retry, progress, "")
 
     def statistics(self, *, method: str = "", require: str = "", due: str = "", false_alarm: float = 0.01) -> FleetStatistics:
         """As `imulab fleet stats`. require: limits of the values; due: how far a calibration may be off before the unit is due."""

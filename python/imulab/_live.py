@@ -71,20 +71,9 @@ class Live:
         count = times.shape[0]
         return [json.loads(event) for event in self._live.add(times, _arrays.rows("gyro", gyro, count), _arrays.rows("accel", accel, count))]
 
-    @property
-    def done(self) -> bool:
-        """True where everything required was reached at the last rest."""
-        return self._live.done
-
-    @property
-    def missing(self) -> str:
-        """Requirements not reached at the last rest, and the turn that helps most. Empty: it is done."""
-        return self._live.missing
-
-    @property
-    def resting_s(self) -> float | None:
-        """For how long the IMU has been at rest; None: it moves."""
-        return self._live.resting_s
+    done: bool = _arrays.own("_live", "True where everything required was reached at the last rest.")
+    missing: str = _arrays.own("_live", "Requirements not reached at the last rest, and the turn that helps most. Empty: it is done.")
+    resting_s: float | None = _arrays.own("_live", "For how long the IMU has been at rest; None: it moves.")
 
     def calibration(self) -> Calibration:
         """The calibration of all rows so far; `shortcomings` says what is not reached. Raises Unsupported where there is none yet, and says why."""

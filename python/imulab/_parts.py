@@ -18,13 +18,14 @@ _Result = TypeVar("_Result")
 _PARTS_A_WORKER = 4  # the last one to finish delays the result by one part
 
 
-def expect_executor(parts: int | None) -> None:
-    if parts is not None:
-        raise TypeError("parts: expected an executor, whose workers do them")
-
-
-def by_parts(executor: Executor, parts: int | None, progress: Callable[[float], object] | None, work: Callable[..., _Result], *arguments: Any) -> list[_Result]:
-    """The results of `work(*arguments, "K/N")` for all parts, in their order."""
+def by_parts(
+    executor: Executor | None, parts: int | None, progress: Callable[[float], object] | None, work: Callable[..., _Result], *arguments: Any
+) -> list[_Result]:
+    """The results of `work(*arguments, "K/N")` for all parts, in their order; none without an executor."""
+    if executor is None:
+        if parts is not None:
+            raise TypeError("parts: expected an executor, whose workers do them")
+        return []
     if not callable(getattr(executor, "submit", None)):
         raise TypeError(f"executor: expected one of concurrent.futures, got {type(executor).__name__}")
     if parts is not None and (isinstance(parts, bool) or not isinstance(parts, int)):

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _imulab, _plots
-from ._arrays import FloatArray
+from ._arrays import FloatArray, own
 from ._imulab import Error
 from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import]
-
-
-def _fixed_or_none(array: FloatArray | None) -> FloatArray | None:
-    return None if array is None else _arrays.fixed(array)
 
 
 class Recording:
@@ -98,65 +93,18 @@ class Recording:
     def __len__(self) -> int:
         return len(self._recording)
 
-    @property
-    def name(self) -> str:
-        """The name of its file, or as it was given."""
-        return self._recording.name
-
-    @property
-    def interval_s(self) -> float:
-        """Nominal interval, s."""
-        return self._recording.interval_s
-
-    @cached_property
-    def t(self) -> FloatArray:
-        """(N,) ends of the samples' intervals, s."""
-        return _arrays.fixed(self._recording.t)
-
-    @cached_property
-    def time_ns(self) -> npt.NDArray[np.int64]:
-        """(N,) the same, exact, ns."""
-        return _arrays.fixed(self._recording.time_ns)
-
-    @cached_property
-    def gyro(self) -> FloatArray:
-        """(N, 3) angular rates, rad/s, or counts."""
-        return _arrays.fixed(self._recording.gyro)
-
-    @cached_property
-    def accel(self) -> FloatArray:
-        """(N, 3) specific forces, m/s^2, or counts."""
-        return _arrays.fixed(self._recording.accel)
-
-    @cached_property
-    def gyro_temperature(self) -> FloatArray | None:
-        """(N, 3) thermal readings of the gyros, or None."""
-        return _fixed_or_none(self._recording.gyro_temperature)
-
-    @cached_property
-    def accel_temperature(self) -> FloatArray | None:
-        """(N, 3) thermal readings of the accelerometers, or None."""
-        return _fixed_or_none(self._recording.accel_temperature)
-
-    @property
-    def gyro_unit(self) -> str:
-        """"rad/s" or "count"."""
-        return self._recording.gyro_unit
-
-    @property
-    def accel_unit(self) -> str:
-        """"m/s^2" or "count"."""
-        return self._recording.accel_unit
-
-    @cached_property
-    def gaps(self) -> npt.NDArray[np.int64]:
-        """Indices of samples before which time is missing."""
-        return _arrays.fixed(self._recording.gaps)
-
-    @cached_property
-    def saturated(self) -> npt.NDArray[np.int64]:
-        """Indices of samples with a reading at a limit."""
-        return _arrays.fixed(self._recording.saturated)
+    name: str = own("_recording", "The name of its file, or as it was given.")
+    interval_s: float = own("_recording", "Nominal interval, s.")
+    t: FloatArray = own("_recording", "(N,) ends of the samples' intervals, s.")
+    time_ns: npt.NDArray[np.int64] = own("_recording", "(N,) the same, exact, ns.")
+    gyro: FloatArray = own("_recording", "(N, 3) angular rates, rad/s, or counts.")
+    accel: FloatArray = own("_recording", "(N, 3) specific forces, m/s^2, or counts.")
+    gyro_temperature: FloatArray | None = own("_recording", "(N, 3) thermal readings of the gyros, or None.")
+    accel_temperature: FloatArray | None = own("_recording", "(N, 3) thermal readings of the accelerometers, or None.")
+    gyro_unit: str = own("_recording", '"rad/s" or "count".')
+    accel_unit: str = own("_recording", '"m/s^2" or "count".')
+    gaps: npt.NDArray[np.int64] = own("_recording", "Indices of samples before which time is missing.")
+    saturated: npt.NDArray[np.int64] = own("_recording", "Indices of samples with a reading at a limit.")
 
     def save(self, file: PathLike) -> None:
         """Writes t,gx,gy,gz,ax,ay,az as CSV, whole or not at all."""

@@ -27,26 +27,17 @@ class Answer:
 
     _answer: _imulab.Outcome | _imulab.Calibration
 
-    @property
-    def json(self) -> str:
-        """The text that the command prints with --json."""
-        return self._answer.json
+    json: str = _arrays.own("_answer", "The text that the command prints with --json.")
+    shortcomings: str = _arrays.own(
+        "_answer", "Why the answer is not what was asked for: not converged, not determined, requirements not reached. Empty: it is."
+    )
+    warnings: list[str] = _arrays.own("_answer", "Findings in the data, and their consequence for the result.")
 
     @cached_property
     def data(self) -> dict[str, Any]:
         """The JSON as dicts and lists; null is None."""
         data: dict[str, Any] = json.loads(self.json)
         return data
-
-    @property
-    def shortcomings(self) -> str:
-        """Why the answer is not what was asked for: not converged, not determined, requirements not reached. Empty: it is."""
-        return self._answer.shortcomings
-
-    @property
-    def warnings(self) -> list[str]:
-        """Findings in the data, and their consequence for the result."""
-        return self._answer.warnings
 
     def expect_supported(self) -> None:
         """Raises Unsupported with the shortcomings where there are any."""

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from . import _imulab
+from ._arrays import own
 from ._text import PathLike, path, toml
 
 Table = Mapping[str, Any]
@@ -49,28 +50,17 @@ class Session:
         aid: Sequence[Table] | None = None,
         file: PathLike = "session.toml",
     ) -> None:
-        def several(tables: Table | Sequence[Table] | None) -> Sequence[Table] | None:
-            return [tables] if isinstance(tables, Mapping) else tables
-
-        tables = {
-            "format": "imulab.session/1",
-            "imu": imu,
-            "site": asdict(site) if isinstance(site, Site) else site,
-            "rig": several(rig),
-            "recording": several(recording),
-            "step": step,
-            "initial": initial,
-            "truth": truth,
-            "reference": reference,
-            "aid": aid,
-        }
-        for key in ("imu", "site", "initial", "truth"):
-            if tables[key] is not None and not isinstance(tables[key], Mapping):
-                raise TypeError(f"{key}: expected a dict, got {type(tables[key]).__name__}")
-        for key in ("rig", "recording", "step", "reference", "aid"):
-            value = tables[key]
-            if value is not None and (isinstance(value, str) or not isinstance(value, Sequence) or not all(isinstance(v, Mapping) for v in value)):
+        single = {"imu": imu, "site": asdict(site) if isinstance(site, Site) else site, "initial": initial, "truth": truth}
+        for key, table in single.items():
+            if table is not None and not isinstance(table, Mapping):
+                raise TypeError(f"{key}: expected a dict, got {type(table).__name__}")
+        several = {"rig": rig, "recording": recording, "step": step, "reference": reference, "aid": aid}
+        for key, value in several.items():
+            if isinstance(value, Mapping) and key in ("rig", "recording"):
+                several[key] = [value]
+            elif value is not None and (isinstance(value, str) or not isinstance(value, Sequence) or not all(isinstance(v, Mapping) for v in value)):
                 raise TypeError(f"{key}: expected dicts, got {type(value).__name__}")
+        tables: dict[str, Any] = {"format": "imulab.session/1", **single, **several}
         self._session = _imulab.Session.parse(toml(tables), path("file", file))
 
     @classmethod
@@ -79,40 +69,17 @@ class Session:
         made._session = session
         return made
 
-    @property
-    def text(self) -> str:
-        """As session.toml."""
-        return self._session.text
-
-    @property
-    def procedure_text(self) -> str:
-        """session.toml with durations in place of times: the form that a procedure's author edits."""
-        return self._session.procedure_text
+    text: str = own("_session", "As session.toml.")
+    procedure_text: str = own("_session", "session.toml with durations in place of times: the form that a procedure's author edits.")
+    file: str = own("_session", "The TOML file; the files of the recordings are beside it.")
+    imu: str = own("_session", "The name of the IMU.")
+    gravity: float = own("_session", "m/s^2: given, or normal gravity. Raises Error where neither it nor the latitude is known.")
+    recordings: list[str] = own("_session", "Files of the recordings, as the session names them.")
 
     @property
     def tables(self) -> dict[str, Any]:
         """As dicts, with the keys of session.toml. Changed, they make another session: Session(**tables) without "format"."""
         return tomllib.loads(self.text)
-
-    @property
-    def file(self) -> str:
-        """The TOML file; the files of the recordings are beside it."""
-        return self._session.file
-
-    @property
-    def imu(self) -> str:
-        """The name of the IMU."""
-        return self._session.imu
-
-    @property
-    def gravity(self) -> float:
-        """m/s^2: given, or normal gravity. Raises Error where neither it nor the latitude is known."""
-        return self._session.gravity
-
-    @property
-    def recordings(self) -> list[str]:
-        """Files of the recordings, as the session names them."""
-        return self._session.recordings
 
     def save(self, file: PathLike) -> None:
         """Writes session.toml, whole or not at all."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import os
 import sys
 import warnings
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
-from ._imulab import Error, in_keywords
+from ._imulab import Error, in_keywords, keywords
 
 PathLike = str | os.PathLike[str]
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_KEYWORDS = keywords()
 
 
 class DataWarning(UserWarning):
@@ -45,6 +48,21 @@ def optional_package(name: str, purpose: str) -> Any:
         return importlib.import_module(name)
     except ImportError as e:
         raise ImportError(f"{purpose} needs {name.split('.')[0]}, which is not installed") from e
+
+
+def options(verb: str) -> Callable[[_Function], _Function]:
+    """Gives a function the options of a verb as keywords: names, kinds, defaults and help of the table by which the command parses."""
+
+    def given(function: _Function) -> _Function:
+        own = inspect.signature(function)
+        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        further = [row for row in _KEYWORDS[verb] if row[0] not in own.parameters]
+        made = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind) for name, kind, default, _ in further]
+        setattr(function, "__signature__", own.replace(parameters=[*kept, *made]))
+        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {in_keywords(text)}\n" for name, _, _, text in further)
+        return function
+
+    return given
 
 
 def _toml_value(value: Any) -> str:

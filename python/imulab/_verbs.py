@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import inspect as _inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,26 +19,9 @@ from ._imulab import Error
 from ._recording import Recording
 from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Solution, Verification
 from ._session import Session, Site, Table, read_session
-from ._text import PathLike, path, warn
+from ._text import PathLike, options as _options, path, warn
 
 Progress = Callable[[float], object]
-_Function = TypeVar("_Function", bound=Callable[..., Any])
-_KEYWORDS = _imulab.keywords()
-
-
-def _options(verb: str) -> Callable[[_Function], _Function]:
-    """Gives a function the options of a verb as keywords: names, kinds, defaults and help of the table by which the command parses."""
-
-    def given(function: _Function) -> _Function:
-        own = _inspect.signature(function)
-        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
-        further = [row for row in _KEYWORDS[verb] if row[0] not in own.parameters]
-        made = [_inspect.Parameter(name, _inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind) for name, kind, default, _ in further]
-        setattr(function, "__signature__", own.replace(parameters=[*kept, *made]))
-        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {_imulab.in_keywords(text)}\n" for name, _, _, text in further)
-        return function
-
-    return given
 
 
 @dataclass(frozen=True)
@@ -121,6 +103,11 @@ def _one_recording(
     return session, named[0]
 
 
+def _told(outcome: _imulab.Outcome) -> _imulab.Outcome:
+    warn(outcome.warnings)
+    return outcome
+
+
 def _store(prior: Fleet | PathLike | None) -> str:
     """The file of a fleet that is a prior; empty: none."""
     if prior is None:
@@ -198,9 +185,7 @@ def compare(*calibrations: Calibration, **options: Any) -> Comparison:
     """The others with the first, coefficient by coefficient, in sigmas and in user units. One without uncertainties counts as the truth."""
     if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
         raise TypeError("expected two or more calibrations")
-    outcome = _imulab.compare([(c.name, c._answer) for c in calibrations], options)
-    warn(outcome.warnings)
-    return Comparison(outcome)
+    return Comparison(_told(_imulab.compare([(c.name, c._answer) for c in calibrations], options)))
 
 
 @_options("verify")
@@ -238,16 +223,11 @@ def predict(
 
     executor: whose workers do the Monte Carlo in as many `parts` (four a worker, or a processor of this machine): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
     """
-    done: list[bytes] = []
+    if executor is not None and not isinstance(procedure, Session):
+        procedure = read_session(procedure)
+    done = _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, procedure, options)
     given: Any = procedure._session if isinstance(procedure, Session) else path("procedure", procedure)
-    if executor is None:
-        _parts.expect_executor(parts)
-    else:
-        session = procedure if isinstance(procedure, Session) else read_session(procedure)
-        given, done = session._session, _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, session, options)
-    outcome = _imulab.predict(given, options, None if done else _callback(progress), done)
-    warn(outcome.warnings)
-    return Prediction(outcome)
+    return Prediction(_told(_imulab.predict(given, options, None if done else _callback(progress), done)))
 
 
 @_options("plan")
@@ -274,9 +254,7 @@ def plan(
 def noise(data: Data, *, recording: str = "", **options: Any) -> Noise:
     """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording."""
     session, found = _one_recording(data, None, recording, needs_gravity=False)
-    outcome = _imulab.noise(session._session, found._recording, options)
-    warn(outcome.warnings)
-    return Noise(outcome)
+    return Noise(_told(_imulab.noise(session._session, found._recording, options)))
 
 
 def allan_deviation(
@@ -335,8 +313,7 @@ def navigate(
         options["gaps"] = "refuse"
     answer, name = (None, "") if calibration is None else (calibration._answer, calibration.name)
     outcome, solution = _imulab.navigate(found.name, answer, name, session._session, found._recording, options, own)
-    warn(outcome.warnings)
-    return Navigation(outcome, solution)
+    return Navigation(_told(outcome), solution)
 
 
 @_options("budget")
@@ -360,12 +337,8 @@ def budget(
             raise TypeError(f"grade: expected a name or a list of names, got {grade!r}")
         options["grade"] = ",".join(names)
     file = path("mission", mission)
-    if executor is None:
-        _parts.expect_executor(parts)
-    done = [] if executor is None else _parts.by_parts(executor, parts, _callback(progress), _parts.budget, file, options)
-    outcome = _imulab.budget(file, options, None if done else _callback(progress), done)
-    warn(outcome.warnings)
-    return Budget(outcome)
+    done = _parts.by_parts(executor, parts, _callback(progress), _parts.budget, file, options)
+    return Budget(_told(_imulab.budget(file, options, None if done else _callback(progress), done)))
 
 
 def methods() -> dict[str, str]:

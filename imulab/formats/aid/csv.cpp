@@ -1,4 +1,4 @@
-#include "imulab/formats/recording/csv.hpp"
+#include "imulab/formats/recording/text/csv.hpp"
 
 #include "imulab/error.hpp"
 #include "imulab/formats/aid/format.hpp"

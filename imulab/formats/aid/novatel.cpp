@@ -2,7 +2,7 @@
 // semicolon, and a checksum, which is CRC-32 that begins with zero and is not inverted.
 #include "imulab/error.hpp"
 #include "imulab/formats/aid/format.hpp"
-#include "imulab/formats/recording/binary.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"

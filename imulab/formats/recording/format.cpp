@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/format.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/dialect.hpp"
+#include "imulab/formats/recording/text/dialect.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/several_files.hpp"

@@ -42,7 +42,7 @@ using PieceSink = std::function<bool(TableRows&&)>;
 
 }  // namespace recording_io
 
-/// A format. To add one: a source file of this folder that reads it, and its row in recording_formats().
+/// A format. To add one: a source file in the folder of its family that reads it, and its row in recording_formats().
 struct RecordingFormat {
   std::string_view name;
   /// True if a file is in this format, by its first bytes: 4096, or all of a shorter file.

@@ -1,11 +1,11 @@
 #include "imulab/formats/recording/signals.hpp"
 
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/arrays.hpp"
+#include "imulab/formats/recording/archive/text_tables.hpp"
+#include "imulab/formats/recording/arrays/arrays.hpp"
 #include "imulab/formats/recording/imu_tables.hpp"
 #include "imulab/formats/recording/table_reader.hpp"
-#include "imulab/formats/recording/text_signals.hpp"
-#include "imulab/formats/recording/text_tables.hpp"
+#include "imulab/formats/recording/text/text_signals.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>
@@ -27,21 +27,6 @@ std::string format_text(const RecordingFormat& format, const TableDescription& t
   return text;
 }
 
-void append(RawColumn& to, RawColumn&& from) {
-  if (to.size() == 0) {
-    to = std::move(from);
-    return;
-  }
-  if (to.integers.empty() || from.integers.empty()) {
-    to.numbers.insert(to.numbers.end(), to.integers.begin(), to.integers.end());
-    to.integers.clear();
-    to.numbers.insert(to.numbers.end(), from.numbers.begin(), from.numbers.end());
-    to.numbers.insert(to.numbers.end(), from.integers.begin(), from.integers.end());
-    return;
-  }
-  to.integers.insert(to.integers.end(), from.integers.begin(), from.integers.end());
-}
-
 /// All rows, or the first ones.
 TableRows columns_of_head(const RecordingFormat& format, const TableRequest& request, const std::vector<TableDescription>& tables,
                           const std::vector<Column>& columns, std::size_t most_numbers) {
@@ -54,7 +39,7 @@ TableRows columns_of_head(const RecordingFormat& format, const TableRequest& req
   head.columns.resize(columns.size());
   format.read(request, {.columns = columns, .in_pieces = true}, [&](TableRows&& piece) {
     head.warnings.insert(head.warnings.end(), piece.warnings.begin(), piece.warnings.end());
-    for (std::size_t c = 0; c < columns.size(); ++c) append(head.columns[c], std::move(piece.columns[c]));
+    for (std::size_t c = 0; c < columns.size(); ++c) head.columns[c].append(std::move(piece.columns[c]));
     return head.size() < most_rows / part_of_long;
   });
   head.warnings.push_back(head_note(head.size()));
@@ -66,8 +51,9 @@ void add_rate(const RecordingFormat& format, const TableRequest& request, const 
   const auto name = std::find_if(table.other_names.begin(), table.other_names.end(), names_rate);
   if (name == table.other_names.end()) return;
   format.read({request.file, *name, request.layout}, {.columns = {1}}, [&](TableRows&& value) {
-    const RawColumn& column = value.columns.front();
-    if (column.size() == 1) result.rate_hz = column.integers.empty() ? column.numbers.front() : static_cast<double>(column.integers.front());
+    RawColumn& column = value.columns.front();
+    column.make_numbers();
+    if (column.size() == 1) result.rate_hz = column.numbers.front();
     return true;
   });
   if (result.rate_hz && !(*result.rate_hz >= 1e-3 && *result.rate_hz <= 1e6)) result.rate_hz.reset();  // as rate_hz may be declared
@@ -90,13 +76,9 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   result.notes = raw.warnings;
   add_rate(format, own, table, result);
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    Signal signal{name_in_table(table.name, table.columns[i].name), table.columns[i].unit, columns[i], {}};
-    if (raw.columns[i].integers.empty()) {
-      signal.values = std::move(raw.columns[i].numbers);
-    } else {
-      signal.values.assign(raw.columns[i].integers.begin(), raw.columns[i].integers.end());
-    }
-    result.signals.push_back(std::move(signal));
+    raw.columns[i].make_numbers();
+    result.signals.push_back(
+        {name_in_table(table.name, table.columns[i].name), table.columns[i].unit, columns[i], std::move(raw.columns[i].numbers)});
   }
   return result;
 }
@@ -140,15 +122,6 @@ std::vector<SignalTable> read_tables(const std::filesystem::path& file, const st
 
 SignalTable signals_of_text(const std::string& name, std::string_view bytes, const std::string& topic) {
   return std::move(tables_of_bytes(name, bytes, topic, "").front());
-}
-
-SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats, double longest_s,
-                         std::size_t most_numbers) {
-  std::vector<SignalTable> tables =
-      read_tables(file, topic.empty() ? std::vector<std::string>{} : std::vector<std::string>{topic}, formats, longest_s, most_numbers);
-  if (tables.size() == 1) return std::move(tables.front());
-  throw Error(
-      fmt::format("{}: gyros and accelerometers are in two tables; expected one of {} and {}", input_name(file), tables[0].topic, tables[1].topic));
 }
 
 }  // namespace imulab

@@ -25,11 +25,6 @@ std::vector<SignalTable> read_tables(const std::filesystem::path& file, const st
                                      const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
                                      std::size_t most_numbers = all_numbers, const std::string& layout = "");
 
-/// The same of one table.
-SignalTable read_signals(const std::filesystem::path& file, const std::string& topic = "",
-                         const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
-                         std::size_t most_numbers = all_numbers);
-
 /// Reads the columns of a text in any dialect, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands
 /// for the file.
 SignalTable signals_of_text(const std::string& name, std::string_view bytes, const std::string& topic = "");

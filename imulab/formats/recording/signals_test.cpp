@@ -24,7 +24,7 @@ TEST(Signals, OfALongRecordingTheFirstRowsAreRead) {
   }
   const std::string head = "{'descr': [('t', '<i8'), ('ax', '<f8')], 'fortran_order': False, 'shape': (" + std::to_string(rows) + ",), }";
   for (const auto& file : {folder.write("log.csv", text), folder.write("log.npy", npy_file(head, records))}) {
-    const SignalTable all = read_signals(file), table = read_signals(file, "", recording_formats(), stream_s, most);
+    const SignalTable all = read_tables(file).front(), table = read_tables(file, {}, recording_formats(), stream_s, most).front();
     EXPECT_EQ(all.rows(), rows) << file;
     EXPECT_LT(table.rows(), rows) << file;
     EXPECT_GE(table.rows(), most / 2 / 4) << file;  // a third; of text by the length of the first lines

@@ -21,6 +21,19 @@ std::string table_names(const std::vector<TableDescription>& tables) {
 
 }  // namespace
 
+void RawColumn::make_numbers() {
+  if (integers.empty()) return;
+  numbers.insert(numbers.end(), integers.begin(), integers.end());
+  integers = {};
+}
+
+void RawColumn::append(RawColumn&& next) {
+  if (size() == 0) return void(*this = std::move(next));
+  if (!numbers.empty() || !next.numbers.empty()) make_numbers(), next.make_numbers();
+  numbers.insert(numbers.end(), next.numbers.begin(), next.numbers.end());
+  integers.insert(integers.end(), next.integers.begin(), next.integers.end());
+}
+
 std::size_t LineNumbers::operator[](std::size_t row) const {
   const auto after = std::upper_bound(jumps_.begin(), jumps_.end(), row, [](std::size_t r, const auto& jump) { return r < jump.first; });
   if (after == jumps_.begin()) return 0;

@@ -35,6 +35,10 @@ struct RawColumn {
   std::vector<std::int64_t> integers;  ///< empty where the file has floating-point numbers
 
   std::size_t size() const { return numbers.size() + integers.size(); }
+  /// Integers become numbers.
+  void make_numbers();
+  /// Adds the rows of another one; both become numbers where one of them has numbers.
+  void append(RawColumn&& next);
 };
 
 /// The line of each row, kept only where it does not simply follow the row before.

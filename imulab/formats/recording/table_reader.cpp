@@ -62,12 +62,6 @@ class Stamper {
   bool stamped_, has_fraction_;
 };
 
-void make_numbers(RawColumn& column) {
-  if (column.integers.empty()) return;
-  column.numbers.assign(column.integers.begin(), column.integers.end());
-  column.integers = {};
-}
-
 std::string column_text(const Column& column) {
   const std::string* name = std::get_if<std::string>(&column);
   return name != nullptr ? *name : fmt::format("column {}", std::get<int>(column));
@@ -83,57 +77,44 @@ void expect_finite(const TableRows& piece, const std::vector<Column>& columns) {
   }
 }
 
-/// Takes out the rows that equal the row before. Throws Error where time does not ascend otherwise.
-void expect_ascending(TableRows& piece) {
-  const auto keep = [&](std::size_t to, std::size_t from) {
-    if (to == from) return;
-    piece.time_ns[to] = piece.time_ns[from];
-    for (RawColumn& column : piece.columns) column.numbers[to] = column.numbers[from];
-  };
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < piece.time_ns.size(); ++i) {
-    if (kept > 0 && piece.time_ns[i] <= piece.time_ns[kept - 1]) {
-      if (piece.time_ns[i] < piece.time_ns[kept - 1])
-        throw Error(fmt::format("{}: {}: time runs backwards: {} s after {} s; expected ascending times", piece.file, piece.place(i),
-                                text::seconds_text(piece.time_ns[i]), text::seconds_text(piece.time_ns[kept - 1])));
-      const bool same = std::all_of(piece.columns.begin(), piece.columns.end(),
-                                    [&](const RawColumn& column) { return column.numbers[i] == column.numbers[kept - 1]; });
-      if (!same)
-        throw Error(fmt::format("{}: {}: {} s is on two rows with different readings; expected one row for each time; {}", piece.file, piece.place(i),
-                                text::seconds_text(piece.time_ns[i]), even_rows_advice()));
-      ++piece.repeated;
-      continue;
-    }
-    keep(kept++, i);
-  }
-  piece.time_ns.resize(kept);
-  for (RawColumn& column : piece.columns) column.numbers.resize(kept);
-}
-
-/// The last row of the piece before, put in front of a piece to be checked with it.
-class LastRow {
+/// Takes out the rows that equal the row before, which may be in the piece before. Throws Error where time does not ascend otherwise.
+class Ascending {
  public:
-  void put_before(TableRows& piece) const {
-    if (values_.empty()) return;
-    piece.time_ns.insert(piece.time_ns.begin(), time_ns_);
-    for (std::size_t c = 0; c < values_.size(); ++c) piece.columns[c].numbers.insert(piece.columns[c].numbers.begin(), values_[c]);
-    --piece.first;
-  }
-  void take_off(TableRows& piece) {
-    if (!values_.empty()) {
-      piece.time_ns.erase(piece.time_ns.begin());
-      for (RawColumn& column : piece.columns) column.numbers.erase(column.numbers.begin());
-      ++piece.first;
+  void expect_in(TableRows& piece) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < piece.time_ns.size(); ++i) {
+      const std::optional<std::int64_t> before = kept > 0 ? piece.time_ns[kept - 1] : last_ns_;
+      if (before && piece.time_ns[i] <= *before) {
+        expect_same(piece, i, *before, kept);
+        ++piece.repeated;
+        continue;
+      }
+      if (const std::size_t to = kept++; to != i) {
+        piece.time_ns[to] = piece.time_ns[i];
+        for (RawColumn& column : piece.columns) column.numbers[to] = column.numbers[i];
+      }
     }
-    if (piece.time_ns.empty()) return;
-    time_ns_ = piece.time_ns.back();
-    values_.clear();
-    for (const RawColumn& column : piece.columns) values_.push_back(column.numbers.back());
+    piece.time_ns.resize(kept);
+    for (RawColumn& column : piece.columns) column.numbers.resize(kept);
+    if (kept == 0) return;
+    last_ns_ = piece.time_ns.back();
+    last_.clear();
+    for (const RawColumn& column : piece.columns) last_.push_back(column.numbers.back());
   }
 
  private:
-  std::int64_t time_ns_ = 0;
-  std::vector<double> values_;
+  void expect_same(const TableRows& piece, std::size_t i, std::int64_t before, std::size_t kept) const {
+    if (piece.time_ns[i] < before)
+      throw Error(fmt::format("{}: {}: time runs backwards: {} s after {} s; expected ascending times", piece.file, piece.place(i),
+                              text::seconds_text(piece.time_ns[i]), text::seconds_text(before)));
+    for (std::size_t c = 0; c < piece.columns.size(); ++c)
+      if (const std::vector<double>& numbers = piece.columns[c].numbers; numbers[i] != (kept > 0 ? numbers[kept - 1] : last_[c]))
+        throw Error(fmt::format("{}: {}: {} s is on two rows with different readings; expected one row for each time; {}", piece.file, piece.place(i),
+                                text::seconds_text(piece.time_ns[i]), even_rows_advice()));
+  }
+
+  std::optional<std::int64_t> last_ns_;  // of the piece before
+  std::vector<double> last_;
 };
 
 /// The columns and, behind them, those of time.
@@ -191,14 +172,12 @@ void read_pieces(const TableRequest& request, const Wanted& wanted, const Record
   };
   if (format.is_text) return format.read(request, wanted, pass_on);
   Stamper stamper(request, wanted.time, wanted.rate_hz, wanted.columns.size());
-  LastRow last;
+  Ascending ascending;
   format.read(request, {.columns = columns_and_time(wanted.columns, wanted.time), .in_pieces = wanted.in_pieces}, [&](TableRows&& piece) {
     stamper.stamp(piece);
-    for (RawColumn& column : piece.columns) make_numbers(column);
+    for (RawColumn& column : piece.columns) column.make_numbers();
     expect_finite(piece, wanted.columns);
-    last.put_before(piece);
-    expect_ascending(piece);
-    last.take_off(piece);
+    ascending.expect_in(piece);
     return pass_on(std::move(piece));
   });
   stamper.expect_rows();

@@ -40,6 +40,8 @@ std::string column_text(const Column& column) {
   return std::holds_alternative<int>(column) ? fmt::format("{}", std::get<int>(column)) : toml_string(std::get<std::string>(column));
 }
 
+std::string axis_text(const BodyAxis& axis) { return fmt::format("\"{}{}\"", axis.sign > 0 ? '+' : '-', "xyz"[axis.index]); }
+
 /// The counterpart of TomlFields: writes what it is given. Tables inside a table become inline ones.
 class TomlText {
  public:
@@ -53,9 +55,7 @@ class TomlText {
   }
   template <std::size_t N>
   void numbers(std::string_view key, const std::array<double, N>& values, const Number& kind) {
-    std::string list;
-    for (const double value : values) list += (list.empty() ? "" : ", ") + in_unit(value, kind.factor);
-    add(key, "[" + list + "]");
+    list(key, values, [&](double value) { return in_unit(value, kind.factor); });
   }
   void pair(std::string_view key, const std::optional<std::array<double, 2>>& values, const Number& kind) {
     if (values) numbers(key, *values, kind);
@@ -64,9 +64,8 @@ class TomlText {
     if (values) numbers(key, *values, kind);
   }
   void pairs(std::string_view key, const std::vector<std::array<double, 2>>& values, const Number& kind) {
-    std::string list;
-    for (const auto& [a, b] : values) list += fmt::format("{}[{}, {}]", list.empty() ? "" : ", ", in_unit(a, kind.factor), in_unit(b, kind.factor));
-    if (!values.empty()) add(key, "[" + list + "]");
+    if (values.empty()) return;
+    list(key, values, [&](const auto& pair) { return fmt::format("[{}, {}]", in_unit(pair[0], kind.factor), in_unit(pair[1], kind.factor)); });
   }
   void number_or_numbers(std::string_view key, const std::array<double, 3>& values, const Number& kind) {
     if (values[0] != values[1] || values[0] != values[2]) return numbers(key, values, kind);
@@ -86,19 +85,12 @@ class TomlText {
   void column(std::string_view key, const std::optional<Column>& value) {
     if (value) add(key, column_text(*value));
   }
-  void columns(std::string_view key, const std::vector<Column>& values, const std::vector<std::size_t>&) {
-    std::string list;
-    for (const Column& value : values) list += (list.empty() ? "" : ", ") + column_text(value);
-    add(key, "[" + list + "]");
-  }
+  void columns(std::string_view key, const std::vector<Column>& values, const std::vector<std::size_t>&) { list(key, values, column_text); }
   void axis(std::string_view key, const std::optional<BodyAxis>& value) {
-    if (value) add(key, fmt::format("\"{}{}\"", value->sign > 0 ? '+' : '-', "xyz"[value->index]));
+    if (value) add(key, axis_text(*value));
   }
   void axes(std::string_view key, const std::optional<std::array<BodyAxis, 3>>& value) {
-    if (!value) return;
-    std::string list;
-    for (const BodyAxis& axis : *value) list += fmt::format("{}\"{}{}\"", list.empty() ? "" : ", ", axis.sign > 0 ? '+' : '-', "xyz"[axis.index]);
-    add(key, "[" + list + "]");
+    if (value) list(key, *value, axis_text);
   }
   void clock_zero(std::string_view key, std::int64_t zero_ns, int exponent) {
     std::int64_t one = 1;
@@ -131,10 +123,12 @@ class TomlText {
   std::string section(std::string_view title) const { return fmt::format("\n{}\n{}", title, lines()); }
 
  private:
-  std::string inline_table() const {
-    std::string list;
-    for (const std::string& item : items_) list += (list.empty() ? "" : ", ") + item;
-    return "{ " + list + " }";
+  std::string inline_table() const { return fmt::format("{{ {} }}", fmt::join(items_, ", ")); }
+  template <class Values, class ToText>
+  void list(std::string_view key, const Values& values, const ToText& to_text) {
+    std::vector<std::string> texts;
+    for (const auto& value : values) texts.push_back(to_text(value));
+    add(key, fmt::format("[{}]", fmt::join(texts, ", ")));
   }
   void add(std::string_view key, const std::string& value) { items_.push_back(fmt::format("{} = {}", key, value)); }
 

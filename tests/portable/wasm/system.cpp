@@ -1,6 +1,6 @@
 // What the system gives elsewhere and WebAssembly does not: calls that emscripten's C library answers with a stand-in, and programs.
 #include "imulab/error.hpp"
-#include "imulab/formats/recording/read_program.hpp"
+#include "imulab/formats/recording/child/read_program.hpp"
 
 #include <fmt/core.h>
 

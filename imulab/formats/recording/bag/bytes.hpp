@@ -1,7 +1,7 @@
 // Bytes of a bag: numbers and counted strings, read with every length checked.
 #pragma once
 
-#include "imulab/formats/recording/binary.hpp"
+#include "imulab/formats/recording/logs/binary.hpp"
 
 #include <cstddef>
 #include <cstdint>

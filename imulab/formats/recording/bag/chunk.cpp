@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #ifdef IMULAB_WITH_BZIP2
 #include <bzlib.h>
@@ -22,11 +23,6 @@ namespace {
 
 constexpr std::uint64_t largest_chunk = std::uint64_t{1} << 30;
 
-[[maybe_unused, noreturn]] void without(const char* compression, const char* package) {
-  throw Error(std::string("chunks are compressed with ") + compression + ", which this imulab was built without; expected a build with " + package +
-              ", or a bag that is not compressed");
-}
-
 /// Unpacks piece by piece: `step(in, out)` takes bytes off the front of `in`, gives the number it wrote to `out`, and says at the end that it is
 /// done.
 struct Piece {
@@ -35,7 +31,7 @@ struct Piece {
 };
 
 template <class Step>
-std::string_view unpack_pieces(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file, Step step) {
+[[maybe_unused]] std::string_view unpack_pieces(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file, Step step) {
   if (size > largest_chunk) throw Damaged("a chunk of more than a gigabyte");
   const auto whole = static_cast<std::size_t>(size);
   std::size_t written = 0, room = std::min(whole, std::max({buffer.size(), 8 * packed.size(), std::size_t{1} << 16}));
@@ -134,57 +130,57 @@ std::string pack_bzip2(std::string_view bytes) {
 }
 #endif
 
+struct Codec {
+  std::string_view name, words, package;
+  std::string_view (*unpack)(std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file) = nullptr;
+  std::string (*pack)(std::string_view bytes) = nullptr;  ///< null, as unpack, in a build without its library
+};
+
+/// In the order of Compression, after none.
+constexpr std::array<Codec, 3> codecs{{
+    {"lz4", "LZ4", "liblz4"
+#ifdef IMULAB_WITH_LZ4
+     ,
+     unpack_lz4, pack_lz4
+#endif
+    },
+    {"zstd", "Zstandard", "libzstd"
+#ifdef IMULAB_WITH_ZSTD
+     ,
+     unpack_zstd, pack_zstd
+#endif
+    },
+    {"bz2", "bzip2", "libbz2"
+#ifdef IMULAB_WITH_BZIP2
+     ,
+     unpack_bzip2, pack_bzip2
+#endif
+    },
+}};
+
+const Codec& codec_of(Compression compression) { return codecs[static_cast<std::size_t>(compression) - 1]; }
+
 }  // namespace
 
 Compression compression_of(std::string_view name) {
   if (name.empty() || name == "none") return Compression::none;
-  if (name == "lz4") {
-#ifndef IMULAB_WITH_LZ4
-    without("LZ4", "liblz4");
-#endif
-    return Compression::lz4;
-  }
-  if (name == "zstd") {
-#ifndef IMULAB_WITH_ZSTD
-    without("Zstandard", "libzstd");
-#endif
-    return Compression::zstd;
-  }
-  if (name == "bz2") {
-#ifndef IMULAB_WITH_BZIP2
-    without("bzip2", "libbz2");
-#endif
-    return Compression::bzip2;
-  }
-  throw Damaged("unknown compression \"" + std::string(name.substr(0, 20)) + "\"");
+  const auto codec = std::ranges::find(codecs, name, &Codec::name);
+  if (codec == codecs.end()) throw Damaged("unknown compression \"" + std::string(name.substr(0, 20)) + "\"");
+  if (codec->unpack == nullptr)
+    throw Error(
+        fmt::format("chunks are compressed with {}, which this imulab was built without; expected a build with {}, or a bag that is not compressed",
+                    codec->words, codec->package));
+  return static_cast<Compression>(codec - codecs.begin() + 1);
 }
 
-std::string_view unpack([[maybe_unused]] Compression compression, std::string_view packed, std::uint64_t size, [[maybe_unused]] Buffer& buffer,
-                        [[maybe_unused]] const std::string& file) {
-#ifdef IMULAB_WITH_LZ4
-  if (compression == Compression::lz4) return unpack_lz4(packed, size, buffer, file);
-#endif
-#ifdef IMULAB_WITH_ZSTD
-  if (compression == Compression::zstd) return unpack_zstd(packed, size, buffer, file);
-#endif
-#ifdef IMULAB_WITH_BZIP2
-  if (compression == Compression::bzip2) return unpack_bzip2(packed, size, buffer, file);
-#endif
+std::string_view unpack(Compression compression, std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file) {
+  if (compression != Compression::none) return codec_of(compression).unpack(packed, size, buffer, file);
   if (packed.size() != size) throw Damaged("a chunk that is not as long as it says");
   return packed;
 }
 
-std::string pack([[maybe_unused]] Compression compression, std::string_view bytes) {
-#ifdef IMULAB_WITH_LZ4
-  if (compression == Compression::lz4) return pack_lz4(bytes);
-#endif
-#ifdef IMULAB_WITH_ZSTD
-  if (compression == Compression::zstd) return pack_zstd(bytes);
-#endif
-#ifdef IMULAB_WITH_BZIP2
-  if (compression == Compression::bzip2) return pack_bzip2(bytes);
-#endif
-  return std::string(bytes);
+std::string pack(Compression compression, std::string_view bytes) {
+  return compression != Compression::none ? codec_of(compression).pack(bytes) : std::string(bytes);
 }
 
 std::string Damage::place(std::uint64_t at) const { return fmt::format("{}: chunk at byte {}", file_, at); }

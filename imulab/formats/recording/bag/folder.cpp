@@ -1,9 +1,11 @@
 #include "imulab/formats/recording/bag/folder.hpp"
 
+#include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/several_files.hpp"
+#include "imulab/formats/text/take_until.hpp"
 
 #include <fmt/core.h>
 
@@ -95,11 +97,7 @@ std::vector<std::string> listed_parts(std::string_view metadata) {
   std::vector<std::string> names;
   bool inside = false;
   while (!metadata.empty() && names.size() < most_parts) {
-    const std::size_t end = std::min(metadata.find('\n'), metadata.size());
-    std::string_view line = metadata.substr(0, end);
-    metadata.remove_prefix(std::min(end + 1, metadata.size()));
-    while (!line.empty() && (line.front() == ' ' || line.front() == '\t')) line.remove_prefix(1);
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+    const std::string_view line = trimmed(text::take_until(metadata, '\n'));
     if (line == "relative_file_paths:") {
       inside = true;
     } else if (inside && line.starts_with("- ")) {

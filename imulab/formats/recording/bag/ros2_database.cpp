@@ -81,16 +81,6 @@ std::string_view Query::bytes(int column) const {
   return data != nullptr ? std::string_view(static_cast<const char*>(data), static_cast<std::size_t>(size)) : std::string_view();
 }
 
-void Query::bind(int parameter, std::int64_t value) {
-  if (sqlite3_bind_int64(statement_, parameter, value) != SQLITE_OK) database_.fail();
-}
-
-void Query::bind(int parameter, std::string_view data) {
-  if (sqlite3_bind_blob64(statement_, parameter, data.data(), data.size(), SQLITE_STATIC) != SQLITE_OK) database_.fail();
-}
-
-void Query::reset() { sqlite3_reset(statement_); }
-
 Ros2Database::Ros2Database(const std::filesystem::path& path) : database_(path), file_(path.string()) {
   expect_all_pages(path);
   try {

@@ -51,9 +51,6 @@ class Query {
   bool next();
   std::int64_t integer(int column) const;
   std::string_view bytes(int column) const;  ///< valid until the next row
-  void bind(int parameter, std::int64_t value);
-  void bind(int parameter, std::string_view bytes);
-  void reset();
 
  private:
   Database& database_;
