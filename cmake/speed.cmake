@@ -2,7 +2,7 @@
 # Both are done once: the headers in a precompiled header, the templates in one unit a folder (CMAKE_UNITY_BUILD, which the presets switch on).
 
 # The precompiled header without anything else, for all that needs no more.
-file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp "")
+file(CONFIGURE OUTPUT precompiled.cpp CONTENT "")
 function(imulab_add_precompiled name)
   add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(${name} PRIVATE Eigen3::Eigen fmt::fmt)

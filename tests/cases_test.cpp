@@ -1,4 +1,5 @@
 // Logs as people bring them, with what is right (shared/cases/README.md). They are not part of the project.
+// ctest: once
 #include "imulab/units.hpp"
 
 #include <gmock/gmock.h>

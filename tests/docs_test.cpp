@@ -3,6 +3,7 @@
 // console_page.hpp says what a block is. A picture that a page shows is one that commands made, by its file's name.
 //
 // With IMULAB_WRITE_DOCS in the environment (./dev docs --write), outputs and pictures are written into the pages instead of compared.
+// ctest: docs
 #include <gmock/gmock.h>
 
 #include "tests/console_page.hpp"

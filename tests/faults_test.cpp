@@ -1,5 +1,6 @@
 // Every call by which a verb reads or writes a file fails once, and memory ends: the old file or the whole new one is there, nothing is left behind,
 // and the error names a file.
+// ctest: faults
 #include <gmock/gmock.h>
 
 #include "tests/old_or_new.hpp"

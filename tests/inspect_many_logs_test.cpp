@@ -1,5 +1,6 @@
 // Two hundred logs as people have them, drawn at random: units, clocks, delimiters, decimal marks, encodings, orders of columns, headers, one file or
 // two. Each is understood, or asked about; never understood wrongly.
+// ctest: once
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"

@@ -1,5 +1,6 @@
 // kill -9 at moments all over a command's run: every file is the old one or the whole new one, besides files under temporary names nothing is new,
 // and the next run ends as if nothing had been.
+// ctest: faults
 #include <gmock/gmock.h>
 
 #include "tests/old_or_new.hpp"

@@ -66,7 +66,7 @@ std::string error_of(const Method& method, const CalibrationInput& input, const 
   return "no error";
 }
 
-TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
+TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {  // ctest: once
   const std::string papers = read_text(IMULAB_SOURCE "/docs/reference/references.md");
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
@@ -86,7 +86,7 @@ TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
   }
 }
 
-TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
+TEST(Methods, EveryOnePredictsWhatItWillEstimate) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Session& procedure = example(method).session;
@@ -101,7 +101,7 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
 }
 
 /// Larger effects never help, and an IMU whose effects are as expected is between those of half and of twice as large.
-TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {
+TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {  // ctest: once
   int told_by_noise = 0;
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
@@ -128,7 +128,7 @@ TEST(Methods, EveryOnePredictsForSmallerAndLargerEffects) {
 }
 
 /// The part of the covariance that a unit brings again: less than all of it in every direction, and not nothing.
-TEST(Methods, EveryOneTellsWhatAUnitBringsAgain) {
+TEST(Methods, EveryOneTellsWhatAUnitBringsAgain) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);
@@ -145,13 +145,13 @@ TEST(Methods, EveryOneTellsWhatAUnitBringsAgain) {
   }
 }
 
-TEST(Methods, EveryOnesPredictionIsWhatItStatesAndHowItsEstimatesScatter) {
+TEST(Methods, EveryOnesPredictionIsWhatItStatesAndHowItsEstimatesScatter) {  // ctest: long
   for (const Method& method : simulated_methods())
     for (const acceptance::Check& c : acceptance::predictions(method, method.equipment < 2 ? 25 : 8))
       EXPECT_TRUE(c.passed()) << method.name << ": " << c.name << " is " << c.value << ", expected " << c.low << " to " << c.high;
 }
 
-TEST(Methods, EveryOneHasAnAcceptanceCase) {
+TEST(Methods, EveryOneHasAnAcceptanceCase) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     const auto of_method = [&](const acceptance::Case& c) { return c.method == method.name; };
     EXPECT_TRUE(std::ranges::any_of(acceptance::cases(), of_method)) << method.name;
@@ -171,7 +171,7 @@ Recording part_of(const Recording& whole, Range range, const std::string& name) 
   return part;
 }
 
-TEST(Methods, EveryOneTakesSeveralRecordingsOfOneUnit) {
+TEST(Methods, EveryOneTakesSeveralRecordingsOfOneUnit) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);
@@ -214,7 +214,7 @@ TEST(Methods, EveryOneTakesSeveralRecordingsOfOneUnit) {
   }
 }
 
-TEST(Methods, EveryOneRefusesWhatIsNoRecording) {
+TEST(Methods, EveryOneRefusesWhatIsNoRecording) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     Example e = example(method);
@@ -224,7 +224,7 @@ TEST(Methods, EveryOneRefusesWhatIsNoRecording) {
   }
 }
 
-TEST(Methods, EveryOneRefusesASessionInOtherUnits) {
+TEST(Methods, EveryOneRefusesASessionInOtherUnits) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);
@@ -247,7 +247,7 @@ TEST(Methods, EveryOneRefusesASessionInOtherUnits) {
   }
 }
 
-TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
+TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {  // ctest: long
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);
@@ -262,7 +262,7 @@ TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
   }
 }
 
-TEST(Methods, EveryOneStopsBetweenIterationsAndTellsItsProgress) {
+TEST(Methods, EveryOneStopsBetweenIterationsAndTellsItsProgress) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);
@@ -281,7 +281,7 @@ TEST(Methods, EveryOneStopsBetweenIterationsAndTellsItsProgress) {
   }
 }
 
-TEST(Methods, EveryOneFillsInTheOriginFromASessionOfItsOwn) {
+TEST(Methods, EveryOneFillsInTheOriginFromASessionOfItsOwn) {  // ctest: once
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);

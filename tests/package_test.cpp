@@ -1,4 +1,5 @@
 // The installed package serves programs of their own: examples/, which the tutorial of the library shows.
+// ctest: package
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

@@ -1,5 +1,6 @@
 // Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; three
 // starts.
+// ctest: once
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 

@@ -1,4 +1,5 @@
 // The public headers, imulab/*.hpp: what a program of its own may include. Each compiles by itself and needs no header of a room.
+// ctest: headers
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

@@ -1,4 +1,5 @@
 // Changes that one method may take for something else: a wrong place, a unit that changed on the way, lost samples. Never "good".
+// ctest: long
 #include <gmock/gmock.h>
 
 #include "tests/hybrid_session.hpp"

@@ -1,6 +1,7 @@
 // A result is the same to the last bit on any number of threads, twice in a row, in another folder, locale, time zone and umask of one machine; and
 // to rounding, a hundredth of its uncertainty, where the mathematical library takes other variants of its functions: on other processors, under
 // valgrind.
+// ctest: bits
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"
 #include "imulab/files.hpp"

@@ -1,4 +1,5 @@
 // A short acceptance test; ./dev accept runs the full one.
+// ctest: long
 #include <gtest/gtest.h>
 
 #include "tests/acceptance/acceptance.hpp"

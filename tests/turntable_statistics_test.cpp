@@ -1,4 +1,5 @@
 // A short acceptance test on an irregular procedure, at the level of rest means and turn sums: table errors, g and noise are drawn.
+// ctest: long
 #include "imulab/coefficient.hpp"
 
 #include <Eigen/LU>

@@ -67,7 +67,7 @@ TEST(BadData, WhatIsLostInGapsIsNoScale) {
 }
 
 /// A gyro whose range is too small for a hand: what it did not measure is missing, and the rest is as certain as it is said to be.
-TEST(BadData, ClippedTurnsBiasNothing) {
+TEST(BadData, ClippedTurnsBiasNothing) {  // ctest: long
   const TemporaryFolder folder;
   for (const char* made : {"procedure handheld --poses 20 -o hand.toml", "simulate hand.toml -o made"})
     ASSERT_EQ(run_imulab(folder, made).exit_code, 0);

@@ -161,7 +161,7 @@ duration_s = 40
   EXPECT_EQ(run_imulab(folder, "predict eight.toml --method drive --require 'gyro.matrix.zz <= 2000 ppm'").exit_code, 0);
 }
 
-TEST(PlanDriveCommand, AddsManoeuvresUntilTheRequirementIsMet) {
+TEST(PlanDriveCommand, AddsManoeuvresUntilTheRequirementIsMet) {  // ctest: once
   const TemporaryFolder folder;
   folder.write("drive.toml", std::string(mission_head) + eight);
   const double without =

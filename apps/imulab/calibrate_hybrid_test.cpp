@@ -1,4 +1,5 @@
 // calibrate --method hybrid as people use it.
+// ctest: once
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

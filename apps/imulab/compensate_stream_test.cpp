@@ -283,7 +283,7 @@ Delays delays_at_2_kHz(const TemporaryFolder& folder, const std::string& program
   return delays;
 }
 
-TEST(CompensateStream, ASteadyTwoKilohertzIsLateByLessThanTenMilliseconds) {
+TEST(CompensateStream, ASteadyTwoKilohertzIsLateByLessThanTenMilliseconds) {  // ctest: once
   const TemporaryFolder folder;
   folder.write("session.toml", stream_session_head + stream_entry("recording.csv", R"(output = "rate", unit = "deg/s")", "rate_hz = 2000.0\n"));
   folder.write("calibration.json", calibration_text(bent_calibration()));

@@ -8,7 +8,7 @@
 namespace imulab {
 namespace {
 
-TEST(DemoCommand, RunsFromNothingAndAgain) {
+TEST(DemoCommand, RunsFromNothingAndAgain) {  // ctest: once
   const TemporaryFolder folder;
   const CommandResult first = run_imulab(folder, "demo -o d");
   ASSERT_EQ(first.exit_code, 0) << first.errors;
@@ -23,7 +23,7 @@ TEST(DemoCommand, RunsFromNothingAndAgain) {
 }
 
 /// The claim of the demo is true of other units than the default one.
-TEST(DemoCommand, TheHybridCalibrationDrivesBetterWithOtherSeeds) {
+TEST(DemoCommand, TheHybridCalibrationDrivesBetterWithOtherSeeds) {  // ctest: long
   const TemporaryFolder folder;
   for (const char* seed : {"2", "3"}) {
     const CommandResult result = run_imulab(folder, std::string("demo --json --seed ") + seed);

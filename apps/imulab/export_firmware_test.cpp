@@ -140,7 +140,7 @@ TEST(ExportFirmware, WithFusedOperationsDiffersByRoundingOnly) {
     }
 }
 
-TEST(ExportFirmware, TheCostsOfTheDocumentationCanBeMeasured) {
+TEST(ExportFirmware, TheCostsOfTheDocumentationCanBeMeasured) {  // ctest: long
   if (const std::string tool = missing_tool(); !tool.empty()) GTEST_SKIP() << tool << " is not installed";
   const TemporaryFolder folder;
   write_header(folder);

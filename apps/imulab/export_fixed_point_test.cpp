@@ -187,7 +187,7 @@ TEST(ExportFixedPoint, OfQ15RefusesADriftThatItsWordsCannotHold) {
 }
 
 /// Any model that a sensor might have: scales, offsets, bends, drifts and ranges over decades.
-TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
+TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {  // ctest: once
   const RandomStream random(11, "models in integers");
   std::uint64_t draw = 0;
   const auto any = [&] { return 2 * random.uniform(draw++) - 1; };

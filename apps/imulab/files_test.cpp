@@ -92,7 +92,7 @@ struct Files : testing::Test {
   }
 };
 
-TEST_F(Files, NoOutputReplacesAnInput) {
+TEST_F(Files, NoOutputReplacesAnInput) {  // ctest: once
   for (const Row& row : written_by)
     for (const std::string& input : row.inputs) {
       const std::string before = read_text(folder / input);
@@ -106,7 +106,7 @@ TEST_F(Files, NoOutputReplacesAnInput) {
     }
 }
 
-TEST_F(Files, NoOutputReplacesAFolderOrATruth) {
+TEST_F(Files, NoOutputReplacesAFolderOrATruth) {  // ctest: once
   for (const Row& row : written_by) {
     const std::string truth = read_text(folder / "S/truth.json");
     if (row.command.find("compensate") != 0) {  // whose -o is a folder, too

@@ -202,7 +202,7 @@ TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
   EXPECT_THAT(run("fleet stats --due 'accel.offset <= 10 mg'").errors, HasSubstr("no unit was calibrated twice"));
 }
 
-TEST_F(FleetCommand, IsThePriorOfAPlan) {
+TEST_F(FleetCommand, IsThePriorOfAPlan) {  // ctest: once
   draw(60, 1);
   const std::string plan = "plan --require 'gyro.matrix.off_diagonal <= 200 arcsec' --grade mems --axes hand --effects none";
   const auto without = nlohmann::json::parse(run(plan + " --json").output);
@@ -224,7 +224,7 @@ TEST_F(FleetCommand, IsThePriorOfAPlan) {
               HasSubstr("--prior: fleet.db: 20 units that belong together are too few for a prior of 21 coefficients; expected at least 27"));
 }
 
-TEST_F(FleetCommand, IsThePriorOfACalibration) {
+TEST_F(FleetCommand, IsThePriorOfACalibration) {  // ctest: once
   simulate(30);
   run("fleet calibrate week --method handheld");
   run("simulate hand1.toml --seed 31 -o next");

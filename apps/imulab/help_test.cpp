@@ -1,5 +1,6 @@
 // The command explains itself: in 80 columns, with examples that its own parser accepts, in manual pages and in shells.
 
+// ctest: once
 #include "imulab/version.hpp"
 
 #include <gmock/gmock.h>

@@ -85,7 +85,7 @@ TEST(LiveDrive, WaitsForTheReceiver) {
   EXPECT_TRUE(Json::parse(last)["done"]);
 }
 
-TEST(LiveDrive, AParkedCarShowsWhatIsMissing) {
+TEST(LiveDrive, AParkedCarShowsWhatIsMissing) {  // ctest: once
   const CommandResult r = live_on("parked", "cat parked/recording.csv", limit);
   EXPECT_EQ(r.exit_code, 1);
   EXPECT_THAT(r.output, ContainsRegex("missing: gyro.matrix.zz; shown by turns in both directions"));

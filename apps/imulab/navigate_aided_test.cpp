@@ -120,7 +120,7 @@ sed -i -e 's/"truth.csv"/"truth_dated.csv"/' -e 's/^time = {{ column = "t"/&, sc
 }
 
 // 2024-01-01 is day 16066 since 1980-01-06 and 19723 since 1970; GPS is 18 s ahead of UTC.
-TEST(NavigateAidedCommand, APosFileHasTheDatesOfGpsTime) {
+TEST(NavigateAidedCommand, APosFileHasTheDatesOfGpsTime) {  // ctest: once
   EXPECT_EQ(first_date("gps", 16066 * 86400., "gps_s", 0), "2024/01/01 00:00:00");
   EXPECT_EQ(first_date("utc", 19723 * 86400., "utc_s", 0), "2024/01/01 00:00:18");
   EXPECT_EQ(first_date("utc", 19723 * 86400., "gps_s", -3657 * 86400. + 18), "2024/01/01 00:00:18");

@@ -60,7 +60,7 @@ void write_npy(const std::filesystem::path& file, std::size_t rows) {
   }
 }
 
-TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {
+TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {  // ctest: long
   const TemporaryFolder folder;
   // More than one piece of text, with knocks, a gap, lost samples that are filled in, and a temperature.
   std::ostringstream text;

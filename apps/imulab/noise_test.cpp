@@ -169,7 +169,7 @@ TEST(NoiseCommand, RefusesARateThatChanges) {
 }
 
 /// 400 Hz to a millisecond advance by 2 and by 3 ms; 800 Hz by 1 and by 2 ms, and 200 Hz by 5 ms.
-TEST(NoiseCommand, StampsThatAreRoundedAreThoseOfAnEvenClock) {
+TEST(NoiseCommand, StampsThatAreRoundedAreThoseOfAnEvenClock) {  // ctest: once
   const TemporaryFolder folder;
   const auto density = [&](double rate_hz, int digits, const std::string& session) {
     std::string text = "t,gx,gy,gz,ax,ay,az\n";

@@ -38,7 +38,7 @@ struct SharedRuns : ::testing::Test {
   }
 };
 
-TEST_F(SharedRuns, OfAPrediction) {
+TEST_F(SharedRuns, OfAPrediction) {  // ctest: long
   run("procedure zhang-24 -o procedure.toml");
   expect_the_same_bits("predict procedure.toml --runs 8000 --require \"gyro.offset <= 1 deg/h\"");
 }
@@ -55,7 +55,7 @@ TEST_F(SharedRuns, OfABudget) {
   EXPECT_THAT(read_text(folder / "joined.html"), HasSubstr("mission.toml"));
 }
 
-TEST_F(SharedRuns, OfAPlan) {
+TEST_F(SharedRuns, OfAPlan) {  // ctest: long
   const std::string plan = "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --effects none";
   expect_the_same_bits(plan);
   const auto error = [&](const std::string& more) { return run_imulab(folder, plan + more).errors; };

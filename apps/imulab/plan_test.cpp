@@ -25,7 +25,7 @@ struct PlanCommand : ::testing::Test {
   }
 };
 
-TEST_F(PlanCommand, WritesAProcedureThatPredictConfirms) {
+TEST_F(PlanCommand, WritesAProcedureThatPredictConfirms) {  // ctest: once
   const CommandResult result = run_imulab(folder, "plan --require 'gyro.matrix.off_diagonal <= 2 arcsec' --axes 2 -o p.toml");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");  // no terminal, no progress
@@ -42,7 +42,7 @@ TEST_F(PlanCommand, WritesAProcedureThatPredictConfirms) {
     EXPECT_LE(json.at("coefficients").at(name).at("cramer_rao").get<double>(), 2 * 4.8481368e-6) << predicted.errors;
 }
 
-TEST_F(PlanCommand, ThePageHasTheTurnsOfTheTableAndSaysWhatWasWritten) {
+TEST_F(PlanCommand, ThePageHasTheTurnsOfTheTableAndSaysWhatWasWritten) {  // ctest: once
   const CommandResult result = run_imulab(folder, "plan --require 'gyro.matrix.off_diagonal <= 5 arcsec' --axes 2 -o p.toml --report p.html");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("\nwritten: p.toml\n"));
@@ -61,7 +61,7 @@ TEST_F(PlanCommand, ThePageHasTheTurnsOfTheTableAndSaysWhatWasWritten) {
   EXPECT_TRUE(says(fmt::format("<tr><th>{}</th>", turns)));
 }
 
-TEST_F(PlanCommand, TheSameBitsTwice) {
+TEST_F(PlanCommand, TheSameBitsTwice) {  // ctest: once
   const char* arguments = "plan --require 'gyro.matrix.off_diagonal <= 4 arcsec' --axes 2 -o -";
   const CommandResult once = run_imulab(folder, arguments), again = run_imulab(folder, arguments);
   EXPECT_EQ(once.exit_code, 0) << once.errors;
@@ -69,14 +69,14 @@ TEST_F(PlanCommand, TheSameBitsTwice) {
   EXPECT_THAT(once.output, HasSubstr("format = \"imulab.session/1\""));
 }
 
-TEST_F(PlanCommand, SaysWhatCannotBeReached) {
+TEST_F(PlanCommand, SaysWhatCannotBeReached) {  // ctest: long
   expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1,
               "better than 31 ppm; gravity and the cubic term limit it; a measured value of gravity is more certain");
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ppm' --axes 1", 1, "gyro.matrix.xx has ");
   expect_ends("plan --require 'accel.offset <= 1 ug' --time 600", 1, "no path was found that meets the requirements: accel.offset.");
 }
 
-TEST_F(PlanCommand, LeavesAMarginAndSaysSo) {
+TEST_F(PlanCommand, LeavesAMarginAndSaysSo) {  // ctest: once
   const std::string plan = "plan --require 'gyro.matrix.off_diagonal <= 4 arcsec' --axes 2 --effects none --json";
   const Json with = Json::parse(run_imulab(folder, plan).output), without = Json::parse(run_imulab(folder, plan + " --margin 1").output);
   EXPECT_EQ(with["verdict"], "met");
@@ -94,7 +94,7 @@ TEST_F(PlanCommand, LeavesAMarginAndSaysSo) {
   EXPECT_LT(without["duration_s"], with["duration_s"]);
 }
 
-TEST_F(PlanCommand, CountsTheNoiseOfTheUnit) {
+TEST_F(PlanCommand, CountsTheNoiseOfTheUnit) {  // ctest: once
   write_still_log(folder, 6000, still_readings);
   ASSERT_EQ(run_imulab(folder, "noise session.toml -o white.json").exit_code, 0);
   Json noise = Json::parse(read_text(folder / "white.json"));
@@ -110,7 +110,7 @@ TEST_F(PlanCommand, CountsTheNoiseOfTheUnit) {
   EXPECT_GT(sigma(" --noise flicker.json"), 3 * sigma(" --noise white.json"));
 }
 
-TEST_F(PlanCommand, RefusesBadInput) {
+TEST_F(PlanCommand, RefusesBadInput) {  // ctest: once
   expect_ends("plan", 2, "--require");
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ug'", 2, "\"ug\" is no unit of gyro.matrix.xx");
   expect_ends("plan --require 'accel.matrix.xy <= 1 arcsec'", 2, "lower triangular");
@@ -122,7 +122,7 @@ TEST_F(PlanCommand, RefusesBadInput) {
   expect_ends("plan --require 'accel.offset <= 5 ug' --time 60 --rest 60", 2, "no turn and rest fit into the time");
 }
 
-TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {
+TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {  // ctest: once
   EXPECT_EQ(run_imulab(folder, "procedure six-position -o six.toml").exit_code, 0);
   expect_ends("predict six.toml --method hybrid --runs 100", 2, "--runs: belongs to --method turntable");
   EXPECT_EQ(run_imulab(folder, "procedure cheng-path -o p.toml").exit_code, 0);
@@ -132,7 +132,7 @@ TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {
   expect_ends("predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 0.1 ppm'", 1, "the requirements are not met: gyro.matrix.xx has ");
 }
 
-TEST_F(PlanCommand, APlanForAHandCalibratesAsItPromises) {  // few rests, whose gyros differ by the Earth's rate
+TEST_F(PlanCommand, APlanForAHandCalibratesAsItPromises) {  // few rests, whose gyros differ by the Earth's rate  // ctest: once
   const char* require = "'gyro.matrix.diagonal <= 30 ppm, gyro.matrix.off_diagonal <= 20 arcsec, accel.offset <= 20 ug'";
   ASSERT_EQ(run_imulab(folder, std::string("plan --axes hand --require ") + require + " -o hand.toml").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "simulate hand.toml -o hand").exit_code, 0);

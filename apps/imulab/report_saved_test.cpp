@@ -1,4 +1,5 @@
 // imulab report of what each verb prints with --json, as the manual's table has it.
+// ctest: once
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

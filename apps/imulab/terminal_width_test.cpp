@@ -1,4 +1,5 @@
 // The text that the command prints for people fits a terminal of 80 columns.
+// ctest: once
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

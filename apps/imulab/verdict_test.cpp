@@ -63,7 +63,7 @@ void expect_verdict(const TemporaryFolder& folder, const std::string& command, c
   }
 }
 
-TEST(Verdict, OfACalibrationIsAboutItsRequirements) {
+TEST(Verdict, OfACalibrationIsAboutItsRequirements) {  // ctest: once
   const TemporaryFolder folder;
   hand_held_session().write(folder);
   const std::string calibrate = "calibrate session --method handheld --force -o c.json ";
@@ -85,7 +85,7 @@ TEST(Verdict, OfACalibrationIsAboutItsRequirements) {
   EXPECT_EQ(read_calibration(folder / "printed.json").serial, read_calibration(folder / "c.json").serial) << "it is still a calibration";
 }
 
-TEST(Verdict, OfABudget) {
+TEST(Verdict, OfABudget) {  // ctest: once
   const TemporaryFolder folder;
   folder.write("m.toml", drift_mission);
   expect_verdict(folder, "budget m.toml --runs 20 --require 'CEP <= 10 km, RMS <= 50 nmi/h'", "met", 0);
@@ -105,7 +105,7 @@ TEST(Verdict, OfABudget) {
   EXPECT_THAT(plain["headline"].get<std::string>(), HasSubstr("after 300 s: horizontal position error"));
 }
 
-TEST(Verdict, OfNoise) {
+TEST(Verdict, OfNoise) {  // ctest: once
   const TemporaryFolder folder;
   write_still_log(folder, 6000, still_readings);
   expect_verdict(folder, "noise session.toml --force -o noise.json --require 'gyro.N <= 0.5 deg/sqrt(h)'", "met", 0, true, false);
@@ -118,7 +118,7 @@ TEST(Verdict, OfNoise) {
   EXPECT_THAT(wrong.errors, HasSubstr("--require: gyro.M: no figure of this result; did you mean gyro.N?"));
 }
 
-TEST(Verdict, OfANavigationAgainstItsTruth) {
+TEST(Verdict, OfANavigationAgainstItsTruth) {  // ctest: once
   const TemporaryFolder folder;
   folder.write("m.toml", drift_mission);
   ASSERT_EQ(run_imulab(folder, "trajectory m.toml --errors -o flight").exit_code, 0);
@@ -130,7 +130,7 @@ TEST(Verdict, OfANavigationAgainstItsTruth) {
   EXPECT_THAT(without.errors, HasSubstr("--require: flight: has no truth"));
 }
 
-TEST(Verdict, OfAPredictionAndAPlan) {
+TEST(Verdict, OfAPredictionAndAPlan) {  // ctest: once
   const TemporaryFolder folder;
   ASSERT_EQ(run_imulab(folder, "procedure cheng-path -o p.toml").exit_code, 0);
   expect_verdict(folder, "predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 1000 ppm'", "met", 0);
@@ -154,7 +154,7 @@ std::size_t times(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST(Verdict, OfADoubtfulCalibrationEveryVerbWarnsOnce) {
+TEST(Verdict, OfADoubtfulCalibrationEveryVerbWarnsOnce) {  // ctest: once
   const TemporaryFolder folder;
   folder.write("m.toml", drift_mission);
   folder.write("c.json", doubtful_calibration());

@@ -1,4 +1,5 @@
 // A session that declares something else than the recording holds: never "good", and the likely cause is named.
+// ctest: once
 #include <gmock/gmock.h>
 
 #include "tests/recorded_session.hpp"

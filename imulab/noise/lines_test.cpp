@@ -25,7 +25,7 @@ std::vector<double> log_of(const NoiseModel& m, std::size_t samples, std::uint64
 }
 
 /// One log of a thousand may show one. A median that was taken for the density itself gave one in 45 of 1000.
-TEST(NoiseLines, NoiseAloneHasNone) {
+TEST(NoiseLines, NoiseAloneHasNone) {  // ctest: long
   constexpr std::size_t logs = 300, samples = 16384;
   for (const NoiseModel& m : {NoiseModel{.N = 1}, NoiseModel{.N = 1, .B = 0.3, .K = 0.003}, NoiseModel{.N = 1, .K = 0.3}}) {
     std::vector<std::size_t> lines(logs);

@@ -72,7 +72,7 @@ std::array<Held, 5> count(const NoiseModel& truth, std::size_t logs) {
 
 /// 100 logs of 20 minutes with each of two IMUs; the binomial bands of 99.9 % for intervals of 95 %. Bounds of what is absent, or hardly seen, may
 /// hold more often.
-TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {
+TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {  // ctest: long
   constexpr int logs = 100;
   const double least = binomial_quantile(0.0005, logs, 0.95);
   const auto rich = count({.Q = 0.5, .N = 1, .B = 0.5, .K = 0.03}, logs);

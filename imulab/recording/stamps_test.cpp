@@ -41,7 +41,7 @@ TEST(Stamps, RanksOfDifferencesAreThoseOfASortedCopy) {
 }
 
 // Above 2^23 stamps no copy is made.
-TEST(Stamps, OfManyAreTakenAsOfFew) {
+TEST(Stamps, OfManyAreTakenAsOfFew) {  // ctest: once
   for (const std::size_t count : {(std::size_t{1} << 23) + 1, (std::size_t{1} << 23) + 2}) {
     const std::vector<std::int64_t> time_ns = stamps(count);
     const std::vector<std::int64_t> sorted = sorted_differences(time_ns, 1);

@@ -91,7 +91,7 @@ TEST(Plot, NamesAtTheEndsOfCurvesDoNotCollide) {
   EXPECT_LT(heights[2], 215) << "above the axis";
 }
 
-TEST(Page, ALongPageHasContentsAndNoIdentifierTwice) {
+TEST(Page, ALongPageHasContentsAndNoIdentifierTwice) {  // ctest: once
   Page page{.kind = "k", .title = "t", .subtitle = "", .verdict = {}, .figures = {}, .body = {}};
   for (const char* heading : {"A", "B", "C", "D"}) page.body += section("part", heading, "lead", "");
   EXPECT_EQ(page_text(page).find("<nav"), std::string::npos) << "four parts are seen without";
@@ -102,7 +102,7 @@ TEST(Page, ALongPageHasContentsAndNoIdentifierTwice) {
   EXPECT_THAT(text, testing::HasSubstr("<section id=\"part-5\">"));
 }
 
-TEST(Page, ARoughBudgetIsHeadedByItsMonteCarlo) {
+TEST(Page, ARoughBudgetIsHeadedByItsMonteCarlo) {  // ctest: once
   BudgetReport report{.mission = "m", .summary = {.budget = {}, .monte_carlo = ErrorDistribution{}, .runs = 50}};
   ErrorBudget& b = report.summary.budget;
   b.time = {0, 60};
@@ -120,7 +120,7 @@ TEST(Page, ARoughBudgetIsHeadedByItsMonteCarlo) {
   EXPECT_EQ(page.find("1000 km"), std::string::npos);
 }
 
-TEST(Page, TimesAreShortAndStartsAreDates) {
+TEST(Page, TimesAreShortAndStartsAreDates) {  // ctest: once
   EXPECT_EQ(seconds_text(12.5), "12.5 s");
   EXPECT_EQ(seconds_text(7080), "7080 s (118 min)");
   EXPECT_EQ(stamp_and_date(1794000000.123457), "2026-11-06T21:20:00.123Z");

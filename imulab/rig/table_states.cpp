@@ -44,7 +44,7 @@ std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, 
                                                      std::optional<std::size_t> changed_at) {
   const std::vector<Vector3d> play = play_after_steps(motion, plan, gravity);
   // The higher orders are declared as parts of the full scale, which is that of no IMU below a radian a second.
-  double full_rate = EffectState{}.full_rate;
+  double full_rate = EffectState().full_rate;
   for (const Step& step : plan.steps)
     if (step.kind == StepKind::rotate) full_rate = std::max(full_rate, step.rate);
   std::vector<std::vector<WeightedState>> out(motion.parts());

@@ -110,8 +110,12 @@ InspectedFiles inspect_recordings(const GivenFiles& given, const InspectionTask&
       tables.push_back(std::move(table));
   InspectedFiles out;
   const bool pieces = inspection::are_pieces(tables, task.declared);
-  out.found =
-      inspect(pieces ? inspection::appended(std::move(tables), task.declared) : inspection::joined(std::move(tables), task.declared), task.declared);
+  SignalTable whole;
+  if (pieces)
+    whole = inspection::appended(std::move(tables), task.declared);
+  else
+    whole = inspection::joined(std::move(tables), task.declared);
+  out.found = inspect(whole, task.declared);
   out.found.source.layout = declared_layout;
   if (!pieces) return out;
   const auto is_of_turns = [](const std::string& question) { return question.starts_with("gyro.columns: they leave"); };

@@ -50,7 +50,7 @@ TEST(HybridTerms, QuadraticAccelerometersAreFound) {
   EXPECT_LT(largest_sigmas(c, unit), 4.5);
 }
 
-TEST(HybridTerms, OffsetsHoldWhereQuadraticTermsHardlyShow) {
+TEST(HybridTerms, OffsetsHoldWhereQuadraticTermsHardlyShow) {  // ctest: long
   double squares = 0;
   constexpr int sessions = 10;
   for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
@@ -108,7 +108,7 @@ TEST(HybridTerms, ALongDelayIsDoubted) {
   EXPECT_THAT(calibrated(s).calibration.quality.because, Contains(HasSubstr("more than what the method corrects")));
 }
 
-TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {
+TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {  // ctest: long
   int kept = 0;
   constexpr int sessions = 6;
   for (std::uint64_t seed = 1; seed <= sessions; ++seed) {

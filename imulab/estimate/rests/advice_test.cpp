@@ -54,7 +54,7 @@ CalibrationResult by_advice(TurnedUnit& unit, const std::vector<Requirement>& re
   return {};
 }
 
-TEST(Advice, NeedsNoMoreRestsThanThirtyPercentAboveTheBestRandomPoses) {
+TEST(Advice, NeedsNoMoreRestsThanThirtyPercentAboveTheBestRandomPoses) {  // ctest: long
   for (const char* text : {"gyro.matrix.diagonal <= 200 ppm, gyro.matrix.off_diagonal <= 30 arcsec, accel.matrix.diagonal <= 200 ppm, "
                            "accel.matrix.off_diagonal <= 30 arcsec, accel.offset <= 100 ug",
                            "gyro.matrix.diagonal <= 100 ppm, gyro.matrix.off_diagonal <= 15 arcsec", "gyro.matrix <= 500 ppm"}) {

@@ -35,9 +35,10 @@ struct Candidate {
 
 Candidate bad_step(const Fit& fit, double level) {
   const std::vector<double> log_p = fit.estimator.log_probabilities(fit.readings);
+  if (log_p.empty()) return {};
   const auto worst = static_cast<std::size_t>(std::min_element(log_p.begin(), log_p.end()) - log_p.begin());
   const double all = std::log(static_cast<double>(log_p.size()));
-  if (log_p.empty() || !(log_p[worst] < std::log(level) - all) || !fit.may_drop(worst)) return {};
+  if (!(log_p[worst] < std::log(level) - all) || !fit.may_drop(worst)) return {};
   return {Candidate::Kind::step, -log_p[worst] - all, worst};
 }
 

@@ -30,7 +30,7 @@ double squared_distance(const Calibration& c, const SensorModel& truth) {
 }
 
 /// Ten seeds at 57 coefficients: a mean of chi-squares within its 99.99 % band.
-TEST(WholeUnit, ErrorsAreAsLargeAsStated) {
+TEST(WholeUnit, ErrorsAreAsLargeAsStated) {  // ctest: long
   double sum = 0, degrees = 0, stepwise_sum = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const WholeUnitSession s = whole_unit_session(seed);

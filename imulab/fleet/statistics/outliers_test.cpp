@@ -40,7 +40,7 @@ struct DrawnFleet {
   DrawnFleet(const DrawnFleet&) = delete;
 };
 
-TEST(Outliers, AFleetWithoutThemHasThemAtTheStatedRate) {
+TEST(Outliers, AFleetWithoutThemHasThemAtTheStatedRate) {  // ctest: long
   // 1200 fleets at a rate of 5 %: 60 expected, with a standard deviation of 7.5; four of them are allowed.
   int equal = 0, different = 0;
   constexpr int fleets = 1200;

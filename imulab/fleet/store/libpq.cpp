@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <dlfcn.h>
+#include <type_traits>
 
 namespace imulab::fleet {
 
@@ -19,10 +20,10 @@ Libpq load_libpq(const char* file) {
   };
   if (library == nullptr) fail();
   Libpq out{};
-  const auto take = [&]<class Function>(const char* name, Function& function) {
+  const auto take = [&](const char* name, auto& function) {
     void* const found = dlsym(library, name);
     if (found == nullptr) fail();
-    function = reinterpret_cast<Function>(found);
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(found);
   };
   take("PQconnectdbParams", out.connect), take("PQfinish", out.finish), take("PQstatus", out.status);
   take("PQerrorMessage", out.error_message), take("PQsetNoticeProcessor", out.set_notice_processor);

@@ -54,7 +54,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 6> advice{{
 
 class PostgresQuery;
 
-class Postgres : public Engine {
+class Postgres final : public Engine {
  public:
   Postgres(const std::string& address, Access access);
   ~Postgres() override { libpq().finish(connection_); }

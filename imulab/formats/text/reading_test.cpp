@@ -52,7 +52,7 @@ TEST(Reading, AnotherBusErrorEndsTheProgramAsAlways) {
   EXPECT_EXIT((remove_unfinished_on_signals(), ::raise(SIGBUS), ::raise(SIGBUS)), testing::KilledBySignal(SIGBUS), "");
 }
 
-TEST(Reading, APipeNeedsAWriterAndMayBeSlow) {
+TEST(Reading, APipeNeedsAWriterAndMayBeSlow) {  // ctest: once
   const TemporaryFolder folder;
   const std::string pipe = (folder / "pipe").string();
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);

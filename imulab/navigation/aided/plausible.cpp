@@ -127,10 +127,12 @@ namespace {
 bool same_positions(const AidRecord& a, const AidRecord& b) {
   constexpr double equal = 1e-10;  // rad: less than a millimeter
   constexpr std::size_t fewest = 5;
-  std::size_t common = 0, same = 0;
-  for (std::size_t i = 0, j = 0; i < a.position.size() && j < b.position.size(); ++i) {
-    while (j < b.position.size() && b.time[j] < a.time[i]) ++j;
-    if (j == b.position.size() || b.time[j] != a.time[i] || !(a.position[i] - b.position[j]).allFinite()) continue;
+  if (b.position.size() != b.time.size()) return false;  // a record of velocities alone has no positions
+  std::size_t common = 0, same = 0, j = 0;
+  for (std::size_t i = 0; i < a.position.size(); ++i) {
+    j = static_cast<std::size_t>(std::lower_bound(b.time.begin() + static_cast<std::ptrdiff_t>(j), b.time.end(), a.time[i]) - b.time.begin());
+    if (j == b.time.size()) break;
+    if (b.time[j] != a.time[i] || !(a.position[i] - b.position[j]).allFinite()) continue;
     ++common, same += (a.position[i] - b.position[j]).head<2>().cwiseAbs().maxCoeff() < equal;
   }
   return common >= fewest && 2 * same > common;

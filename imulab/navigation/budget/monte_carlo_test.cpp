@@ -56,7 +56,7 @@ ErrorSources navigation_grade() {
   return s;
 }
 
-TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughATrafficPattern) {
+TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughATrafficPattern) {  // ctest: long
   std::vector<Segment> pattern;
   for (int leg = 0; leg < 5; ++leg) {
     pattern.push_back(straight(100));
@@ -69,7 +69,7 @@ TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughATrafficPattern) {
   expect_as_linear(motion, sources, {.vertical = VerticalChannel::free}, 200);
 }
 
-TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughAnHoursDriveAfterAnAlignment) {
+TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughAnHoursDriveAfterAnAlignment) {  // ctest: long
   std::vector<Segment> drive{accelerate(60 / 3.6, 20)};
   for (int leg = 0; leg < 9; ++leg) {
     drive.push_back(straight(350));

@@ -76,7 +76,7 @@ TEST(Hdf5, WhatIsNotKnownToBeReadAsWrittenIsAnError) {
   }
 }
 
-TEST(Hdf5, DamageIsSurvived) {
+TEST(Hdf5, DamageIsSurvived) {  // ctest: once
   const TableRequest request{.file = recording_file("groups.h5"), .topic = "/imu/t"};
   if (built_without(request)) GTEST_SKIP();
   expect_damage_is_survived(request, {"/imu/t", "/imu/accel.1"}, 101);

@@ -58,7 +58,7 @@ TEST(Matlab, PsinsMatrix) {
   expect_columns(request, {"imu.7", "imu.4"}, [](std::size_t i, std::size_t c) { return c == 0 ? fixture_t(i) : fixture_accel(i, 0) / 125; });
 }
 
-TEST(Matlab, DamageIsSurvived) {
+TEST(Matlab, DamageIsSurvived) {  // ctest: once
   const TableRequest request{.file = recording_file("v5.mat")};
   if (built_without(request)) GTEST_SKIP();
   expect_damage_is_survived(request, {"t", "imu.gyro.1"}, 29);
@@ -86,7 +86,7 @@ TEST(Matlab, ADamagedCompressedVariableIsAnErrorAtOnce) {
 }
 
 /// libhdf5 crashes on some of these files: with Debian 12's, bytes 1488 and 1489 of the whole file lead it to freed memory.
-TEST(Matlab, DamageOfVersion73IsSurvived) {
+TEST(Matlab, DamageOfVersion73IsSurvived) {  // ctest: once
   const TableRequest request{.file = recording_file("v73.mat")};
   if (built_without(request)) GTEST_SKIP();
   expect_damage_is_survived(request, {"t", "imu.gyro.1"}, 97);

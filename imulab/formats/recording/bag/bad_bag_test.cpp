@@ -91,7 +91,7 @@ TEST_P(BadBags, OfNothingElse) {
 }
 
 /// Indexes that lead to single messages, with wrong places in them.
-TEST(BadBag, WithAnyByteOfItsIndexesChanged) {
+TEST(BadBag, WithAnyByteOfItsIndexesChanged) {  // ctest: once
   const TemporaryFolder folder;
   for (const std::string& name : sparse_names()) {
     const std::string whole = read_text(fixture(name));

@@ -315,7 +315,7 @@ TEST(Child, LeavesNothingBehind) {
 }
 
 /// A child that dies lets no other wait.
-TEST(Child, FromSeveralThreads) {
+TEST(Child, FromSeveralThreads) {  // ctest: once
   std::vector<std::string> errors(8);
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < errors.size(); ++i)
