@@ -70,7 +70,7 @@ TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {
     CalibrationOptions without;
     without.effects = false;
     const Calibration scattered = hybrid::calibrate(input_of(s.session, r, s.rests), without).calibration;
-    EXPECT_THAT(scattered.quality.warnings,
+    EXPECT_THAT(scattered.quality.findings.warnings(),
                 Contains(testing::ContainsRegex(accel > 0 ? "the rests' mean forces scatter [0-9.]+ times as much"
                                                           : "the headings within the rests scatter [0-9.]+ times as much")));
   }
@@ -82,7 +82,7 @@ TEST(QuietChange, AUnitThatChangesHasNoOneCalibration) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t i = 7 * s.recording.size() / 10; i < s.recording.size(); ++i) s.recording.accel[axis][i] += 0.01;
   const Quality quality = quality_of(s, "turntable");
-  EXPECT_EQ(quality.verdict, "doubtful") << testing::PrintToString(quality.warnings);
+  EXPECT_EQ(quality.verdict, Verdict::doubtful) << testing::PrintToString(quality.findings.warnings());
 }
 
 TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
@@ -101,7 +101,7 @@ TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
     for (auto& column : *triad) column.resize(kept);
   for (Step& step : s.session.steps) step.end = std::min(step.end, r.time_s(kept - 1)), step.start = std::min(step.start, step.end);
   while (s.session.steps.back().end - s.session.steps.back().start < 1) s.session.steps.pop_back();
-  EXPECT_EQ(quality_of(s, "hybrid").verdict, "doubtful");
+  EXPECT_EQ(quality_of(s, "hybrid").verdict, Verdict::doubtful);
 }
 
 TEST(QuietChange, AClockThatGainsIsStatedWithTheScales) {

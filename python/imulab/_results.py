@@ -48,6 +48,12 @@ class Answer:
         """Findings in the data, and their consequence for the result."""
         return self._answer.warnings
 
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """Doubts, warnings and notes, each with code, severity and text, and where it has one subject, numbers, advice and place."""
+        found: list[dict[str, Any]] = self.data.get("quality", self.data).get("findings", [])
+        return found
+
     def expect_supported(self) -> None:
         """Raises Unsupported with the shortcomings where there are any."""
         if self.shortcomings:

@@ -109,9 +109,9 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
     EXPECT_THAT(calibration.quality.unobservable, IsEmpty()) << c.what;
     EXPECT_LT(largest_sigmas(calibration, s.truth.model), 4.5) << c.what << ": 21 coefficients, once in 7000 sessions";
     if (*c.warning) {
-      EXPECT_THAT(calibration.quality.warnings, Contains(HasSubstr(c.warning))) << c.what;
+      EXPECT_THAT(calibration.quality.findings.warnings(), Contains(HasSubstr(c.warning))) << c.what;
     } else {
-      EXPECT_THAT(calibration.quality.warnings, IsEmpty()) << c.what;
+      EXPECT_THAT(calibration.quality.findings.warnings(), IsEmpty()) << c.what;
     }
   }
 }
@@ -119,7 +119,7 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
 TEST(HybridBadInput, ShortRestsAreSaid) {
   const HybridSession s = session_with(3, 2);
   const Calibration c = calibrated(s, base_terms()).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
@@ -145,7 +145,8 @@ TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
     s.recording.accel[0][at] += 0.15 / s.recording.interval_s;
     s.recording.accel[0][at + 1] -= 0.15 / s.recording.interval_s;
     const Quality quality = calibrated(s).calibration.quality;
-    EXPECT_EQ(quality.verdict, "good") << at << ": " << testing::PrintToString(quality.because) << testing::PrintToString(quality.warnings);
+    EXPECT_EQ(quality.verdict, Verdict::good) << at << ": " << testing::PrintToString(quality.findings.reasons())
+                                              << testing::PrintToString(quality.findings.warnings());
   }
 }
 
@@ -165,8 +166,8 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   HybridSession s = session_with(4);
   s.session.site.latitude = *s.session.site.latitude + 10 * unit::deg;
   const Calibration c = calibrated(s, base_terms()).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not 55.000")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("deg), not 55.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
@@ -175,8 +176,8 @@ TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
   HybridSession s = session_with(6);
   s.session.site.latitude = -*s.session.site.latitude;  // the horizontal Earth rate is the same
   const Calibration c = calibrated(s).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]\\.")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not -45.000")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]\\.")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("deg), not -45.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }
 
