@@ -108,7 +108,7 @@ AnswerOf<ResultComparison> result_comparison_answer(const std::vector<NamedResul
   return {{.json = [comparison] { return result_comparison_json(*comparison); },
            .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },
            .page = [comparison] { return result_comparison_page(*comparison); },
-           .conclusion = {"", comparison->headline}},
+           .conclusion = {Verdict::none, comparison->headline}},
           comparison};
 }
 
