@@ -286,7 +286,8 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   const Calibration calibration = read_calibration(folder / "hand.json");
   std::string because;
   for (const std::string& reason : calibration.quality.findings.reasons()) because += reason;
-  EXPECT_THAT(browsed.pages.at("calibration-390"), testing::EndsWith("|verdict=" + calibration.quality.verdict + "|because=" + because));
+  EXPECT_THAT(browsed.pages.at("calibration-390"),
+              testing::EndsWith("|verdict=" + std::string(to_string(calibration.quality.verdict)) + "|because=" + because));
   for (const std::string& page : pages) EXPECT_LT(std::filesystem::file_size(folder / (page + ".html")), 2'000'000u) << page;
 }
 

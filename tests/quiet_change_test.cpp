@@ -21,10 +21,10 @@ TEST(QuietChange, AnErrorOfTheLatitudeIsNoGSensitivity) {
   // Up is along the force at every rest, so 2 w_ie sin 45 deg / g is common to all axes: thousands of its sigmas on a table.
   HybridSession s = hybrid_session(4);
   s.session.site.latitude = -*s.session.site.latitude;
-  EXPECT_THAT(quality_of(s, "handheld").because, Contains("the latitude seems to be wrong"));
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains("the latitude seems to be wrong"));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), Contains("the latitude seems to be wrong"));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains("the latitude seems to be wrong"));
   s.session.site.latitude = -*s.session.site.latitude;
-  EXPECT_THAT(quality_of(s, "handheld").because, testing::Not(Contains("the latitude seems to be wrong")));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), testing::Not(Contains("the latitude seems to be wrong")));
 }
 
 TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
@@ -32,14 +32,14 @@ TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
   const double normal = s.session.site.gravity();
   s.session.site.height = 0;
   s.session.site.given_gravity = 1.003 * normal;  // normal gravity at a known height is true to 5e-4
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains(HasSubstr("is not that of the given latitude")));
   s.session.site.given_gravity = normal + 0.004;
-  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
   s.session.site.height.reset();  // at most as large as at sea level, but for its anomalies
   s.session.site.given_gravity = normal + 0.008;
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains(HasSubstr("is not that of the given latitude")));
   s.session.site.given_gravity = normal - 0.02;
-  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
 }
 
 TEST(QuietChange, AnUncertainLatitudeMakesGravityUncertain) {
@@ -160,7 +160,7 @@ TEST(QuietChange, DataThatCountTwiceAreDoubted) {
     }
   for (std::size_t i = 0; i < once; ++i) r.time_ns.push_back(r.time_ns[once - 1] + r.time_ns[i]);
   s.session.steps.clear();
-  EXPECT_THAT(quality_of(s, "handheld").because, Contains(HasSubstr("to the last digit")));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), Contains(HasSubstr("to the last digit")));
 }
 
 }  // namespace

@@ -125,16 +125,16 @@ TEST(HybridBadInput, ShortRestsAreSaid) {
 
 /// Gyros that are a second late: each pass ends as far away as the one before.
 TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
-  const auto passes = [](const HybridSession& s, const char* verdict) {
+  const auto passes = [](const HybridSession& s, Verdict verdict) {
     int count = 0;
     const WorkScope scope({}, [&](double) { ++count; });
     EXPECT_EQ(calibrated(s).calibration.quality.verdict, verdict);
     return count;
   };
   HybridSession s = session_with(2);
-  const int usual = passes(s, "good");
+  const int usual = passes(s, Verdict::good);
   for (std::vector<double>& axis : s.recording.gyro) std::rotate(axis.begin(), axis.end() - 50, axis.end());
-  EXPECT_LT(passes(s, "doubtful"), 3 * usual);
+  EXPECT_LT(passes(s, Verdict::doubtful), 3 * usual);
 }
 
 /// A velocity of 0.15 m/s at the end of a second, which is gone a sample later, in each of the samples of the first rest.

@@ -83,7 +83,7 @@ TEST(AidedUnmeasured, ReadingsAtALimitAreDoubtful) {
   std::vector<Aid> none;
   AidedNavigation out;
   take_unmeasured(none, {}, recording, out);
-  EXPECT_THAT(out.doubts, ElementsAre(HasSubstr("50 % of the samples are at a limit")));
+  EXPECT_THAT(out.findings.reasons(), ElementsAre(HasSubstr("50 % of the samples are at a limit")));
 }
 
 TEST(AidedUnmeasured, ZerosAreNoFixes) {
