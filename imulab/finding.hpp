@@ -1,7 +1,6 @@
 // What a result says of the data and of itself, as values: each finding has a code (finding_code.hpp) by which a program can act, and its sentence.
 //
 // Example:
-//   if (calibration.quality.findings.has(Code::wrong_latitude)) ask_for_the_latitude();
 //   for (const Finding& f : calibration.quality.findings) std::printf("%s: %s\n", name_of(f.code).data(), f.text.c_str());
 #pragma once
 

@@ -1,4 +1,7 @@
 // The codes of findings. Files and Python have their names ("wrong-latitude"), and a code keeps its meaning.
+//
+// Example:
+//   if (calibration.quality.findings.has(Code::wrong_latitude)) std::puts("check the latitude");
 #pragma once
 
 #include "imulab/finding.hpp"
