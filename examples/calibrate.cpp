@@ -37,7 +37,7 @@ int main() try {
   for (const CoefficientIndex index : calibration.estimated)
     std::printf("%-24s %12.6g  u = %.2g  %s\n", coefficient(index).name.data(), coefficient_value(calibration.model, index),
                 *standard_uncertainty(calibration, index), coefficient(index).unit.data());
-  for (const std::string& warning : calibration.quality.warnings) std::printf("warning: %s\n", warning.c_str());
+  for (const std::string& warning : calibration.quality.findings.warnings()) std::printf("warning: %s\n", warning.c_str());
   std::printf("verdict: %s\n", verdict_text(calibration.quality).c_str());
   write_whole("calibration.json", calibration_text(calibration));
 } catch (const std::exception& e) {  // Error: the input is wrong; Unsupported: the data do not support the request

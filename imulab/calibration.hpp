@@ -6,7 +6,7 @@
 //     const UserValue value = user_value(calibration, index);
 //     std::printf("%s %g +- %g %s\n", coefficient(index).name.data(), value.value, value.uncertainty, value.unit.c_str());
 //   }
-//   if (calibration.quality.verdict != "good") std::puts(verdict_text(calibration.quality).c_str());
+//   if (calibration.quality.verdict != Verdict::good) std::puts(verdict_text(calibration.quality).c_str());
 //   for (const Requirement& r : parse_requirements("gyro.matrix.off_diagonal <= 5 arcsec"))
 //     if (!assess(calibration, r).met) std::puts(to_string(r).c_str());
 //
@@ -16,6 +16,7 @@
 #pragma once
 
 #include "imulab/coefficient.hpp"
+#include "imulab/finding.hpp"
 #include "imulab/sensor_model.hpp"
 
 #include <array>
@@ -136,9 +137,8 @@ struct Quality {
   double condition = 0;   ///< of the scaled normal equations
   bool converged = true;  ///< false: the fit stopped before its corrections were small against their uncertainties
   std::vector<std::string> unobservable = {};
-  std::vector<std::string> warnings = {};
-  std::string verdict = {};  ///< "good", or "doubtful" for the reasons in `because`
-  std::vector<std::string> because = {};
+  Verdict verdict = Verdict::none;                   ///< good, or doubtful for the doubts among the findings
+  Findings findings = {};                            ///< doubts, warnings, and notes on the data and settings used: rests, thresholds, spreads
   std::vector<std::string> considered = {};          ///< coefficients that the data hardly show: their prior enters the uncertainty of the others
   std::optional<double> rotation_residual_deg = {};  ///< cross-validated, RMS over rotations left out of the fit (handheld)
   std::vector<TermTest> term_tests = {};
@@ -149,7 +149,6 @@ struct Quality {
   std::vector<FitResidual> fit_residuals = {};    ///< whole-unit
   std::vector<RigErrorEstimate> rig_errors = {};  ///< whole-unit, drive
   std::vector<UncertaintySource> sources = {};
-  std::vector<std::string> notes = {};  ///< data and settings used: rests, thresholds, spreads
   std::vector<PartResidual> rests, rotations;
   std::vector<RequirementResult> requirements = {};
   bool operator==(const Quality&) const = default;
@@ -195,6 +194,10 @@ struct RestNoise {
   bool operator==(const RestNoise&) const = default;
 };
 
+/// What defines the body axes: x_b along the x accelerometer and y_b in the plane of the x and y accelerometers, or the axes of the rig.
+enum class BodyFrame : std::uint8_t { accelerometers, rig };
+std::string_view to_string(BodyFrame frame);
+
 struct Calibration {
   std::string imu, serial, method, created, software;
   std::string operated_by, station, measured;  ///< who took the data, where, and when (UTC)
@@ -203,15 +206,15 @@ struct Calibration {
   std::string session_file, session_sha256;
   std::vector<SourceFile> sources = {};
   std::map<std::string, std::string> options = {};  ///< of the calibration, as they were given
-  std::string frame = "accelerometers";             ///< or "rig"
-  std::optional<ClockScale> clock = {};             ///< absent: no gyros, or not known
+  BodyFrame frame = BodyFrame::accelerometers;
+  std::optional<ClockScale> clock = {};  ///< absent: no gyros, or not known
   SensorModel model;
   std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
   std::vector<CoefficientIndex> estimated = {};             ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Eigen::MatrixXd constant_covariance = {};                 ///< part of it that the same IMU brings again at its next calibration; empty: zero
   Quality quality;
-  std::optional<TurnOn> turn_on = {};        ///< absent: not declared, or in the covariance
+  std::optional<TurnOn> turn_on = {};  ///< absent: not declared, or in the covariance
   /// Standard uncertainties of the offsets at the next switch-on, by the name of the coefficient, SI: empty where the recordings are of one alone.
   std::map<std::string, double> next_switch_on = {};
   std::optional<RestNoise> rest_noise = {};  ///< absent: not known, or the recordings have no rests
@@ -219,8 +222,8 @@ struct Calibration {
 
 /// Throws Error that lists all that is wrong with a calibration made in memory, as with one read from a file: estimated coefficients that are not in
 /// the table or listed twice; a covariance of another size, that is not finite or not symmetric, with a negative variance or a correlation beyond 1;
-/// a model that is not finite, has units that there are not, or thermal terms without a reference; another frame. A calibration without covariance
-/// has no estimated coefficients.
+/// a model that is not finite, has units that there are not, or thermal terms without a reference. A calibration without covariance has no
+/// estimated coefficients.
 void validate(const Calibration& calibration);
 
 /// The raw readings at which a triad's compensated output is zero, of the linear model: -A1^-1 A0, and their standard uncertainties (NaN where a

@@ -9,7 +9,7 @@
 //     std::puts(e.what());
 //   }
 //
-// Findings in the data are no exceptions but part of a result: `Quality::warnings`, `because`, `unobservable`. The library never prints and never
+// Findings in the data are no exceptions but part of a result: `Quality::findings`, `unobservable`. The library never prints and never
 // exits. Besides these only exceptions of the standard library leave it, as std::bad_alloc.
 #pragma once
 

@@ -12,6 +12,8 @@
 #include "imulab/error.hpp"
 #include "imulab/exchange.hpp"
 #include "imulab/files.hpp"
+#include "imulab/finding.hpp"
+#include "imulab/finding_code.hpp"
 #include "imulab/fleet.hpp"
 #include "imulab/frame.hpp"
 #include "imulab/grade.hpp"

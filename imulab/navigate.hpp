@@ -76,15 +76,6 @@ struct HeightRecord {
   std::vector<double> time, height;
 };
 
-/// Treatment of the height, whose pure inertial error grows by a factor e every 570 s: state the vertical channel with every result.
-enum class VerticalChannel {
-  free,   ///< integrated like the others
-  fixed,  ///< height as at the start, no vertical velocity
-  aided,  ///< corrected towards a barometer's height by a loop of third order
-  held,   ///< the height is the barometer's, the vertical velocity is integrated freely
-};
-std::string_view to_string(VerticalChannel vertical);
-
 struct StrapdownOptions {
   VerticalChannel vertical = VerticalChannel::free;
   std::optional<double> gravity = {};    // constant, straight down [m/s^2]; absent: WGS-84 normal gravity at each place

@@ -128,7 +128,7 @@ struct Prediction {
   std::vector<std::string> notes = {};            ///< why something is not calibrated
   std::vector<std::string> warnings = {};         ///< about the procedure
   std::vector<RigErrorEstimate> rig_errors = {};  ///< lever arms, delays and mounting angles of aids, at their declared values
-  std::string frame = "accelerometers";           ///< of the calibration to come: that, or "rig"
+  BodyFrame frame = BodyFrame::accelerometers;    ///< of the calibration to come
 
   // The share of every error source, for methods that tell the sources apart; a row a coefficient.
   std::vector<std::string> sources = {};  ///< "orthogonality", "angle", "zero", "timing", "gravity", ...: columns of `variance`

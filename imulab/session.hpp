@@ -208,6 +208,17 @@ struct InitialState {
   bool operator==(const InitialState&) const = default;
 };
 
+/// Treatment of the height, whose pure inertial error grows by a factor e every 570 s: state the vertical channel with every result.
+enum class VerticalChannel {
+  free,   ///< integrated like the others
+  fixed,  ///< height as at the start, no vertical velocity
+  aided,  ///< corrected towards a barometer's height by a loop of third order
+  held,   ///< the height is the barometer's, the vertical velocity is integrated freely
+};
+std::string_view to_string(VerticalChannel vertical);
+/// Of such a name; throws Error for another.
+VerticalChannel vertical_channel(std::string_view name);
+
 struct Session {
   std::string file = {};                        ///< the TOML file
   std::string sha256;                           ///< of its text
@@ -225,8 +236,8 @@ struct Session {
   std::vector<RecordingSource> recordings = {};
   std::vector<Step> steps = {};
   std::optional<InitialState> initial = {};
-  std::optional<std::string> truth_file = {};  ///< reference solution for navigation
-  std::optional<std::string> vertical = {};    ///< channel of a navigation: "free", "fixed", "aided" or "held"
+  std::optional<std::string> truth_file = {};    ///< reference solution for navigation
+  std::optional<VerticalChannel> vertical = {};  ///< of a navigation
   std::optional<std::string> barometer_file = {};
   std::vector<Aid> aids = {};  ///< of a drive or flight
 

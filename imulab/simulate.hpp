@@ -74,11 +74,11 @@ struct EffectValue {
 /// The exact values of a simulation, which a calibration should find.
 struct Truth {
   SensorModel model;
-  double gravity = 0;                      ///< m/s^2
-  std::optional<double> latitude{};        ///< rad; absent: the site's
-  std::string frame = "accelerometers";    ///< or "rig": the body frame of the model
-  NoiseModel accel_noise{}, gyro_noise{};  ///< errors that are not coefficients of the model; a calibration of one recording does not find them
-  std::vector<EffectValue> effects{};      ///< of [imu.effects]
+  double gravity = 0;                           ///< m/s^2
+  std::optional<double> latitude{};             ///< rad; absent: the site's
+  BodyFrame frame = BodyFrame::accelerometers;  ///< of the model
+  NoiseModel accel_noise{}, gyro_noise{};       ///< errors that are not coefficients of the model; a calibration of one recording does not find them
+  std::vector<EffectValue> effects{};           ///< of [imu.effects]
 };
 
 /// Draws the IMU from imu.grade (or takes `given`), and gravity and latitude from the site's values and sigmas. Declared noise replaces the

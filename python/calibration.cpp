@@ -138,9 +138,9 @@ void bind_calibration(py::module_& module) {
           "details", [](const CalibrationObject& c) { return calibration_details(c.calibration(), c.result->coarse ? &*c.result->coarse : nullptr); })
       .def_property_readonly("imu", [](const CalibrationObject& c) { return c.calibration().imu; })
       .def_property_readonly("method", [](const CalibrationObject& c) { return c.calibration().method; })
-      .def_property_readonly("verdict", [](const CalibrationObject& c) { return conclusion_of(c.calibration()).verdict; })
-      .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
-      .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
+      .def_property_readonly("verdict", [](const CalibrationObject& c) { return std::string(to_string(conclusion_of(c.calibration()).verdict)); })
+      .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.findings.reasons(); })
+      .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.findings.warnings(); })
       .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
       .def("expect_usable", [](const CalibrationObject& c, const std::string& name,
                                bool allowed) { return expect_usable(c.calibration(), name, allowed, "allow_undetermined=True"); })

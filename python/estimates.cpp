@@ -32,7 +32,7 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
     task.progress = report;
     const auto data = std::make_shared<const SessionRecordings>(recordings_of(*session, given, o.recording));
     const auto answer = calibration_answer(data, o, task, !given);
-    return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.warnings);
+    return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.findings.warnings());
   });
 }
 

@@ -49,7 +49,7 @@ Calibration solved(const Recording& recording, const std::vector<Range>& rests, 
   }
   const kernel::Solution s = kernel::solve(data, kernel::Parameters(6), "the faces");
   Calibration c;
-  c.method = "faces", c.frame = "rig";
+  c.method = "faces", c.frame = BodyFrame::rig;
   c.estimated = select_each({"accel.offset", "accel.matrix.diagonal"});
   c.covariance = s.covariance;
   c.model.accel.offset = s.x.head<3>();

@@ -7,9 +7,8 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include <cmath>
-
 #include "tests/run_command.hpp"
+#include <cmath>
 
 namespace imulab {
 namespace {
@@ -65,7 +64,7 @@ TEST(Ferraris, AgreesWithThePublishedResult) {
   EXPECT_THAT(on_one_line(result.output), HasSubstr("3 of 3 turns were used with their declared angle, each with u = 1.4 deg"));
   const Calibration c = read_calibration(folder / "c.json");
   // Six faces hardly tell what a MEMS unit may do besides the model, which explains that they repeat to 5 mm/s^2.
-  for (const std::string& doubt : c.quality.because) EXPECT_THAT(doubt, HasSubstr("not determined by the data"));
+  for (const std::string& doubt : c.quality.findings.reasons()) EXPECT_THAT(doubt, HasSubstr("not determined by the data"));
 
   // raw = K R x + b with b = 0.5371 -0.6162 0.3989 m/s^2 and K = 0.99675 1.00244 1.02340, which takes the faces as exact: x = raw / K - b / K, but
   // for the misalignments, which are left out here: 0.01 of half a m/s^2, within the uncertainties.

@@ -20,7 +20,7 @@ inline Calibration drawn_calibration(std::uint64_t seed, std::uint64_t unit, std
   c.method = "drawn";
   c.created = "2026-01-01T00:00:00Z";
   c.software = "imulab";
-  c.quality.verdict = "good";
+  c.quality.verdict = Verdict::good;
   c.quality.chi2_per_dof = 1;
   c.estimated = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"});
   std::erase_if(c.estimated, [](CoefficientIndex i) {

@@ -25,7 +25,7 @@ const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth
 /// The public headers, by the lowest of the rooms that implement them: that room and those above include them.
 const std::map<std::string, std::set<std::string>> public_headers{
     {"core", {"eigen", "error", "parallel", "stop", "units", "version"}},
-    {"model", {"calibration", "coefficient", "compare", "compensate", "frame", "grade", "outlier_filter", "sensor_model"}},
+    {"model", {"calibration", "coefficient", "compare", "compensate", "finding", "finding_code", "frame", "grade", "outlier_filter", "sensor_model"}},
     {"earth", {"earth"}},
     {"recording", {"aid", "recording", "rests", "session"}},
     {"navigation", {"navigate"}},

@@ -102,12 +102,12 @@ TEST(InspectAutopilots, TakesTheReadingsAndNotTheirAveragesOfAPx4Log) {
   const Inspection found = inspected_file(folder.write("log.ulg", px4_log(2000, 250)));
   EXPECT_EQ(found.topic, "sensor_combined");
   EXPECT_EQ(found.format, "PX4 ULog: sensor_combined");
-  EXPECT_THAT(found.ambiguous, IsEmpty());
-  EXPECT_THAT(found.evidence,
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
+  EXPECT_THAT(found.evidence(),
               Contains("sensor_combined has most rows of the tables with gyros and accelerometers and was taken; --topic takes another: "
                        "vehicle_imu_status"));
-  EXPECT_THAT(found.evidence, Contains(HasSubstr("gyros: gyro_rad.1, gyro_rad.2, gyro_rad.3: rad/s")));
-  EXPECT_THAT(found.evidence, Contains(HasSubstr("accelerometers: accelerometer_m_s2.1, accelerometer_m_s2.2, accelerometer_m_s2.3: |a| at rest")));
+  EXPECT_THAT(found.evidence(), Contains(HasSubstr("gyros: gyro_rad.1, gyro_rad.2, gyro_rad.3: rad/s")));
+  EXPECT_THAT(found.evidence(), Contains(HasSubstr("accelerometers: accelerometer_m_s2.1, accelerometer_m_s2.2, accelerometer_m_s2.3: |a| at rest")));
 }
 
 TEST(InspectAutopilots, AsksWhereTwoTablesHaveSimilarRates) {
@@ -125,8 +125,8 @@ TEST(InspectAutopilots, AsksWhereTwoTablesHaveSimilarRates) {
 TEST(InspectAutopilots, ATablesNameSaysWhichSensorItsAxesAreOf) {
   const TemporaryFolder folder;
   const Inspection found = inspected_file(folder.write("log.ulg", px4_log(2000, 250)), {"sensor_gyro", "sensor_accel"});
-  EXPECT_THAT(found.ambiguous, IsEmpty());
-  EXPECT_THAT(found.evidence, Contains(HasSubstr("gyros: sensor_gyro.x, sensor_gyro.y, sensor_gyro.z: rad/s")));
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
+  EXPECT_THAT(found.evidence(), Contains(HasSubstr("gyros: sensor_gyro.x, sensor_gyro.y, sensor_gyro.z: rad/s")));
   EXPECT_EQ(found.source.gyro.columns, (std::vector<Column>{"x", "y", "z"})) << "as the file names them";
   EXPECT_EQ(found.source.accel.topic, "sensor_accel");
 }
@@ -135,11 +135,11 @@ TEST(InspectAutopilots, KnowsTheUnitsOfOldArduPilotLogs) {
   const TemporaryFolder folder;
   for (const char* name : {"IMU", "IMU2"}) {
     const Inspection found = inspected_file(folder.write("log.bin", ardupilot_log(2000, name)));
-    EXPECT_THAT(found.ambiguous, IsEmpty()) << name;
+    EXPECT_THAT(found.ambiguous(), IsEmpty()) << name;
     EXPECT_EQ(found.source.gyro.unit, "rad/s");
     EXPECT_EQ(found.source.accel.unit, "m/s^2");
   }
-  EXPECT_THAT(inspected_file(folder.write("log.bin", ardupilot_log(2000, "XYZ"))).ambiguous, Contains(HasSubstr("gyro.unit"))) << "nothing says it";
+  EXPECT_THAT(inspected_file(folder.write("log.bin", ardupilot_log(2000, "XYZ"))).ambiguous(), Contains(HasSubstr("gyro.unit"))) << "nothing says it";
 }
 
 TEST(InspectAutopilots, NamesOfWhatIsKnownAboutASensorAreNotItsReadings) {

@@ -53,7 +53,7 @@ const std::string plain_head = "t,ax,ay,az,gx,gy,gz";
 TEST(InspectHypotheses, AxesAreThoseOfTheNamesInBrackets) {
   const Inspection found = found_in(moved_log(
       "t,Accelerometer (z) [m/s2],Accelerometer (x) [m/s2],Accelerometer (y) [m/s2],Gyro (z) [rad/s],Gyro (x) [rad/s],Gyro (y) [rad/s]", hundredths));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"Accelerometer (x) [m/s2]", "Accelerometer (y) [m/s2]", "Accelerometer (z) [m/s2]"}));
   EXPECT_EQ(found.source.gyro.columns, (std::vector<Column>{"Gyro (x) [rad/s]", "Gyro (y) [rad/s]", "Gyro (z) [rad/s]"}));
 }
@@ -69,7 +69,7 @@ std::string direction_at(std::size_t i, double length, double rest) {
 
 TEST(InspectHypotheses, AFiltersGravityIsNoAccelerometer) {
   const Inspection beside = found_in(moved_log(plain_head + ",down1,down2,down3", hundredths, [](std::size_t i) { return direction_at(i, 1, 0); }));
-  EXPECT_THAT(beside.ambiguous, IsEmpty());
+  EXPECT_THAT(beside.ambiguous(), IsEmpty());
   EXPECT_EQ(beside.source.accel.columns, (std::vector<Column>{"ax", "ay", "az"}));
   const Recording& r = moved_by_hand();
   std::string alone =
@@ -79,11 +79,11 @@ TEST(InspectHypotheses, AFiltersGravityIsNoAccelerometer) {
     alone += hundredths(i) + direction_at(i, 1, 0) + fmt::format(",{:.6f},{:.6f},{:.6f}", r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]) +
              direction_at(i, 1, 1 / unit::g) + "\n";
   const Inspection sum = found_in(alone);
-  EXPECT_THAT(sum.ambiguous, IsEmpty());
+  EXPECT_THAT(sum.ambiguous(), IsEmpty());
   EXPECT_EQ(sum.source.accel.columns,
             (std::vector<Column>{"userAcceleration.x + gravity.x", "userAcceleration.y + gravity.y", "userAcceleration.z + gravity.z"}));
   EXPECT_EQ(sum.source.accel.unit, "g");
-  EXPECT_THAT(found_in(alone, {{"accel.columns", "gravity.x,gravity.y,gravity.z"}}).ambiguous, ElementsAre(HasSubstr("have the same norm")))
+  EXPECT_THAT(found_in(alone, {{"accel.columns", "gravity.x,gravity.y,gravity.z"}}).ambiguous(), ElementsAre(HasSubstr("have the same norm")))
       << "nor is it where it is declared";
 }
 
@@ -102,7 +102,7 @@ TEST(InspectHypotheses, AccelerometersAreNotTakenForGyrosOfLargeIncrements) {  /
     text += fmt::format("{0},{1},{2},{3},{3},{0},{1},{2}\n", 0.02 * static_cast<double>(i), force, r.gyro[0][i], r.gyro[1][i]);
   }
   const Inspection found = found_in(text);
-  EXPECT_THAT(found.ambiguous, testing::Not(IsEmpty()));
+  EXPECT_THAT(found.ambiguous(), testing::Not(IsEmpty()));
 }
 
 TEST(InspectHypotheses, ATriadIsOfOneSensor) {
@@ -112,7 +112,7 @@ TEST(InspectHypotheses, ATriadIsOfOneSensor) {
   };
   const Inspection found =
       found_in(moved_log("time,acce.x,acce.y,acce.z,gyro.x,gyro.y,gyro.z,gyro_uncalib.x,gyro_uncalib.y,gyro_uncalib.z", hundredths, calibrated));
-  EXPECT_THAT(found.ambiguous,
+  EXPECT_THAT(found.ambiguous(),
               ElementsAre(HasSubstr("gyro.columns: 2 pairs of triads fit each other: gyro.x, gyro.y, gyro.z or gyro_uncalib.x, gyro_uncalib.y, "
                                     "gyro_uncalib.z")));
 }
@@ -121,7 +121,7 @@ TEST(InspectHypotheses, StampsThatAreEvenOnAverageGiveTheRate) {
   const auto pairs = [](std::size_t i) { return fmt::format("{:.3f}", 1.5e9 + 0.01 * static_cast<double>(i) - (i % 2 == 1 ? 0.006 : 0)); };
   const std::string text = moved_log("timestamp,ax,ay,az,gx,gy,gz", pairs, {}, {}, 3000);
   const Inspection found = found_in(text, {{"gyro.unit", "rad/s"}});
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_FALSE(found.source.time.column);
   ASSERT_TRUE(found.source.rate_hz);
   EXPECT_NEAR(*found.source.rate_hz, 100, 0.01);
@@ -131,7 +131,7 @@ TEST(InspectHypotheses, StampsThatAreEvenOnAverageGiveTheRate) {
         found_in(text, {{"rate_hz", "200"}});
       },
       testing::ThrowsMessage<Error>(HasSubstr("rate_hz = 200: the stamps of timestamp give 100 Hz on average; expected that rate")));
-  EXPECT_THAT(found_in(text, {{"gyro.unit", "rad/s"}, {"rate_hz", "100.5"}}).ambiguous, IsEmpty());
+  EXPECT_THAT(found_in(text, {{"gyro.unit", "rad/s"}, {"rate_hz", "100.5"}}).ambiguous(), IsEmpty());
 }
 
 /// Received 0 to 7 ms late, so that most rows are 7 ms apart.
@@ -140,10 +140,10 @@ std::string received(std::size_t i) { return fmt::format("{}", 1'600'000'000'000
 TEST(InspectHypotheses, OfTwoClocksTheEvenerIsTaken) {
   const auto both = [](std::size_t i) { return fmt::format("{},{}", received(i), 1'600'000'000'000'000'000 + 10'000'000 * i); };
   const Inspection found = found_in(moved_log("%time,field.header.stamp,ax,ay,az,gx,gy,gz", both));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.time.column, Column("field.header.stamp"));
   const Inspection alone = found_in(moved_log("%time,ax,ay,az,gx,gy,gz", received));
-  EXPECT_THAT(alone.ambiguous, IsEmpty());
+  EXPECT_THAT(alone.ambiguous(), IsEmpty());
   EXPECT_NEAR(alone.rate_hz.value_or(0), 100, 0.1);
 }
 
@@ -157,7 +157,7 @@ TEST(InspectHypotheses, OneRowOutOfOrderHidesNoClockOfTwoColumns) {
   const auto split = [](std::size_t i) { return fmt::format("{},{}", 1'600'000'000 + (i == 500 ? 2 : i / 100), i % 100 * 10'000'000); };
   const Inspection found = found_in(moved_log("secs,nsecs,ax,ay,az,gx,gy,gz", split));
   EXPECT_EQ(found.source.time.column, Column("secs"));
-  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("time runs backwards 1 time")));
+  EXPECT_THAT(found.problems(), ElementsAre(HasSubstr("time runs backwards 1 time")));
 }
 
 TEST(InspectHypotheses, WhereRowsAreLeftOutRegularlyTheStampsStand) {
@@ -169,10 +169,10 @@ TEST(InspectHypotheses, TurnsWithGapsDoNotCount) {
   std::size_t left = 0;
   const auto keep = [&](std::size_t i) { return i * 7919 % 331 > 2 || left++ % 5 == 4; };  // up to three rows at once
   const Inspection found = found_in(moved_log(plain_head, hundredths, {}, keep));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.gyro.unit, "rad/s");
   const auto cut = [](std::size_t i) { return i % 700 > 4; };
-  EXPECT_THAT(found_in(moved_log(plain_head, hundredths, {}, cut)).ambiguous, IsEmpty());
+  EXPECT_THAT(found_in(moved_log(plain_head, hundredths, {}, cut)).ambiguous(), IsEmpty());
 }
 
 TEST(InspectHypotheses, AnOffsetAsLargeAsGravityIsTakenOut) {
@@ -204,7 +204,7 @@ TEST(InspectHypotheses, NumbersOfColumnsAreAHeader) {
 TEST(InspectHypotheses, UnitsInBracketsOfTheirOwnAreRead) {
   const Inspection found = found_in(
       moved_log("t,ax,ay,az,gx,gy,gz\nms,m/(s^2),m/(s^2),m/(s^2),(rad/s),(rad/s),(rad/s)", [](std::size_t i) { return fmt::format("{}", 10 * i); }));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.accel.unit, "m/s^2");
   EXPECT_EQ(found.source.gyro.unit, "rad/s");
   const Inspection still = found_in(moved_log(plain_head, hundredths, {}, {}, 1000));
@@ -224,7 +224,7 @@ TEST(InspectHypotheses, TablesWithoutStampsAreJoinedRowByRow) {
   };
   EXPECT_THAT([&] { joined({}); }, testing::ThrowsMessage<Error>(HasSubstr("joined row by row where their rate is declared: --rate HZ")));
   const Inspection found = joined({{"rate_hz", "100"}});
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.gyro.file, "g.csv");
   EXPECT_EQ(found.source.rate_hz, 100);
   gyro.resize(gyro.rfind('\n', gyro.size() - 2) + 1);
@@ -234,12 +234,12 @@ TEST(InspectHypotheses, TablesWithoutStampsAreJoinedRowByRow) {
 TEST(InspectHypotheses, ARateBesideTheColumnsIsUsed) {
   SignalTable table = signals_of_text("log.csv", moved_log(plain_head, hundredths));
   table.signals.erase(table.signals.begin());
-  EXPECT_THAT(inspect(table).ambiguous, ElementsAre(HasSubstr("rate_hz")));
+  EXPECT_THAT(inspect(table).ambiguous(), ElementsAre(HasSubstr("rate_hz")));
   table.rate_hz = 100, table.rate_name = "fs";
   const Inspection found = inspect(table);
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.rate_hz, 100);
-  EXPECT_THAT(found.evidence.front(), HasSubstr("100 Hz, as fs of the file says"));
+  EXPECT_THAT(found.evidence().front(), HasSubstr("100 Hz, as fs of the file says"));
   EXPECT_EQ(inspect(table, {{"rate_hz", "99"}}).source.rate_hz, 99) << "what is declared stands above it";
 }
 
@@ -250,7 +250,7 @@ TEST(InspectHypotheses, TablesOfConsolesAndBetweenBarsAreRead) {
   for (std::size_t begin = 0; begin < console.size(); begin = console.find('\n', begin) + 1) console.replace(console.find(',', begin), 1, " -> ");
   for (const std::string& text : {bars, console}) {
     const Inspection found = found_in(text);
-    EXPECT_THAT(found.ambiguous, IsEmpty()) << text.substr(0, 60);
+    EXPECT_THAT(found.ambiguous(), IsEmpty()) << text.substr(0, 60);
     EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"ax", "ay", "az"}));
     EXPECT_NEAR(found.rate_hz.value_or(0), 100, 1e-6);
   }
@@ -267,7 +267,7 @@ TEST(InspectHypotheses, SensorsWhoseColumnsAreInCommentsAreRead) {
   EXPECT_EQ(signals_of_text("log.txt", text, "UncalGyro").signals[2].name, "GyroXRadPerSec");
   const TemporaryFolder folder;
   const Inspection found = inspect_files({.files = {folder.write("log.txt", text).string()}});
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.gyro.unit, "rad/s");
 }
 
@@ -288,7 +288,7 @@ TEST(InspectHypotheses, TextsOfSeveralTablesAreNamed) {
               testing::ThrowsMessage<Error>(HasSubstr("is ArduPilot's log written as text; expected the log itself (.bin)")));
   std::string merged = plain_head + "\n";
   for (int i = 0; i < 100; ++i) merged += fmt::format("{:.3f},{},1,9.8,,,\n{:.3f},,,,{},2,3\n", 0.01 * i, i % 3, 0.01 * i + 0.005, i % 5);
-  EXPECT_THAT(found_in(merged).ambiguous, ElementsAre(HasSubstr("ax and gx have no row in common")));
+  EXPECT_THAT(found_in(merged).ambiguous(), ElementsAre(HasSubstr("ax and gx have no row in common")));
 }
 
 }  // namespace

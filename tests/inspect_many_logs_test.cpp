@@ -318,14 +318,14 @@ TEST(InspectManyLogs, AreUnderstoodOrAskedAboutAndNeverWrong) {
     const Declarations declared = shape.clock == LogClock::none ? Declarations{{"rate_hz", "40"}} : Declarations{};
     const SignalTable table = inspection::joined(std::move(tables), declared);
     const Inspection found = inspect(table, declared);
-    EXPECT_TRUE(found.problems.empty()) << fmt::format("{}", fmt::join(found.problems, "; "));
+    EXPECT_TRUE(found.problems().empty()) << fmt::format("{}", fmt::join(found.problems(), "; "));
     if (!found.complete()) {
       ++asked;
-      for (const std::string& question : found.ambiguous) ++questions[question.substr(0, question.find(':'))];
-      if (found.ambiguous.size() > 1) fmt::print("{}: {}\n", name_of_log(shape), fmt::join(found.ambiguous, "; "));
+      for (const std::string& question : found.ambiguous()) ++questions[question.substr(0, question.find(':'))];
+      if (found.ambiguous().size() > 1) fmt::print("{}: {}\n", name_of_log(shape), fmt::join(found.ambiguous(), "; "));
       continue;
     }
-    EXPECT_EQ(mistake_about(shape, table, files, found), "") << fmt::format("{}", fmt::join(found.evidence, "\n"));
+    EXPECT_EQ(mistake_about(shape, table, files, found), "") << fmt::format("{}", fmt::join(found.evidence(), "\n"));
   }
   for (const auto& [key, count] : questions) fmt::print("asked for {}: {}\n", key, count);
   EXPECT_LE(asked, logs / 4) << "asking is right, but not about everything";

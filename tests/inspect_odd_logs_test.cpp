@@ -52,36 +52,36 @@ Inspection inspected_log(const std::string& text, const Declarations& declared =
 TEST(InspectOddLogs, ACounterOfSamplesIsNoClock) {
   const auto number = [](std::size_t i) { return fmt::format("{}", i); };
   const auto lost = [](std::size_t i) { return i != 500; };
-  EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, all)).ambiguous, ElementsAre(HasSubstr("rate_hz")));
-  EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, lost)).ambiguous, ElementsAre(HasSubstr("rate_hz"))) << "one sample lost";
+  EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, all)).ambiguous(), ElementsAre(HasSubstr("rate_hz")));
+  EXPECT_THAT(inspected_log(odd_log("n,gx,gy,gz,ax,ay,az", true, number, lost)).ambiguous(), ElementsAre(HasSubstr("rate_hz"))) << "one sample lost";
   const auto many_lost = [](std::size_t i) { return i % 4 != 0; };
-  EXPECT_THAT(inspected_log(odd_log("Index,gx,gy,gz,ax,ay,az", true, number, many_lost)).ambiguous, ElementsAre(HasSubstr("rate_hz")));
+  EXPECT_THAT(inspected_log(odd_log("Index,gx,gy,gz,ax,ay,az", true, number, many_lost)).ambiguous(), ElementsAre(HasSubstr("rate_hz")));
   const auto wrapped = [](std::size_t i) { return fmt::format("{}", (i + 60'000) % 65'536); };
-  EXPECT_THAT(inspected_log(odd_log("counter,gx,gy,gz,ax,ay,az", true, wrapped, all)).ambiguous, Contains(HasSubstr("rate_hz")));
+  EXPECT_THAT(inspected_log(odd_log("counter,gx,gy,gz,ax,ay,az", true, wrapped, all)).ambiguous(), Contains(HasSubstr("rate_hz")));
   const auto ticks = [](std::size_t i) { return fmt::format("{}", 400 * i); };
-  EXPECT_THAT(inspected_log(odd_log("ticks,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous, ElementsAre(HasSubstr("time.ticks_per_s")));
-  EXPECT_THAT(inspected_log(odd_log("c,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous, ElementsAre(HasSubstr("time.unit")))
+  EXPECT_THAT(inspected_log(odd_log("ticks,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous(), ElementsAre(HasSubstr("time.ticks_per_s")));
+  EXPECT_THAT(inspected_log(odd_log("c,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous(), ElementsAre(HasSubstr("time.unit")))
       << "400 could be us at 2500 Hz";
 }
 
 TEST(InspectOddLogs, AUnitThatIsNotKnownIsAskedAbout) {
   const auto minutes = [](std::size_t i) { return fmt::format("{:.9f}", static_cast<double>(i) / 6000); };
-  EXPECT_THAT(inspected_log(odd_log("t [min],gx,gy,gz,ax,ay,az", false, minutes, all)).ambiguous,
+  EXPECT_THAT(inspected_log(odd_log("t [min],gx,gy,gz,ax,ay,az", false, minutes, all)).ambiguous(),
               Contains(HasSubstr("of a unit that is not known here")));
-  EXPECT_THAT(inspected_log(odd_log("t,gx [rpm],gy [rpm],gz [rpm],ax,ay,az", false, seconds, all)).ambiguous,
+  EXPECT_THAT(inspected_log(odd_log("t,gx [rpm],gy [rpm],gz [rpm],ax,ay,az", false, seconds, all)).ambiguous(),
               ElementsAre(HasSubstr("gyro.unit: the file says rpm, which is no unit known here")));
   std::string text = odd_log("Temps (s),gx,gy,gz,ax,ay,az,temp [°F]", false, seconds, all);
   for (std::size_t i = text.find('\n') + 1; (i = text.find('\n', i)) != std::string::npos; i += 7)
     text.insert(i, ",77.12"), text[i + 5] = "0123456789"[i % 10];
   const Inspection found = inspected_log(text);
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.columns[0].role, "time");
   EXPECT_EQ(found.columns[7].unit, "raw") << "degrees Fahrenheit are no unit of a session";
 }
 
 TEST(InspectOddLogs, LostRowsDoNotHideTheTurns) {
   const Inspection found = inspected_log(odd_log("t,gx,gy,gz,ax,ay,az", false, seconds, [](std::size_t i) { return i % 331 != 200; }));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.gyro.unit, "deg/s");
   EXPECT_GT(found.gaps, 10u);
 }
@@ -92,16 +92,16 @@ TEST(InspectOddLogs, SeveralSensorsAreAskedAbout) {
   for (std::size_t i = 0; i < r.size(); ++i)  // imu1 is turned by a quarter about z
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(i), r.accel[0][i], r.accel[1][i], r.accel[2][i], r.gyro[1][i],
                         -r.gyro[0][i], r.gyro[2][i], r.accel[1][i], -r.accel[0][i], r.accel[2][i], r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]);
-  EXPECT_THAT(inspected_log(text).ambiguous, Contains(HasSubstr("pairs of triads fit each other")));
+  EXPECT_THAT(inspected_log(text).ambiguous(), Contains(HasSubstr("pairs of triads fit each other")));
   const Inspection declared = inspected_log(text, {{"gyro.columns", "imu0_gx,imu0_gy,imu0_gz"}, {"accel.columns", "imu0_ax,imu0_ay,imu0_az"}});
-  EXPECT_THAT(declared.ambiguous, IsEmpty());
+  EXPECT_THAT(declared.ambiguous(), IsEmpty());
   EXPECT_EQ(declared.source.gyro.columns, (std::vector<Column>{"imu0_gx", "imu0_gy", "imu0_gz"}));
 }
 
 TEST(InspectOddLogs, RowsOutOfOrderAreAProblemAndNoWrap) {
   const auto swapped = [](std::size_t i) { return fmt::format("{}", 10'000 * (i == 700 ? 701 : i == 701 ? 700 : i)); };
   const Inspection found = inspected_log(odd_log("us,gx,gy,gz,ax,ay,az", false, swapped, all));
-  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("time runs backwards 1 times, first at row 702")));
+  EXPECT_THAT(found.problems(), ElementsAre(HasSubstr("time runs backwards 1 times, first at row 702")));
   EXPECT_FALSE(found.source.time.wrap_bits);
 }
 
@@ -113,7 +113,7 @@ TEST(InspectOddLogs, FilesOfDifferentUnitsOfTimeAreJoined) {
     accel += fmt::format("{},{},{},{}\n", 5 + 0.01 * static_cast<double>(i), r.accel[0][i], r.accel[1][i], r.accel[2][i]);
   }
   const Inspection found = inspect(inspection::joined({signals_of_text("g.csv", gyro), signals_of_text("a.csv", accel)}));
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.time.unit, "ms");
   ASSERT_TRUE(found.source.accel.time);
   EXPECT_EQ(found.source.accel.time->unit, "s");
@@ -125,7 +125,7 @@ TEST(InspectOddLogs, AnAxisThatNeverChangesIsStillASensorsByItsName) {
   for (int i = 0; i < 3000; ++i)
     text += fmt::format("{:.2f},{:.2f},{:.2f},0.01,{:.2f},0.02,1\n", 0.01 * i, 0.01 * (i % 3), -0.01 * (i % 2), 0.01 * (i % 5 == 0));
   const Inspection found = inspected_log(text);
-  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"ax [g]", "ay [g]", "az [g]"}));
   EXPECT_EQ(found.source.gyro.unit, "deg/s");
 }
@@ -138,7 +138,7 @@ TEST(InspectOddLogs, AMovingLogIsNoRest) {
                         3 * std::sin(7 * t), 9.8 * std::sin(a), 9.8 * std::sin(b), 9.8 * std::cos(a) * std::cos(b));
   }
   const Inspection found = inspected_log(text);
-  EXPECT_THAT(found.ambiguous, Contains(HasSubstr("accel.unit: no rest was found")));
+  EXPECT_THAT(found.ambiguous(), Contains(HasSubstr("accel.unit: no rest was found")));
 }
 
 }  // namespace

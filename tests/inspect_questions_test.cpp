@@ -58,39 +58,40 @@ TEST(Inspect, ExchangedAxesArePutInOrder) {
 
 TEST(Inspect, AReversedAxisIsAskedAboutAndDeclared) {
   const auto reverse = [](std::array<double, 6>& v) { v[2] = -v[2]; };
-  EXPECT_THAT(inspected(head, reverse).ambiguous, ElementsAre(HasSubstr("gyro.axes: gyro z has the wrong sign")));
+  EXPECT_THAT(inspected(head, reverse).ambiguous(), ElementsAre(HasSubstr("gyro.axes: gyro z has the wrong sign")));
   const Inspection declared = inspected(head, reverse, {{"gyro.axes", "+x,+y,-z"}});
   EXPECT_TRUE(declared.complete());
   ASSERT_TRUE(declared.source.gyro.axes);
   EXPECT_EQ((*declared.source.gyro.axes)[2], (BodyAxis{2, -1}));
   const Inspection turned_over = inspected(head, [](std::array<double, 6>& v) { v[3] = -v[3], v[4] = -v[4], v[5] = -v[5]; });
   EXPECT_TRUE(turned_over.complete()) << "all accelerometers reversed look like a unit that lies the other way up";
-  EXPECT_THAT(turned_over.evidence, Contains(HasSubstr("if it was the other side: --set accel.axes=-x,-y,-z")));
+  EXPECT_THAT(turned_over.evidence(), Contains(HasSubstr("if it was the other side: --set accel.axes=-x,-y,-z")));
 }
 
 TEST(Inspect, ANameThatContradictsTheDataIsAskedAbout) {
-  EXPECT_THAT(inspected("t,gx [rad/s],gy [rad/s],gz [rad/s],ax,ay,az\n", same).ambiguous, ElementsAre(HasSubstr("gyro.unit: the file says rad/s")));
-  EXPECT_THAT(inspected("t,gx,gy,gz,ax [m/s^2],ay [m/s^2],az [m/s^2]\n", same).ambiguous, ElementsAre(HasSubstr("accel.unit: the file says m/s^2")));
-  EXPECT_THAT(inspected("t,ax,ay,az,gx,gy,gz\n", same).ambiguous, Contains(HasSubstr("the names say otherwise")));
-  EXPECT_THAT(inspected("time [us],gx,gy,gz,ax,ay,az\n", same).ambiguous, Contains(HasSubstr("time.unit: time [us] is named us")));
+  EXPECT_THAT(inspected("t,gx [rad/s],gy [rad/s],gz [rad/s],ax,ay,az\n", same).ambiguous(), ElementsAre(HasSubstr("gyro.unit: the file says rad/s")));
+  EXPECT_THAT(inspected("t,gx,gy,gz,ax [m/s^2],ay [m/s^2],az [m/s^2]\n", same).ambiguous(),
+              ElementsAre(HasSubstr("accel.unit: the file says m/s^2")));
+  EXPECT_THAT(inspected("t,ax,ay,az,gx,gy,gz\n", same).ambiguous(), Contains(HasSubstr("the names say otherwise")));
+  EXPECT_THAT(inspected("time [us],gx,gy,gz,ax,ay,az\n", same).ambiguous(), Contains(HasSubstr("time.unit: time [us] is named us")));
 }
 
 TEST(Inspect, WhatTheDataDoNotShowIsAskedAbout) {
   const std::size_t first_rest = 1000;  // of 20 s
   const Inspection still = inspected(head, same, {}, first_rest);
-  EXPECT_THAT(still.ambiguous, ElementsAre(HasSubstr("gyro.unit: fewer than three turns")));
+  EXPECT_THAT(still.ambiguous(), ElementsAre(HasSubstr("gyro.unit: fewer than three turns")));
   EXPECT_FALSE(still.methods.at(0).supported);
   EXPECT_TRUE(inspected(head, same, {{"gyro.unit", "deg/s"}}, first_rest).complete());
   EXPECT_TRUE(inspected("t,gx [dps],gy [dps],gz [dps],ax,ay,az\n", same, {}, first_rest).complete())
       << "a name counts where nothing speaks against it";
-  EXPECT_THAT(inspected("", same, {}, first_rest).ambiguous, Contains(HasSubstr("accel.columns, gyro.columns")));
-  EXPECT_THAT(inspected(head, same, {}, 1'000'000, 32768).ambiguous, Contains(HasSubstr("time.unit"))) << "ticks of a watch crystal";
+  EXPECT_THAT(inspected("", same, {}, first_rest).ambiguous(), Contains(HasSubstr("accel.columns, gyro.columns")));
+  EXPECT_THAT(inspected(head, same, {}, 1'000'000, 32768).ambiguous(), Contains(HasSubstr("time.unit"))) << "ticks of a watch crystal";
   EXPECT_TRUE(inspected(head, same, {{"time.ticks_per_s", "32768"}}, 1'000'000, 32768).complete());
   EXPECT_THAT(inspected(head,
                         [](std::array<double, 6>& v) {
                           for (double& x : v) x *= 1.37;
                         })
-                  .ambiguous,
+                  .ambiguous(),
               ElementsAre(HasSubstr("accel.unit"), HasSubstr("gyro.unit")));
 }
 
@@ -115,9 +116,9 @@ TEST(Inspect, ARateAloneDoesNotDecideAClockOfWholeNumbers) {
                          r.gyro[1][i], r.gyro[2][i], r.accel[0][i], r.accel[1][i], r.accel[2][i]);
     return inspect(signals_of_text("log.csv", log));
   };
-  EXPECT_THAT(text("t", 1e6, true).ambiguous, ElementsAre(HasSubstr("time.unit"))) << "us, or ticks of 0.1 us";
+  EXPECT_THAT(text("t", 1e6, true).ambiguous(), ElementsAre(HasSubstr("time.unit"))) << "us, or ticks of 0.1 us";
   EXPECT_TRUE(text("t", 1e6, false).complete()) << "the turns against gravity confirm it";
-  EXPECT_THAT(text("t", 1e5, false).ambiguous, Contains(HasSubstr("time.unit"))) << "10 us: the turns contradict us and ms";
+  EXPECT_THAT(text("t", 1e5, false).ambiguous(), Contains(HasSubstr("time.unit"))) << "10 us: the turns contradict us and ms";
   EXPECT_TRUE(text("t [us]", 1e6, true).complete());
   const Inspection xsens = text("SampleTimeFine", 1e4, true), bosch = text("sensortime", 25600, true);
   EXPECT_TRUE(xsens.complete());
@@ -140,13 +141,13 @@ std::vector<SignalTable> two_files(const std::string& gyro, const std::string& a
 
 TEST(Inspect, TwoFilesWithTheSameNamesAreToldApart) {
   const Inspection named = inspect(inspection::joined(two_files("Gyroscope.csv", "Accelerometer.csv", "t,x,y,z")));
-  EXPECT_THAT(named.ambiguous, ElementsAre(HasSubstr("gyro.unit")));
+  EXPECT_THAT(named.ambiguous(), ElementsAre(HasSubstr("gyro.unit")));
   EXPECT_EQ(named.source.accel.file.value_or(named.source.file), "Accelerometer.csv");
   EXPECT_EQ(named.source.gyro.file.value_or(named.source.file), "Gyroscope.csv");
-  EXPECT_TRUE(inspect(inspection::joined(two_files("a.csv", "b.csv", "t [s],x (rad/s),y (rad/s),z (rad/s)"))).ambiguous.size() > 0)
+  EXPECT_TRUE(inspect(inspection::joined(two_files("a.csv", "b.csv", "t [s],x (rad/s),y (rad/s),z (rad/s)"))).ambiguous().size() > 0)
       << "both say rad/s, and one of them is not";
   const SignalTable unnamed = inspection::joined(two_files("a.csv", "b.csv", "t,x,y,z"));
-  EXPECT_THAT(inspect(unnamed).ambiguous, Contains(HasSubstr("accel.columns, gyro.columns")));
+  EXPECT_THAT(inspect(unnamed).ambiguous(), Contains(HasSubstr("accel.columns, gyro.columns")));
   const Inspection declared =
       inspect(unnamed, {{"gyro.columns", "a.csv:x,a.csv:y,a.csv:z"}, {"accel.columns", "b.csv:x,b.csv:y,b.csv:z"}, {"gyro.unit", "rad/s"}});
   EXPECT_TRUE(declared.complete());
@@ -170,9 +171,9 @@ TEST(Inspect, RestsThatHardlyDifferAreNoUnsignedCounts) {
                         9.88 + 11 * noise + moving * std::sin(70 * part), noise, 0.9 * noise, 1.1 * noise + moving * 0.5);
   }
   const Inspection found = inspect(signals_of_text("robot.csv", text));
-  EXPECT_TRUE(found.complete()) << fmt::format("{}", fmt::join(found.ambiguous, "; "));
+  EXPECT_TRUE(found.complete()) << fmt::format("{}", fmt::join(found.ambiguous(), "; "));
   EXPECT_EQ(found.source.accel.unit, "m/s^2");
-  EXPECT_THAT(found.evidence, Contains(HasSubstr("about +z")));
+  EXPECT_THAT(found.evidence(), Contains(HasSubstr("about +z")));
 }
 
 TEST(Inspect, IntegersOfTheWrongSignAreTakenAsTheyAre) {
@@ -191,7 +192,7 @@ TEST(Inspect, IntegersOfTheWrongSignAreTakenAsTheyAre) {
     return inspect(signals_of_text("counts.csv", text));
   };
   const Inspection unsigned_ones = printed(false);
-  EXPECT_TRUE(unsigned_ones.complete()) << fmt::format("{}", fmt::join(unsigned_ones.ambiguous, "; "));
+  EXPECT_TRUE(unsigned_ones.complete()) << fmt::format("{}", fmt::join(unsigned_ones.ambiguous(), "; "));
   EXPECT_EQ(unsigned_ones.source.accel.integers, Integers::int16);
   EXPECT_EQ(unsigned_ones.source.gyro.integers, Integers::int16);
   EXPECT_EQ(printed(true).source.accel.integers, Integers::uint16);
@@ -211,7 +212,7 @@ TEST(Inspect, AClockThatWrapsOnceIsNoInteger) {
     return inspect(signals_of_text("log.csv", text));
   };
   const Inspection micros = found(std::exp2(32), std::exp2(32) - 2e7), near_the_end = found(std::exp2(32), std::exp2(32) - 1e8);
-  EXPECT_TRUE(micros.complete()) << fmt::format("{}", fmt::join(micros.problems, "; "));
+  EXPECT_TRUE(micros.complete()) << fmt::format("{}", fmt::join(micros.problems(), "; "));
   EXPECT_EQ(micros.source.time.wrap_bits, 32);
   EXPECT_EQ(near_the_end.source.time.wrap_bits, 32);
 }
@@ -222,7 +223,7 @@ TEST(Inspect, StampsOfBurstsAreAskedAbout) {
   for (std::size_t i = 0; i < 2000; ++i)
     text += fmt::format("{:.4f},{:.7f},{:.7f},{:.7f},{:.6f},{:.6f},{:.6f}\n", 0.16 * static_cast<double>(i / 16) + 1e-4 * static_cast<double>(i % 16),
                         r.gyro[0][i], r.gyro[1][i], r.gyro[2][i], r.accel[0][i], r.accel[1][i], r.accel[2][i]);
-  EXPECT_THAT(inspect(signals_of_text("log.csv", text)).ambiguous,
+  EXPECT_THAT(inspect(signals_of_text("log.csv", text)).ambiguous(),
               Contains(testing::AllOf(HasSubstr("bursts"), HasSubstr("--time none --rate 100"))));
 }
 
@@ -233,7 +234,7 @@ TEST(Inspect, ColumnsZYXAreTakenByTheirNames) {
     text += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f}\n", 0.01 * static_cast<double>(i), r.accel[2][i], r.accel[1][i],
                         r.accel[0][i], r.gyro[2][i], r.gyro[1][i], r.gyro[0][i]);
   const Inspection found = inspect(signals_of_text("log.csv", text));
-  EXPECT_TRUE(found.complete()) << fmt::format("{}", fmt::join(found.ambiguous, "; "));
+  EXPECT_TRUE(found.complete()) << fmt::format("{}", fmt::join(found.ambiguous(), "; "));
   EXPECT_EQ(found.source.gyro.columns, (std::vector<Column>{"x_w", "y_w", "z_w"}));
   EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"x_a", "y_a", "z_a"}));
 }
@@ -241,7 +242,7 @@ TEST(Inspect, ColumnsZYXAreTakenByTheirNames) {
 TEST(Inspect, NamesOfColumnsOpenNoRow) {
   Inspection found = inspected(head, same);
   const std::string name = "gx\nFORGED";
-  for (auto* lines : {&found.evidence, &found.ambiguous, &found.problems}) lines->push_back(name);
+  for (const Severity severity : {Severity::note, Severity::warning, Severity::doubt}) found.findings.append(severity, {name});
   found.columns.push_back({name, "unused", "", ""});
   EXPECT_THAT(inspection_text(found), testing::AllOf(HasSubstr("not used: gx\\x0aFORGED"), testing::Not(HasSubstr("\nFORGED"))));
 }

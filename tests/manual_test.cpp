@@ -1,4 +1,6 @@
 // The form of the manual: pages of limited length, tables that render, every verb and every listed message there.
+#include "imulab/model/finding_table.hpp"
+
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
@@ -67,6 +69,15 @@ std::vector<std::string> wrong_rows(const std::string& page) {
     }
   }
   return wrong;
+}
+
+TEST(Manual, ListsTheCodesOfFindings) {
+  const std::string page = manual_pages()["reference/messages.md"];
+  const std::size_t begin = page.find("```text\n", page.find("## Codes")) + 8;
+  std::istringstream listed(page.substr(begin, page.find("```", begin) - begin));
+  std::vector<std::string> names;
+  for (const FindingRow& row : finding_table) names.emplace_back(row.name);
+  EXPECT_EQ(std::vector<std::string>(std::istream_iterator<std::string>(listed), {}), names);
 }
 
 /// Words outside blocks of code; of all pages together without the list of references.

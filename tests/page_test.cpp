@@ -219,12 +219,12 @@ void make_hostile_page(const TemporaryFolder& folder) {
 /// Calibrations with uncertainties of 60 coefficients, which differ in each; and a comparison in which nothing is tested.
 void make_large_and_empty_pages(const TemporaryFolder& folder) {
   Calibration c;
-  c.imu = "sixty", c.method = "whole-unit", c.frame = "rig";
+  c.imu = "sixty", c.method = "whole-unit", c.frame = BodyFrame::rig;
   for (TriadModel* triad : {&c.model.accel, &c.model.gyro}) triad->temperature = ThermalReading{.unit = "K", .reference = 300, .range = {280, 320}};
   const auto all = coefficient_indices();
   c.estimated.assign(all.begin(), all.begin() + 60);
   c.covariance = Eigen::VectorXd::Constant(60, 1e-12).asDiagonal();
-  c.quality.verdict = "good";
+  c.quality.verdict = Verdict::good;
   folder.write("sixty.json", calibration_text(c));
   for (std::size_t k = 0; k < 60; ++k)
     set_coefficient(c.model, c.estimated[k], coefficient_value(c.model, c.estimated[k]) + 1e-6 * static_cast<double>(k));
@@ -286,8 +286,9 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   EXPECT_THAT(browsed.pages.at("calibration-1280"), HasSubstr("charts=2 empty=0"));
   const Calibration calibration = read_calibration(folder / "hand.json");
   std::string because;
-  for (const std::string& reason : calibration.quality.because) because += reason;
-  EXPECT_THAT(browsed.pages.at("calibration-390"), testing::EndsWith("|verdict=" + calibration.quality.verdict + "|because=" + because));
+  for (const std::string& reason : calibration.quality.findings.reasons()) because += reason;
+  EXPECT_THAT(browsed.pages.at("calibration-390"),
+              testing::EndsWith("|verdict=" + std::string(to_string(calibration.quality.verdict)) + "|because=" + because));
   for (const std::string& page : pages) EXPECT_LT(std::filesystem::file_size(folder / (page + ".html")), 2'000'000u) << page;
 }
 

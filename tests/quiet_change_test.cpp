@@ -22,10 +22,10 @@ TEST(QuietChange, AnErrorOfTheLatitudeIsNoGSensitivity) {
   // Up is along the force at every rest, so 2 w_ie sin 45 deg / g is common to all axes: thousands of its sigmas on a table.
   HybridSession s = hybrid_session(4);
   s.session.site.latitude = -*s.session.site.latitude;
-  EXPECT_THAT(quality_of(s, "handheld").because, Contains("the latitude seems to be wrong"));
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains("the latitude seems to be wrong"));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), Contains("the latitude seems to be wrong"));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains("the latitude seems to be wrong"));
   s.session.site.latitude = -*s.session.site.latitude;
-  EXPECT_THAT(quality_of(s, "handheld").because, testing::Not(Contains("the latitude seems to be wrong")));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), testing::Not(Contains("the latitude seems to be wrong")));
 }
 
 TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
@@ -33,14 +33,14 @@ TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
   const double normal = s.session.site.gravity();
   s.session.site.height = 0;
   s.session.site.given_gravity = 1.003 * normal;  // normal gravity at a known height is true to 5e-4
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains(HasSubstr("is not that of the given latitude")));
   s.session.site.given_gravity = normal + 0.004;
-  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
   s.session.site.height.reset();  // at most as large as at sea level, but for its anomalies
   s.session.site.given_gravity = normal + 0.008;
-  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), Contains(HasSubstr("is not that of the given latitude")));
   s.session.site.given_gravity = normal - 0.02;
-  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+  EXPECT_THAT(quality_of(s, "turntable").findings.reasons(), testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
 }
 
 TEST(QuietChange, AnUncertainLatitudeMakesGravityUncertain) {
@@ -71,7 +71,7 @@ TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {
     CalibrationOptions without;
     without.effects = false;
     const Calibration scattered = hybrid::calibrate(input_of(s.session, r, s.rests), without).calibration;
-    EXPECT_THAT(scattered.quality.warnings,
+    EXPECT_THAT(scattered.quality.findings.warnings(),
                 Contains(testing::ContainsRegex(accel > 0 ? "the rests' mean forces scatter [0-9.]+ times as much"
                                                           : "the headings within the rests scatter [0-9.]+ times as much")));
   }
@@ -83,7 +83,7 @@ TEST(QuietChange, AUnitThatChangesHasNoOneCalibration) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t i = 7 * s.recording.size() / 10; i < s.recording.size(); ++i) s.recording.accel[axis][i] += 0.01;
   const Quality quality = quality_of(s, "turntable");
-  EXPECT_EQ(quality.verdict, "doubtful") << testing::PrintToString(quality.warnings);
+  EXPECT_EQ(quality.verdict, Verdict::doubtful) << testing::PrintToString(quality.findings.warnings());
 }
 
 TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
@@ -102,7 +102,7 @@ TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
     for (auto& column : *triad) column.resize(kept);
   for (Step& step : s.session.steps) step.end = std::min(step.end, r.time_s(kept - 1)), step.start = std::min(step.start, step.end);
   while (s.session.steps.back().end - s.session.steps.back().start < 1) s.session.steps.pop_back();
-  EXPECT_EQ(quality_of(s, "hybrid").verdict, "doubtful");
+  EXPECT_EQ(quality_of(s, "hybrid").verdict, Verdict::doubtful);
 }
 
 TEST(QuietChange, AClockThatGainsIsStatedWithTheScales) {
@@ -161,7 +161,7 @@ TEST(QuietChange, DataThatCountTwiceAreDoubted) {
     }
   for (std::size_t i = 0; i < once; ++i) r.time_ns.push_back(r.time_ns[once - 1] + r.time_ns[i]);
   s.session.steps.clear();
-  EXPECT_THAT(quality_of(s, "handheld").because, Contains(HasSubstr("to the last digit")));
+  EXPECT_THAT(quality_of(s, "handheld").findings.reasons(), Contains(HasSubstr("to the last digit")));
 }
 
 }  // namespace

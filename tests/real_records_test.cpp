@@ -130,7 +130,7 @@ TEST(RealRecords, AHalfThatDoesNotCoverTheDirectionsStatesNoWrongGyroOffset) {
   const Recording half = part_of(r, 0, r.size() / 2);
   const Calibration few = by_hand(half, rests_in(half)), whole = by_hand(r, rests_in(r));
   EXPECT_FALSE(few.quality.unobservable.empty());
-  EXPECT_EQ(few.quality.verdict, "doubtful");
+  EXPECT_EQ(few.quality.verdict, Verdict::doubtful);
   for (const CoefficientIndex index : select_coefficients("gyro.offset")) {
     const auto u = standard_uncertainty(few, index);
     if (!u) continue;

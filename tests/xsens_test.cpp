@@ -52,7 +52,7 @@ TEST(Xsens, AgreesWithTheFactory) {
   ASSERT_EQ(c.quality.term_tests.size(), 5u);
   EXPECT_EQ(c.quality.term_tests[4].term, "gyro.g_sensitivity");
   EXPECT_TRUE(c.quality.term_tests[4].kept);
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
   EXPECT_TRUE(c.quality.unobservable.empty());
 }
 

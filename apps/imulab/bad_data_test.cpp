@@ -101,7 +101,7 @@ TEST(BadData, LostRowsCostNoRotation) {
   EXPECT_THAT(result.errors, HasSubstr("samples are missing, one or two at a time; they were interpolated from their neighbors"));
   const Quality quality = read_calibration(folder / "c.json").quality;
   EXPECT_EQ(quality.rotations.size() + 1, quality.rests.size());
-  EXPECT_EQ(quality.verdict, "good") << result.output;
+  EXPECT_EQ(quality.verdict, Verdict::good) << result.output;
 }
 
 TEST(BadData, NothingIsWrittenWhereNothingFollows) {

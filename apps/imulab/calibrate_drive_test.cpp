@@ -91,8 +91,8 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(on_one_line(result.errors), AllOf(HasSubstr("not determined"), HasSubstr("accel.matrix.zz; shown by rests upside down")));
   const Calibration c = read_calibration(folder / "c.json");
-  EXPECT_EQ(c.quality.verdict, "good") << testing::PrintToString(c.quality.because);
-  EXPECT_EQ(c.frame, "accelerometers");
+  EXPECT_EQ(c.quality.verdict, Verdict::good) << testing::PrintToString(c.quality.findings.reasons());
+  EXPECT_EQ(c.frame, BodyFrame::accelerometers);
   // Of 33 coefficients and 12 of curvature the worst is beyond 4.2 sigma once in 1000.
   EXPECT_LT(largest_sigmas(c, read_calibration(folder / "unit/truth.json").model), 4.2);
   EXPECT_THAT(c.quality.considered, AllOf(Contains("accel.matrix.zz"), Contains("gyro.matrix.xx"), Not(Contains("gyro.matrix.zz"))));
@@ -195,7 +195,7 @@ TEST(CalibrateDriveCommand, SeveralDrivesAreOneCalibration) {
     return read_calibration(folder / "c.json");
   };
   const Calibration one = calibrated("drive"), other = calibrated("again"), both = calibrated("drive again");
-  EXPECT_EQ(both.quality.verdict, "good") << testing::PrintToString(both.quality.because);
+  EXPECT_EQ(both.quality.verdict, Verdict::good) << testing::PrintToString(both.quality.findings.reasons());
   EXPECT_LT(largest_sigmas(both, read_calibration(folder / "unit/truth.json").model), 4.2);
   const auto sigma = [](const Calibration& c, const char* name) { return *standard_uncertainty(c, coefficient_index(name)); };
   for (const char* shown : {"accel.matrix.xx", "accel.matrix.yy"})
@@ -207,11 +207,11 @@ TEST(CalibrateDriveCommand, SeveralDrivesAreOneCalibration) {
     run_imulab(folder, "calibrate drive again --method drive -o c.json --force");
     return read_calibration(folder / "c.json");
   }();
-  EXPECT_EQ(with_effects.quality.verdict, "good");
+  EXPECT_EQ(with_effects.quality.verdict, Verdict::good);
   EXPECT_LT(largest_sigmas(with_effects, read_calibration(folder / "unit/truth.json").model), 4.2);
   EXPECT_GT(sigma(with_effects, "accel.matrix.xx"), 1.1 * sigma(both, "accel.matrix.xx"));
   EXPECT_THAT(testing::PrintToString(with_effects.quality.considered), HasSubstr("accel.cross_terms"));
-  EXPECT_THAT(testing::PrintToString(both.quality.notes),
+  EXPECT_THAT(testing::PrintToString(both.quality.findings.notes()),
               AllOf(HasSubstr("recording.csv: gnss.delay"), HasSubstr("again/recording.csv: gnss.delay")));
   // Readings of gyros about z that are 3 % off are another unit's.
   run_shell(folder, "awk -F, -v OFS=, 'NR > 1 {$4 *= 1.03} 1' again/recording.csv > x && mv x again/recording.csv");

@@ -163,7 +163,7 @@ void demo(const Arguments& a) {
   say(fmt::format("\nReport: {}\nYour own sensor: {}\n", fs::absolute(folder / "report.html").lexically_normal().string(), own));
   JsonFields figures{{{"drives", std::uint64_t{drives}}}};
   for (const DrivenCalibration& c : report.calibrations) figures.fields.emplace_back(c.name + " [m]", median(c.largest));
-  if (a.json) print_json(figures, {"", title});
+  if (a.json) print_json(figures, {Verdict::none, title});
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ void write_all(const ExportInput& input, const ExportVerbOptions& o, const std::
   folder.commit();
   std::vector<JsonFields> written;
   for (const ExportedFile& file : files) written.push_back(file.stated);
-  if (o.json) print_json({{{"files", written}}}, {"", "written: " + o.output}, warnings);
+  if (o.json) print_json({{{"files", written}}}, {Verdict::none, "written: " + o.output}, warnings);
   for (const ExportedFile& file : files)
     if (!o.json) print(one_line(file.file) + "\n");
   std::set<const ExportTarget*> targets;  // of several models each once
@@ -127,7 +127,7 @@ void run(const ExportVerbOptions& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   const ExportedFile file = exported(export_target(o.target), input, o, o.output);
   write_whole(o.output, file.text);
-  if (o.json) print_json(file.stated, {"", "written: " + o.output}, warnings);
+  if (o.json) print_json(file.stated, {Verdict::none, "written: " + o.output}, warnings);
 }
 
 }  // namespace

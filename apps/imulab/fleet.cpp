@@ -63,7 +63,8 @@ void add(const Options& o) {
       wrong.emplace_back(e.what());
     }
   if (o.json)
-    print_json({{{"files", added}, {"errors", wrong}}}, {"", fmt::format("{} added, {} refused", text::plural(added.size(), "file"), wrong.size())});
+    print_json({{{"files", added}, {"errors", wrong}}},
+               {Verdict::none, fmt::format("{} added, {} refused", text::plural(added.size(), "file"), wrong.size())});
   warn_each(store.clock_problems());
   if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "\n")));
 }
@@ -124,8 +125,8 @@ void calibrate_all(const Options& o) {
                  {"failed", counted(n.failed)},
                  {"failed_before", counted(n.failed_before)},
                  {"failures", failures_json(n.failures)}}},
-               {"", fmt::format("{}: {} calibrated, {} in the store before, {} failed", text::plural(n.sessions, "session"), n.calibrated, n.skipped,
-                                n.failed)});
+               {Verdict::none, fmt::format("{}: {} calibrated, {} in the store before, {} failed", text::plural(n.sessions, "session"), n.calibrated,
+                                           n.skipped, n.failed)});
   else
     print(fmt::format("{}: {} calibrated, {} in the store before, {} failed{}\n", text::plural(n.sessions, "session"), n.calibrated, n.skipped,
                       n.failed, n.failed_before > 0 ? fmt::format(", {} failed before (--retry tries them again)", n.failed_before) : ""));
@@ -157,7 +158,8 @@ void add_calibrate_all(Verb& fleet) {
 
 void list_failures(const Options& o, FleetStore& store) {
   const std::vector<FleetFailure> failures = store.failures();
-  if (o.json) return print_json({{{"failures", failures_json(failures)}}}, {"", fmt::format("{} failed", text::plural(failures.size(), "session"))});
+  if (o.json)
+    return print_json({{{"failures", failures_json(failures)}}}, {Verdict::none, fmt::format("{} failed", text::plural(failures.size(), "session"))});
   std::string text;
   for (const FleetFailure& f : failures)
     text += fmt::format("{} ({} {}): {}\n", one_line(f.file), one_line(f.method), one_line(f.options), indented(f.message));
@@ -181,7 +183,7 @@ void list(const Options& o) {
                        {"method", u.method},
                        {"verdict", u.verdict},
                        {"station", u.station}}});
-    return print_json({{{"units", rows}}}, {"", text::plural(rows.size(), "unit")});
+    return print_json({{{"units", rows}}}, {Verdict::none, text::plural(rows.size(), "unit")});
   }
   std::size_t serial = 6, name = 4;
   std::vector<std::pair<std::string, std::string>> shown;
@@ -236,7 +238,7 @@ void show(const Options& o) {
             "\n";
   }
   if (!o.json) return print(text);
-  print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {"", text::plural(rows.size(), "calibration")});
+  print_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}, {Verdict::none, text::plural(rows.size(), "calibration")});
 }
 
 void add_show(Verb& fleet) {

@@ -46,7 +46,7 @@ void check(const Options& o) {
           {"files", static_cast<std::uint64_t>(c.files)},
           {"missing", static_cast<std::uint64_t>(c.missing)},
           {"clocks", clocks}}},
-        {c.damaged.empty() && c.changed.empty() ? "good" : "doubtful",
+        {c.damaged.empty() && c.changed.empty() ? Verdict::good : Verdict::doubtful,
          fmt::format("{}; {} changed, {} missing", text::plural(c.damaged.size(), "damage"), text::plural(c.changed.size(), "file"), c.missing)});
   else
     print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are missing",
@@ -64,7 +64,7 @@ void merge(const Options& o) {
   for (const std::filesystem::path& other : others) added += store.merge(other);
   if (o.json)
     return print_json({{{"calibrations", static_cast<std::uint64_t>(added)}}},
-                      {"", fmt::format("{} added", text::plural(static_cast<std::size_t>(added), "calibration"))});
+                      {Verdict::none, fmt::format("{} added", text::plural(static_cast<std::size_t>(added), "calibration"))});
   print(fmt::format("{}: {} added from {}\n", one_line(store.database().file()), text::plural(static_cast<std::size_t>(added), "calibration"),
                     o.others.size() == 1 ? one_line(fleet::shown_store(o.others.front())) : text::plural(o.others.size(), "store")));
   if (const std::size_t failed = store.failures().size(); failed > 0)
@@ -101,7 +101,7 @@ void remove(const Options& o) {
   if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", store.database().file()));
   if (o.json)
     return print_json({{{"removed", static_cast<std::uint64_t>(removed)}}},
-                      {"", fmt::format("{} removed", text::plural(static_cast<std::size_t>(removed), "calibration"))});
+                      {Verdict::none, fmt::format("{} removed", text::plural(static_cast<std::size_t>(removed), "calibration"))});
   print(fmt::format("{}: {} removed, kept in the store as history\n", store.database().file(),
                     text::plural(static_cast<std::size_t>(removed), "calibration")));
 }

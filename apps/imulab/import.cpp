@@ -31,7 +31,7 @@ void run(const Options& o) {
   write_calibration(o.output, imported.calibration);
   if (o.output == "-") return;
   if (o.json)
-    print_json({{{"format", std::string(imported.format)}, {"file", o.output}}}, {"", "written: " + o.output}, imported.warnings);
+    print_json({{{"format", std::string(imported.format)}, {"file", o.output}}}, {Verdict::none, "written: " + o.output}, imported.warnings);
   else
     print(fmt::format("{}: calibration of {}, without uncertainties\n", o.output, imported.format));
 }

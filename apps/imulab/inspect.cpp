@@ -52,12 +52,12 @@ void run(const InspectOptions& o) {
   }();
   const Inspection& inspection = answer.data->inspection;
   const bool complete = inspection.complete();
-  if (!inspection.problems.empty())
-    answer.shortcomings = fmt::format("{}: no session: {}", inspection.file, inspection.problems.front());
+  if (!inspection.problems().empty())
+    answer.shortcomings = fmt::format("{}: no session: {}", inspection.file, inspection.problems().front());
   else if (!complete)
     answer.shortcomings =
         fmt::format("{}: no session: {} open; declare with --set KEY=VALUE", inspection.file,
-                    inspection.ambiguous.size() == 1 ? "one question is" : fmt::format("{} questions are", inspection.ambiguous.size()));
+                    inspection.ambiguous().size() == 1 ? "one question is" : fmt::format("{} questions are", inspection.ambiguous().size()));
   const std::string closing = "\n" + written_text(o.output, "not saved: no -o session.toml was given") + "\n";
   if (o.json && o.output == "-") print_json(answer.document());
   if (!o.output.empty() && complete) write_whole(o.output, inspected_session_text(inspection, placed(answer.data->session, o)));

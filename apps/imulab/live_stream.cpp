@@ -102,7 +102,7 @@ void write_live(const LiveOptions& options, Calibration calibration, const Recor
 }
 
 void summarize_live(const LiveOptions& options, const Quality& quality, const std::string& what) {
-  warn_each(quality.warnings);
+  warn_each(quality.findings.warnings());
   const std::string written =
       options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
   if (!options.json) print(fmt::format("{}: {}; {}\n", what, verdict_text(quality), written), output_of(options));

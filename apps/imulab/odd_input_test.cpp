@@ -31,7 +31,7 @@ const Calibration& plain() {
 /// `share`: of the standard uncertainties by which coefficients may differ.
 void expect_as_plain(const Calibration& odd, double share) {
   EXPECT_EQ(odd.estimated, plain().estimated);
-  EXPECT_EQ(odd.quality.verdict, "good");
+  EXPECT_EQ(odd.quality.verdict, Verdict::good);
   for (const CoefficientIndex index : plain().estimated)
     EXPECT_NEAR(coefficient_value(odd.model, index), coefficient_value(plain().model, index), share * standard_uncertainty(plain(), index).value())
         << coefficient(index).name;
@@ -128,7 +128,7 @@ TEST(OddInput, WholeCounts) {
   });
   text.write(folder);
   const Calibration counts = calibrated(folder);
-  EXPECT_EQ(counts.quality.verdict, "good");
+  EXPECT_EQ(counts.quality.verdict, Verdict::good);
   // The scale in counts is the plain one over counts per unit: within ten standard uncertainties, for the noise of rounding (0.2 and 0.05 of
   // the samples' own) and another start.
   for (const char* name : {"accel.matrix.xx", "accel.matrix.zz"}) {

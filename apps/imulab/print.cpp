@@ -14,9 +14,9 @@ namespace imulab::command {
 
 void print(const std::string& text, std::FILE* out) {
   const std::string shown = printable(text);
-  for (const std::string_view word : {"good", "met", "doubtful", "not met"})
-    if (out == stdout && output_has_color() && shown.starts_with(std::string(word) + ":"))
-      return fmt::print("{}{}", in_color(is_favorable(word) ? Color::green : Color::yellow, std::string(word)), shown.substr(word.size()));
+  for (const Verdict verdict : {Verdict::good, Verdict::met, Verdict::doubtful, Verdict::not_met})
+    if (const std::string word(to_string(verdict)); out == stdout && output_has_color() && shown.starts_with(word + ":"))
+      return fmt::print("{}{}", in_color(is_favorable(verdict) ? Color::green : Color::yellow, word), shown.substr(word.size()));
   fmt::print(out, "{}", shown);
 }
 

@@ -181,7 +181,7 @@ void run(const Options& o) {
   if (!o.certificate && !o.laboratory.empty()) throw Error("--laboratory: belongs to a certificate; expected --certificate");
   if (o.certificate && o.number.empty()) warn("the certificate has no number, which would identify it; expected --number N");
   write_whole(o.output, o.certificate ? certificate_of(o) : page_of(read_answer(o.result), o));
-  if (o.json) print_json({{{"file", o.output}}}, {"", "written: " + o.output});
+  if (o.json) print_json({{{"file", o.output}}}, {Verdict::none, "written: " + o.output});
   if (!o.json && o.output != "-") print(fmt::format("written: {}\n", one_line(o.output)));
 }
 

@@ -4,6 +4,7 @@
 #include "apps/imulab/files.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/finding_code.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/several_files.hpp"
@@ -34,20 +35,14 @@ bool is_session(const std::filesystem::path& path) {
 bool evidence_is_shown = false;
 std::string last_summary;  // several recordings of a unit are mostly alike
 
-/// True for evidence and questions that begin with one of these words.
-bool is_about(std::string_view line, std::initializer_list<std::string_view> words) {
-  return std::any_of(words.begin(), words.end(), [line](std::string_view word) { return line.starts_with(word); });
-}
-
 /// Leaves out what only a calibration needs.
 void keep_for_noise(Inspection& found) {
-  std::erase_if(found.evidence, [](const std::string& line) { return is_about(line, {"axes:", "up at", "rests:", "gyros explain"}); });
-  std::erase_if(found.ambiguous, [](const std::string& line) { return is_about(line, {"gyro.axes:", "accel.axes:"}); });
-  for (std::string& line : found.ambiguous)
-    if (is_about(line, {"gyro.unit:"})) {
-      const std::size_t noise = std::min(line.find("; by the noise"), line.size());
-      line = "gyro.unit: a log at rest does not show it; declare --set gyro.unit=deg/s, rad/s or another, or count" + line.substr(noise);
-    }
+  std::erase_if(found.findings, [](const Finding& f) {
+    return f.code == Code::axes_found || f.code == Code::up_at_first_rest || f.code == Code::rests_found || f.code == Code::turns_explained ||
+           f.subject == "gyro.axes" || f.subject == "accel.axes";
+  });
+  for (Finding& f : found.findings)
+    if (f.subject == "gyro.unit") f.text = "gyro.unit: a log at rest does not show it; declare --set gyro.unit=deg/s, rad/s or another, or count";
 }
 
 std::string triad_text(const Inspection& found, std::string_view name, const TriadSource& triad) {
@@ -78,12 +73,12 @@ std::vector<std::string> guesses_of(const Session& session) {
 void tell_assumptions(const Inspection& found, const Session& session, Purpose purpose) {
   std::vector<std::string> guesses = purpose == Purpose::calibration ? guesses_of(session) : std::vector<std::string>{};
   if (evidence_is_shown) {
-    for (const std::string& line : found.evidence) note("assumed: " + line);
+    for (const std::string& line : found.evidence()) note("assumed: " + line);
     for (const std::string& guess : guesses) note("assumed: " + guess);
     return;
   }
-  const auto up = std::ranges::find_if(found.evidence, [](const std::string& line) { return is_about(line, {"up at the first rest"}); });
-  if (purpose == Purpose::calibration && up != found.evidence.end()) guesses.push_back(*up);
+  const auto up = std::ranges::find(found.findings, Code::up_at_first_rest, &Finding::code);
+  if (purpose == Purpose::calibration && up != found.findings.end()) guesses.push_back(up->text);
   if (std::string summary = summary_of(found, guesses); summary != last_summary) note(last_summary = std::move(summary));
 }
 

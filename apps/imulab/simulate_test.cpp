@@ -161,7 +161,7 @@ TEST_F(SimulateCommand, AWholeUnitOnThreeMachines) {
   EXPECT_EQ(given.steps.size(), 15u + 246 + 42);
   EXPECT_EQ(given.rigs, read_session(folder / "dai.toml").rigs);
   const Calibration truth = read_calibration(folder / "dai/truth.json");
-  EXPECT_EQ(truth.frame, "rig");
+  EXPECT_EQ(truth.frame, BodyFrame::rig);
   EXPECT_EQ(truth.model.gyro.temperature, (ThermalReading{"raw", 5000, {4993.25, 5003.75}}));
   EXPECT_EQ(truth.model.accel.temperature->range, (std::array{0.0, 70.0}));
   EXPECT_THAT(read_text(folder / "dai/truth.json"), testing::HasSubstr("\"radius.+y+x\": "));

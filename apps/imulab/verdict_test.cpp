@@ -144,7 +144,7 @@ std::string doubtful_calibration() {
   c.method = "static", c.estimated = {coefficient_index("accel.offset.x"), coefficient_index("gyro.offset.x")};
   c.model.gyro.raw_unit = "rad/s", c.model.accel.raw_unit = "m/s^2";
   c.covariance = Eigen::Vector2d(1e-8, 1e-14).asDiagonal();
-  c.quality.verdict = "doubtful", c.quality.because = {"a reason of its own"};
+  c.quality.verdict = Verdict::doubtful, c.quality.findings.append(Severity::doubt, {"a reason of its own"});
   return calibration_text(c);
 }
 

@@ -55,7 +55,8 @@ TEST(VerifyCommand, ADoubtfulCalibrationStaysDoubtful) {
       0);
   const CommandResult verified = run_imulab(folder, "verify c.json");
   EXPECT_EQ(verified.exit_code, 0) << "the files are unchanged";
-  EXPECT_THAT(on_one_line(verified.output), testing::StartsWith("doubtful: 2 of 2 files are unchanged; the calibration itself is doubtful: a reason"));
+  EXPECT_THAT(on_one_line(verified.output),
+              testing::StartsWith("doubtful: 2 of 2 files are unchanged; the calibration itself is doubtful: a reason"));
 }
 
 TEST(CalibrateCommand, ReplacesACalibrationOnlyByForce) {
@@ -90,7 +91,7 @@ TEST(CalibrateCommand, JudgesItsPurpose) {
   EXPECT_FALSE(quality.requirements[0].met);
   EXPECT_GT(quality.requirements[0].reached, 1e-6);
   EXPECT_TRUE(quality.requirements[1].met);
-  EXPECT_EQ(quality.verdict, "good");  // the data are consistent; that they are not enough is another matter
+  EXPECT_EQ(quality.verdict, Verdict::good);  // the data are consistent; that they are not enough is another matter
 }
 
 TEST(UndeterminedCalibration, IsNotUsedByItself) {

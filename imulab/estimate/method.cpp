@@ -185,7 +185,7 @@ CalibrationResult calibrate_together(const Method& method, const CalibrationInpu
       part.begin_s -= of.shift_s, part.end_s -= of.shift_s;
       part.recording = of.name;
     }
-  quality.notes.push_back(fmt::format("{} recordings of one IMU were calibrated together", joined.parts.size()));
+  quality.findings.add<Code::recordings_together>(joined.parts.size());
   return result;
 }
 
@@ -197,11 +197,10 @@ double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * q
 CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
-  if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != "doubtful") return result;
+  if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != Verdict::doubtful) return result;
   constexpr double obvious = 30;  // of chi-square: five sigma of one parameter
-  const bool by_latitude = std::ranges::any_of(result.calibration.quality.because, [](const std::string& doubt) {
-    return doubt == kernel::wrong_latitude || doubt == kernel::not_earth_rate;
-  });
+  const Findings& found = result.calibration.quality.findings;
+  const bool by_latitude = found.has(Code::wrong_latitude) || found.has(Code::not_earth_rate);
   Session elsewhere = input.session;
   elsewhere.site.latitude = -*latitude;
   try {
@@ -210,13 +209,16 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
     Quality& quality = other.calibration.quality;
     // What explains a part only is another fault, which the latitude's turn of the Earth's rate resembles.
     const bool by_chi2 = excess_of(quality) + obvious < before && excess_of(quality) < before / 2;
-    if (!by_chi2 && !(by_latitude && quality.verdict == "good")) return result;
-    quality.warnings.push_back(
-        fmt::format("at a latitude of {:g} deg in place of {:g} deg {}; check its sign", -*latitude / unit::deg, *latitude / unit::deg,
-                    by_chi2 ? fmt::format("chi2 falls by {:.3g}", before - excess_of(quality)) : "nothing contradicts the data"));
-    kernel::add_doubt(quality, kernel::wrong_latitude);
+    if (!by_chi2 && !(by_latitude && quality.verdict == Verdict::good)) return result;
+    quality.findings.add<Code::latitude_by_fit>(
+        -*latitude / unit::deg, *latitude / unit::deg,
+        by_chi2 ? fmt::format("chi2 falls by {:.3g}", before - excess_of(quality)) : "nothing contradicts the data");
+    quality.findings.add<Code::wrong_latitude>();
+    kernel::judge(quality);
     return other;
-  } catch (const std::runtime_error&) {
+  } catch (const Error&) {
+    return result;
+  } catch (const Unsupported&) {
     return result;
   }
 }
@@ -229,8 +231,8 @@ void add_second_opinion(Calibration& calibration, const Method& of, const Calibr
     const CalibrationResult other = calibrate_together(method(of.second), input, same);
     kernel::add_second_opinion(calibration, other.calibration);
   } catch (const Error& e) {
-    kernel::add_doubt(calibration.quality, fmt::format("the method {} refuses the same data: {}", of.second, e.what()));
-  } catch (const std::runtime_error&) {
+    calibration.quality.findings.add<Code::other_method_refuses>(Subject{of.second}, e.what());
+  } catch (const Unsupported&) {
   }
 }
 
@@ -287,24 +289,25 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(used.session, recordings, clocks);
   CalibrationResult result = calibrate_in_either_hemisphere(method, used, options);
   Quality& quality = result.calibration.quality;
-  quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
+  Findings corrections;
+  for (const std::string& text : clocks) corrections.add<Code::clock_corrected>(text);
+  quality.findings.prepend(corrections);
   kernel::doubt_small_residuals(quality, used.session.imu);
-  for (std::string& contradiction : kernel::contradictions(result.calibration.model, recordings.front()))
-    kernel::add_doubt(quality, std::move(contradiction));
+  quality.findings.append(kernel::contradictions(result.calibration.model, recordings.front()));
   if (options.second_opinion && options.effects && !method.second.empty()) add_second_opinion(result.calibration, method, used, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
   kernel::state_clock(result.calibration, used.session, gains);
   if (!method.takes_aids && !result.calibration.turn_on) result.calibration.turn_on = kernel::declared_turn_on(input.session.imu, recordings.size());
   if (!method.takes_several) result.calibration.rest_noise = kernel::rest_noise(result.calibration, used);
-  if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
+  if (const std::string twice = kernel::repetition(recordings); !twice.empty()) quality.findings.add<Code::repeated_readings>(twice);
   for (const Recording& recording : recordings)
-    if (std::string stuck = said_of_stuck(recording); !stuck.empty()) kernel::add_doubt(quality, std::move(stuck));
+    if (const std::string stuck = said_of_stuck(recording); !stuck.empty())
+      quality.findings.add<Code::stuck_readings>(stuck).subject = recording.name;
   for (std::size_t k = 0; k < recordings.size(); ++k) kernel::judge_interval(recordings[k], input.session.recordings[k].rate_hz.has_value(), quality);
   for (const Recording& recording : recordings)
     if (const std::size_t n = recording.saturated.size(); n > 0)
-      quality.warnings.push_back(
-          fmt::format("{1}: {2} of {3} samples have a reading at a limit: rests with {0}, and turns that need {0}, are not used",
-                      n == 1 ? "it" : "them", recording.name, n, recording.size()));
+      quality.findings.add<Code::at_a_limit>(Subject{recording.name}, n, recording.size(), n == 1 ? "it" : "them");
+  kernel::judge(quality);
   add_declared_origin(result.calibration, input.session, input.recordings);
   result.calibration.session_file = declared.session.file;
   if (options.progress) options.progress(1);

@@ -35,7 +35,7 @@ StatedSigma predicted(const Prediction& p, CoefficientIndex index) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
   if (at < std::ssize(p.coefficients)) return {p.sigma[at], p.degrees_of_freedom.size() > 0 ? p.degrees_of_freedom[at] : infinite};
-  return {p.frame == "accelerometers" && zero_by_frame(index) ? 0 : infinite};
+  return {p.frame == BodyFrame::accelerometers && zero_by_frame(index) ? 0 : infinite};
 }
 
 void add_sizes(Prediction& p, const Session& procedure, const std::function<Prediction(const Session&)>& of) {

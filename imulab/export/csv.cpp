@@ -102,7 +102,7 @@ std::string csv_text(const ExportInput& input) {
        "force = offset + matrix V + quadratic V^2 + cubic V^3      rate = offset + matrix V + quadratic V^2 + cubic V^3 + g_sensitivity force",
        "so offsets are added to the output. Readings: accelerometers in " + raw(c.model.accel, "m/s^2") + ", gyros in " + raw(c.model.gyro, "rad/s") +
            ".",
-       fmt::format("u: along x, y, z of the body. Frame of the body: {}.", plain(c.frame))},
+       fmt::format("u: along x, y, z of the body. Frame of the body: {}.", to_string(c.frame))},
       left_out_of_matrices(input));
   text += "name,value,standard_uncertainty,unit\n";
   for (const CoefficientIndex index : coefficient_indices()) {

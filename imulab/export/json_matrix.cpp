@@ -89,7 +89,7 @@ std::string json_matrix_text(const ExportInput& input) {
       {"imu", plain(c.imu)},
       {"method", plain(c.method)},
       {"created", plain(c.created)},
-      {"frame", plain(c.frame)},
+      {"frame", std::string(to_string(c.frame))},
       {"equations",
        {"V = u - (c1 (T - reference) + c2 (T - reference)^2): u a reading along the body axis, T the thermal reading of its axis; V = u without "
         "\"thermal\"",

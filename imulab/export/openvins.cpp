@@ -55,7 +55,7 @@ OpenVinsStates openvins_states(const SensorModel& model, const DeviceAxes& axes,
 /// Zero by the choice of the frame, and so exactly known.
 bool fixed_by_frame(const Calibration& c, CoefficientIndex index) {
   const Coefficient& k = coefficient(index);
-  return c.frame == "accelerometers" && k.triad == Triad::accel && k.term == Term::matrix && k.row < k.column &&
+  return c.frame == BodyFrame::accelerometers && k.triad == Triad::accel && k.term == Term::matrix && k.row < k.column &&
          coefficient_value(c.model, index) == 0;
 }
 

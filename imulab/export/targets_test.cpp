@@ -232,7 +232,7 @@ TEST(ExportTargets, OpenVinsPriorNamesWhatWasNotEstimated) {
   for (const char* name : {"vec_da", "vec_tg", "R_GYROtoIMU [rad]"})  // depend on the accelerometers' matrix, or on the g-sensitivity
     for (const double sigma : prior_line(text, name)) EXPECT_TRUE(std::isnan(sigma)) << name;
   // In the accelerometers' frame their matrix is triangular by definition: nothing of it is missing.
-  c.frame = "accelerometers";
+  c.frame = BodyFrame::accelerometers;
   c.model.accel.matrix = Matrix3d(c.model.accel.matrix.triangularView<Eigen::Lower>());
   c.estimated = select_each({"gyro.matrix", "gyro.g_sensitivity"});
   for (const CoefficientIndex i : select_each({"accel.matrix"}))

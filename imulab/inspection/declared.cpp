@@ -166,7 +166,7 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     guess.source.column.reset();
     guess.source.unit = "sample";
     guess.evidence = "rows at equal spacing, as declared";
-    guess.open = "rate_hz: rows without stamps have no other rate; --rate HZ";
+    guess.open = {"rate_hz", "rows without stamps have no other rate; --rate HZ"};
   } else if (column != nullptr) {
     const std::size_t index = column_index(table, *column, "time.column");
     SignalTable alone = table;
@@ -183,14 +183,14 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
       throw Error(fmt::format("time.unit = {}: is no unit of time; expected one of {}", *unit, fmt::join(units, ", ")));
     guess.source.unit = *unit;
     guess.by_rate_alone = false;
-    guess.open.clear();
+    guess.open = {};
     guess.evidence = fmt::format("{}, as declared", *unit);
   }
   if (const std::string* ticks = find(declared, "time.ticks_per_s")) {
     guess.source.unit = "tick";
     guess.source.ticks_per_s = positive_number(*ticks, "time.ticks_per_s");
     guess.by_rate_alone = false;
-    guess.open.clear();
+    guess.open = {};
     guess.evidence = fmt::format("{} ticks to a second, as declared", *ticks);
   }
   if (const std::string* bits = find(declared, "time.wrap_bits")) {
@@ -198,7 +198,7 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     if (value < 8 || value > 32 || value != std::floor(value)) throw Error(fmt::format("time.wrap_bits = {}: expected 8 to 32", *bits));
     guess.source.wrap_bits = static_cast<int>(value);
   }
-  if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = "time.ticks_per_s: how many ticks are a second";
+  if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = {"time.ticks_per_s", "how many ticks are a second"};
   std::optional<double> average_hz;
   if (guess.even_on_average && guess.column && guess.open.empty()) average_hz = take_rows_evenly(table, guess);
   if (const std::string* rate = find(declared, "rate_hz")) {
@@ -213,12 +213,12 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
           fmt::format("rate_hz = {}: the stamps of {} give {:.5g} Hz on average; expected that rate, or time.column = none where they are wrong",
                       *rate, column_name(table, *guess.replaced), *average_hz));
     guess.rate_hz = declared_hz;
-    guess.open.clear();
+    guess.open = {};
     guess.evidence += fmt::format("; {} Hz, as declared", *rate);
   } else if (guess.column && guess.open.empty()) {
     const std::vector<std::int64_t> stamps = guess.source.unit == "sample" ? std::vector<std::int64_t>{} : stamps_of(table, guess);
     if (const ClockQuality clock = clock_quality(stamps); clock.rate_hz > 0) guess.rate_hz = clock.rate_hz;
-    if (guess.source.unit == "sample") guess.open = "rate_hz: samples are numbered, not timed";
+    if (guess.source.unit == "sample") guess.open = {"rate_hz", "samples are numbered, not timed"};
   }
   return guess;
 }
@@ -242,7 +242,7 @@ void declare_unit(const Declarations& declared, const std::string& triad, UnitGu
   if (!find(declared, triad + ".output")) guess.output = has(false) ? Output::rate : Output::increment;
   guess.unit = *unit;
   guess.evidence = fmt::format("{}, as declared", *unit);
-  guess.open.clear();
+  guess.open = {};
 }
 
 std::optional<std::array<BodyAxis, 3>> declared_axes(const Declarations& declared, const std::string& triad) {

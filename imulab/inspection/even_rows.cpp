@@ -45,15 +45,15 @@ void take_even_rows(const SignalTable& table, std::span<const std::int64_t> time
   if (repeated == 0) return;
   const double span_s = 1e-9 * static_cast<double>(time_ns.back() - time_ns.front()), rate_hz = static_cast<double>(time_ns.size() - 1) / span_s;
   if (!(spread_of_rate(time_ns) < most_spread)) {
-    result.ambiguous.push_back(
-        fmt::format("time.column: {} stamps are on two rows with different readings, and the rate changes; {}", repeated, even_rows_advice(rate_hz)));
+    result.ask({"time.column",
+                fmt::format("{} stamps are on two rows with different readings, and the rate changes; {}", repeated, even_rows_advice(rate_hz))});
     return;
   }
   result.source.time = {};
   result.source.time.column.reset();
   result.source.time.unit = "sample";
   result.source.rate_hz = result.rate_hz = rate_hz;
-  result.evidence.push_back(
+  result.note(
       fmt::format("{} stamps are on two rows with different readings, as of few digits; the rows are taken at equal spacing, {:.5g} "
                   "Hz, as the stamps give on average",
                   repeated, rate_hz));

@@ -144,9 +144,9 @@ std::optional<TriadEvidence> triad_alone(const SignalTable& table, const std::ve
   const bool gravity = evidence.rests.size() >= many && evidence.norm_most - evidence.norm_least < 0.2 * evidence.norm &&
                        accel_unit(evidence.norm, evidence.norm_least, evidence.norm_most, interval_s, "", false).open.empty();
   if (!gravity)
-    result.ambiguous.push_back(
-        "accel.columns, gyro.columns: one triad, whose names and readings do not say of which sensor; declare one of the two keys (files "
-        "of one recording are read together: inspect A B -o session.toml)");
+    result.ask({"accel.columns, gyro.columns",
+                "one triad, whose names and readings do not say of which sensor; declare one of the two keys (files of one recording are read "
+                "together: inspect A B -o session.toml)"});
   return evidence;
 }
 
@@ -205,18 +205,20 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
     for (const SignalTriad& a : accels) named.consider(g, a);
   if (named.explained() > 1) {
     const std::string of_gyro = named.alternatives(&TriadEvidence::gyro), of_accel = named.alternatives(&TriadEvidence::accel);
-    result.ambiguous.push_back(fmt::format("{}{}{}: {} pairs of triads fit each other: {}{}{}; name the columns to use",
-                                           of_gyro.empty() ? "" : "gyro.columns", of_gyro.empty() || of_accel.empty() ? "" : ", ",
-                                           of_accel.empty() ? "" : "accel.columns", named.explained(), of_gyro,
-                                           of_gyro.empty() || of_accel.empty() ? "" : "; ", of_accel));
+    const bool both = !of_gyro.empty() && !of_accel.empty();
+    result.ask(
+        {both               ? "gyro.columns, accel.columns"
+         : of_accel.empty() ? "gyro.columns"
+                            : "accel.columns",
+         fmt::format("{} pairs of triads fit each other: {}{}{}; name the columns to use", named.explained(), of_gyro, both ? "; " : "", of_accel)});
   }
   const auto ask_for_sum = [&](const TriadEvidence& filtered) {
     const SignalTriad& t = filtered.accel;
-    result.ambiguous.push_back(fmt::format(
-        "accel.columns: {}, {}, {} have the same norm, {:.6g}, at rest and in motion: a filter's estimate of gravity, which has no error to "
-        "calibrate; name the columns of the accelerometers, or write a session with sums of it and the acceleration without gravity: columns = "
-        "[\"A + B\", ...]",
-        column_name(table, t[0]), column_name(table, t[1]), column_name(table, t[2]), filtered.norm));
+    result.ask({"accel.columns",
+                fmt::format("{}, {}, {} have the same norm, {:.6g}, at rest and in motion: a filter's estimate of gravity, which has no error to "
+                            "calibrate; name the columns of the accelerometers, or write a session with sums of it and the acceleration without "
+                            "gravity: columns = [\"A + B\", ...]",
+                            column_name(table, t[0]), column_name(table, t[1]), column_name(table, t[2]), filtered.norm)});
     return std::nullopt;
   };
   if (const auto best = named.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
@@ -233,9 +235,9 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   if (declared.accel && gyros.empty()) return accel_alone(table, time_ns, *declared.accel);
   if (gyros.empty() || accels.empty()) return std::nullopt;
   if (gyros.size() > 1 || accels.size() > 1)
-    result.ambiguous.push_back(fmt::format(
-        "gyro.columns, accel.columns: {} triads are named gyros and {} accelerometers, and no turns between rests distinguish them; name the columns",
-        gyros.size(), accels.size()));
+    result.ask({"gyro.columns, accel.columns",
+                fmt::format("{} triads are named gyros and {} accelerometers, and no turns between rests distinguish them; name the columns",
+                            gyros.size(), accels.size())});
   return evidence_for(table, time_ns, gyros.front(), accels.front(), scales, all);
 }
 

@@ -8,6 +8,7 @@
 #include "imulab/inspection/names.hpp"
 #include "imulab/inspection/purpose.hpp"
 #include "imulab/inspection/time.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/integers.hpp"
@@ -58,10 +59,10 @@ std::string left_handed_advice(const SignalTable& table, const TriadEvidence& tr
 std::string settle_axes(const SignalTable& table, const Declarations& declared, TriadEvidence& triads, Inspection& result) {
   result.source.gyro.axes = declared_axes(declared, "gyro");
   result.source.accel.axes = declared_axes(declared, "accel");
-  if (result.source.gyro.axes || result.source.accel.axes) return "axes: as declared";
+  if (result.source.gyro.axes || result.source.accel.axes) return "as declared";
   if (!triads.explained()) return {};
   const std::string wrong = wrong_axes(*triads.gyro_matrix);
-  if (wrong.empty()) return "axes: the gyros turn as gravity does, right-handed";
+  if (wrong.empty()) return "the gyros turn as gravity does, right-handed";
   SignalTriad ordered = triads.gyro;
   bool reversed = false;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -71,7 +72,7 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
     reversed = reversed || (*triads.gyro_matrix)(axis, from) < 0;
   }
   if (reversed) {
-    result.ambiguous.push_back("gyro.axes: " + wrong + left_handed_advice(table, triads));
+    result.ask({"gyro.axes", wrong + left_handed_advice(table, triads)});
     return {};
   }
   Matrix3d exchange = Matrix3d::Zero();
@@ -80,7 +81,7 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
       exchange(from, axis) = ordered[static_cast<std::size_t>(axis)] == triads.gyro[static_cast<std::size_t>(from)] ? 1 : 0;
   triads.gyro_matrix = *triads.gyro_matrix * exchange;
   triads.gyro = ordered;
-  return fmt::format("axes: {}; taken as x, y, z: {}", wrong, names_of(table, ordered));
+  return fmt::format("{}; taken as x, y, z: {}", wrong, names_of(table, ordered));
 }
 
 void settle_triad(const SignalTable& table, const SignalTriad& triad, const UnitGuess& guess, const std::string& role, TriadSource& source,
@@ -89,7 +90,7 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
     ColumnFinding& column = result.columns[triad[axis]];
     column.role = role + "." + "xyz"[axis];
     column.unit = guess.open.empty() || guess.unit != "count" ? guess.unit : "unknown";
-    column.evidence = guess.evidence.empty() ? guess.open : guess.evidence;
+    column.evidence = !guess.evidence.empty() ? guess.evidence : guess.open.empty() ? "" : guess.open.line();
     source.columns.push_back(table.signals[triad[axis]].column);
   }
   source.unit = guess.unit;
@@ -97,14 +98,14 @@ void settle_triad(const SignalTable& table, const SignalTriad& triad, const Unit
   for (const std::size_t i : triad)
     if (table.signals[i].integers != Integers::as_written) source.integers = table.signals[i].integers;
   if (source.integers != Integers::as_written)
-    result.evidence.push_back(fmt::format("integers: {} are {}, some of which are printed with another sign: they lie, or jump, near 0 and its range",
-                                          names_of(table, triad), to_string(source.integers)));
+    result.note(fmt::format("integers: {} are {}, some of which are printed with another sign: they lie, or jump, near 0 and its range",
+                            names_of(table, triad), to_string(source.integers)));
   if (const std::size_t part = table.signals[triad[0]].table; part > 0) {
     if (!table.parts[part - 1].file.empty()) source.file = table.parts[part - 1].file;
     if (!table.parts[part - 1].topic.empty()) source.topic = table.parts[part - 1].topic;
     if (!(table.parts[part - 1].time == result.source.time)) source.time = table.parts[part - 1].time;
   }
-  if (!guess.open.empty()) result.ambiguous.push_back(guess.open);
+  if (!guess.open.empty()) result.ask(guess.open);
 }
 
 UnitGuess accel_guess(const SignalTable& table, const TriadEvidence& triads, double interval_s) {
@@ -116,7 +117,7 @@ UnitGuess accel_guess(const SignalTable& table, const TriadEvidence& triads, dou
   } else if (!triads.rests.empty()) {
     return accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated, whole);
   } else if (stated.empty()) {
-    guess.open = "accel.unit: no rest was found, which would show gravity";
+    guess.open = {"accel.unit", "no rest was found, which would show gravity"};
   } else {
     guess.unit = stated;
     guess.evidence = stated + " as the file says; no rest was found that would confirm it";
@@ -131,13 +132,16 @@ UnitGuess gyro_guess(const SignalTable& table, const TriadEvidence& triads, cons
   guess.unit = stated.empty() ? "count" : stated;
   guess.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
   if (triads.turns >= 3 && !triads.explained() && !columns_declared)
-    guess.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit",
-                             triads.error / unit::deg, triads.turned / unit::deg);
+    guess.open = {"gyro.columns",
+                  fmt::format("they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit", triads.error / unit::deg,
+                              triads.turned / unit::deg),
+                  "", Code::turns_unexplained};
   else if (stated.empty())
-    guess.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it"
-                              : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
-  if (const std::string noise = time.rate_hz && guess.open.starts_with("gyro.unit") ? noise_by_unit(table, triads, interval_s) : ""; !noise.empty())
-    guess.open += "; by the noise at rest " + noise;
+    guess.open = {"gyro.unit", time.rate_hz ? "fewer than three turns between rests, which would show it"
+                                            : "turns cannot show it without a sampling rate; declare rate_hz"};
+  const bool is_of_unit = !guess.open.empty() && guess.open.code != Code::turns_unexplained;
+  if (const std::string noise = time.rate_hz && is_of_unit ? noise_by_unit(table, triads, interval_s) : ""; !noise.empty())
+    guess.open.advice = "by the noise at rest " + noise;
   return guess;
 }
 
@@ -154,28 +158,24 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
     const bool by_gravity = !triads.rests.empty() && triads.has_accel && accel.open.empty() && accel.output == Output::increment;
     const bool count_declared = declared.contains("gyro.unit") && gyro.unit == "count";
     if (!by_turns && !by_gravity && !count_declared) {
-      result.ambiguous.push_back(fmt::format(
-          "time.unit: {}; only the rate speaks for it: whole numbers may be ticks, too (declare time.unit, or time.ticks_per_s)", time.evidence));
-      if (triads.turns >= 3) gyro.open.clear();  // it follows from the clock
+      result.ask(
+          {"time.unit", time.evidence + "; only the rate speaks for it: whole numbers may be ticks, too (declare time.unit, or time.ticks_per_s)"});
+      if (triads.turns >= 3) gyro.open = {};  // it follows from the clock
     }
   }
   if (triads.has_accel) settle_triad(table, triads.accel, accel, "accel", result.source.accel, result);
   if (triads.has_gyro) settle_triad(table, triads.gyro, gyro, "gyro", result.source.gyro, result);
-  if (triads.has_accel && !accel.evidence.empty())
-    result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
-  if (triads.has_gyro && !gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
-  if (triads.explained())
-    result.evidence.push_back(
-        fmt::format("gyros explain {} turns of {:.3g} deg RMS to {:.2g} deg", triads.turns, triads.turned / unit::deg, triads.error / unit::deg));
+  if (triads.has_accel && !accel.evidence.empty()) result.note(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
+  if (triads.has_gyro && !gyro.evidence.empty()) result.note(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
+  if (triads.explained()) result.findings.add<Code::turns_explained>(triads.turns, triads.turned / unit::deg, triads.error / unit::deg);
 }
 
 /// Names that contradict the data are asked about.
 void ask_about_names(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
   if (!triads.has_gyro || !triads.has_accel) return;
   if (has_role(table, triads.gyro, Role::accel) || has_role(table, triads.accel, Role::gyro))
-    result.ambiguous.push_back(
-        fmt::format("gyro.columns, accel.columns: by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
-                    names_of(table, triads.gyro), names_of(table, triads.accel)));
+    result.ask({"gyro.columns, accel.columns", fmt::format("by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
+                                                           names_of(table, triads.gyro), names_of(table, triads.accel))});
 }
 
 /// The temperature, by a column's name and its numbers.
@@ -195,7 +195,7 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
     result.columns[i].role = "temperature";
     result.columns[i].unit = unit;
     result.columns[i].evidence = fmt::format("its name, and {:.4g} to {:.4g}", *low, *high);
-    result.evidence.push_back(fmt::format("temperature: {}: {:.4g} to {:.4g}: {}", column_name(table, i), *low, *high, unit));
+    result.note(fmt::format("temperature: {}: {:.4g} to {:.4g}: {}", column_name(table, i), *low, *high, unit));
     ThermalSource thermal;
     thermal.columns = {signal.column};
     thermal.unit = unit;
@@ -212,9 +212,8 @@ TimeGuess settle_time(const SignalTable& table, const Declarations& declared, In
   result.source.time = time.source;
   if (!time.column || time.source.unit == "sample") result.source.rate_hz = time.rate_hz;
   result.rate_hz = time.rate_hz;
-  result.evidence.push_back("time: " + time.evidence);
-  if (!time.others.empty()) result.evidence.back() += fmt::format(" (could be time as well: {})", fmt::join(time.others, ", "));
-  if (!time.open.empty()) result.ambiguous.push_back(time.open);
+  result.note("time: " + time.evidence + (time.others.empty() ? "" : fmt::format(" (could be time as well: {})", fmt::join(time.others, ", "))));
+  if (!time.open.empty()) result.ask(time.open);
   return time;
 }
 
@@ -257,6 +256,13 @@ void add_times(const std::vector<std::int64_t>& time_ns, Inspection& result) {
 
 }  // namespace
 
+void Inspection::note(const std::string& evidence) { findings.add<Code::evidence>(evidence); }
+
+void Inspection::ask(const Question& question) {
+  Finding& asked = findings.add<Code::open_question>(Subject{question.key}, question.text);
+  asked.code = question.code, asked.advice = question.advice;
+}
+
 Inspection inspect(const SignalTable& given, const Declarations& declared) {
   check_declarations(declared);
   if (given.rows() < 20) throw Error(fmt::format("{}: {} rows; expected at least 20 to recognize anything", given.file, given.rows()));
@@ -274,26 +280,27 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
   TimeGuess assumed = time;  // what does not depend on the rate is found without it
   if (!assumed.rate_hz) assumed.rate_hz = 100;
   const std::vector<std::int64_t> time_ns = from_the_first(stamps_of(table, assumed));
-  if (time.column && time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", column_name(table, *time.column)));
+  if (time.column && time_ns.empty()) result.findings.add<Code::file_problem>(column_name(table, *time.column) + " has no stamp in some row");
   const ClockQuality clock = clock_quality(time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
-  const std::size_t questions = result.ambiguous.size();
+  const std::size_t questions = result.ambiguous().size();
   if (clock.backward == 0 && !time_ns.empty()) result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
-    result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock; {}", clock.backward,
-                                          clock.first_backward + 1, even_rows_advice()));
-  } else if (!result.triads && result.ambiguous.size() == questions) {
-    result.ambiguous.push_back(
-        "accel.columns, gyro.columns: no pair of triads behaves like accelerometers and gyros, and the names do not identify both; name the columns "
-        "of both, or of one that is alone" +
-        std::string(declared.contains("gyro.unit") ? "" : ", and gyro.unit if the log has no three turns, which would show it") +
-        words_about_holes(table));
+    result.findings.add<Code::file_problem>(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock; {}",
+                                                        clock.backward, clock.first_backward + 1, even_rows_advice()));
+  } else if (!result.triads && result.ambiguous().size() == questions) {
+    result.ask(
+        {"accel.columns, gyro.columns",
+         "no pair of triads behaves like accelerometers and gyros, and the names do not identify both; name the columns of both, or of one that "
+         "is alone" +
+             std::string(declared.contains("gyro.unit") ? "" : ", and gyro.unit if the log has no three turns, which would show it") +
+             words_about_holes(table)});
   } else if (result.triads) {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
     settle_units(table, *result.triads, time, declared, result);
     if (!columns.gyro && !columns.accel) ask_about_names(table, *result.triads, result);
-    if (!axes.empty()) result.evidence.push_back(axes);
+    if (!axes.empty()) result.findings.add<Code::axes_found>(axes);
     settle_temperature(table, result);
     add_support(table, ascending(time_ns), *result.triads, result);
     add_purpose(table, *result.triads, result);
@@ -304,12 +311,14 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
     if (clock.repeated > 0 && clock.backward == 0) take_even_rows(table, time_ns, result);
   }
   if (result.source.time.column && in_bursts(clock, time_ns))
-    result.ambiguous.push_back(fmt::format("time.column: stamps come in bursts, {:.4g} s apart inside one, so that most of the time is in gaps; {}",
-                                           clock.interval_s, even_rows_advice(rate_of_rows(time_ns))));
+    result.ask({"time.column", fmt::format("stamps come in bursts, {:.4g} s apart inside one, so that most of the time is in gaps; {}",
+                                           clock.interval_s, even_rows_advice(rate_of_rows(time_ns)))});
   for (const SignalPart& part : table.parts)
-    if (!part.open.empty()) result.ambiguous.push_back(fmt::format("{} (of {}{})", part.open, part.file, part.topic));
-  result.evidence.insert(result.evidence.end(), table.notes.begin(), table.notes.end());
-  if (!time.open.empty()) result.ambiguous = {time.open};  // what else is asked follows from it
+    if (!part.open.empty()) result.ask({part.open.key, fmt::format("{} (of {}{})", part.open.text, part.file, part.topic)});
+  for (const std::string& note : table.notes) result.note(note);
+  if (time.open.empty()) return result;
+  std::erase_if(result.findings, [](const Finding& f) { return f.severity == Severity::warning; });  // what else is asked follows from it
+  result.ask(time.open);
   return result;
 }
 

@@ -1,6 +1,7 @@
 // The contents of a recording, with the evidence: finds from the data the declaration that a session needs.
 #pragma once
 
+#include "imulab/finding.hpp"
 #include "imulab/inspection/signals.hpp"
 #include "imulab/inspection/triads.hpp"
 #include "imulab/recording.hpp"
@@ -49,15 +50,20 @@ struct Inspection {
   std::optional<double> rate_hz;
   double jitter_s = 0;  ///< RMS of the stamps about an even clock; 0 where none was found
   std::size_t gaps = 0;
-  std::vector<std::string> evidence;   ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
-  std::vector<std::string> ambiguous;  ///< "KEY: what is not known": the user has to declare these
-  std::vector<std::string> problems;   ///< faults that have to be fixed in the file before it can be used
+  /// Notes are evidence: time, accelerometers, gyros, axes, temperature, clock, readings, rests. Warnings are open questions about a key, their
+  /// subject, which the user has to declare. Doubts are faults that have to be fixed in the file before it can be used.
+  Findings findings;
   std::vector<MethodFinding> methods;
   std::optional<inspection::TriadEvidence> triads;  ///< where two triads were found
   std::vector<std::array<double, 2>> rests_s;       ///< when their rests begin and end, from the first row on; empty without a rate
   RecordingSource source;                           ///< the declaration, complete where nothing is ambiguous
 
-  bool complete() const { return ambiguous.empty() && problems.empty(); }
+  std::vector<std::string> evidence() const { return findings.notes(); }
+  std::vector<std::string> ambiguous() const { return findings.of(Severity::warning); }
+  std::vector<std::string> problems() const { return findings.reasons(); }
+  bool complete() const { return ambiguous().empty() && problems().empty(); }
+  void note(const std::string& evidence);
+  void ask(const Question& question);
 };
 
 /// Looks at the columns. Throws Error for a table without rows or with fewer than six columns of numbers that vary, and for declarations that the

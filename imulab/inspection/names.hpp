@@ -38,7 +38,7 @@ struct UnitGuess {
   std::string unit = "count";
   Output output = Output::rate;
   std::string evidence;
-  std::string open;  ///< the question, where several units fit or none; empty where one does
+  Question open;  ///< where several units fit or none
 };
 
 /// `norm`: of the readings at rest, which is `interval_s` g where they are increments. `named`: the unit that the file or the column's name states;

@@ -77,7 +77,7 @@ void add_purpose(const SignalTable& table, const TriadEvidence& triads, Inspecti
   }
   constexpr double least_range = 10;  // K: warming up is less
   if (high - low < least_range) {
-    result.evidence.emplace_back("good for: noise, as a log at rest in one attitude");
+    result.note("good for: noise, as a log at rest in one attitude");
     return;
   }
   std::string changes;
@@ -86,7 +86,7 @@ void add_purpose(const SignalTable& table, const TriadEvidence& triads, Inspecti
       changes += fmt::format("{}{} {:+.3g}{}", changes.empty() ? "" : ", ", column_name(table, c),
                              change_with(temperature, low, high, table.signals[c].values),
                              result.columns[c].unit.empty() || result.columns[c].unit == "count" ? "" : " " + result.columns[c].unit);
-  result.evidence.push_back(
+  result.note(
       fmt::format("good for: how the zeros follow the temperature in this one attitude: from {:.3g} to {:.3g} {} the means change by {}. No "
                   "method calibrates from it alone: static takes rests in nine directions with their temperature; noise, a constant one",
                   low, high, column->unit, changes));

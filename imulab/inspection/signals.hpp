@@ -1,6 +1,7 @@
 // The columns of one table of a recording, before anybody knows what they are.
 #pragma once
 
+#include "imulab/finding_code.hpp"
 #include "imulab/session.hpp"
 
 #include <cstddef>
@@ -19,11 +20,20 @@ struct Signal {
   Integers integers = Integers::as_written;  ///< as which the values are taken
 };
 
+/// A question that the data do not answer, about the declaration of a key; without a key there is none.
+struct Question {
+  std::string key = {}, text = {}, advice = {};
+  Code code = Code::open_question;
+
+  bool empty() const { return key.empty(); }
+  std::string line() const { return key + ": " + text + (advice.empty() ? "" : "; " + advice); }
+};
+
 /// Where a table that was joined to another one comes from, and its clock.
 struct SignalPart {
   std::string file, topic;  ///< empty where they are the first table's
   TimeSource time;
-  std::string open;  ///< open question about its clock; else empty
+  Question open;  ///< about its clock
 };
 
 struct SignalTable {

@@ -1,6 +1,7 @@
 // The evidence of an inspection: what the readings are worth, and what the data can support.
 #include "imulab/estimate/method.hpp"
 #include "imulab/inspection/evidence.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/coverage.hpp"
@@ -61,13 +62,12 @@ void add_readings(const SignalTable& table, const TriadEvidence& triads, Inspect
     }
     const double least_of_gravity = triads.norm > 0 ? step / triads.norm : 0;
     if (triad == &triads.accel && least_of_gravity > 1e-3)
-      result.evidence.push_back(fmt::format("resolution: accelerometers {:.4g}, {:.2g} of gravity: coarse", step, least_of_gravity));
+      result.note(fmt::format("resolution: accelerometers {:.4g}, {:.2g} of gravity: coarse", step, least_of_gravity));
   }
-  if (!clipped.empty()) result.evidence.push_back("saturated: " + clipped);
-  if (!stuck.empty()) result.evidence.push_back(stuck + ": the sensor or its driver hangs");
+  if (!clipped.empty()) result.note("saturated: " + clipped);
+  if (!stuck.empty()) result.note(stuck + ": the sensor or its driver hangs");
   if (const double part = repeated_part(table, triads); part > 0.2)
-    result.evidence.push_back(
-        fmt::format("{:.0f} % of the rows repeat all readings of the row before: the sensor is slower than the log", 100 * part));
+    result.note(fmt::format("{:.0f} % of the rows repeat all readings of the row before: the sensor is slower than the log", 100 * part));
 }
 
 std::string counted(std::size_t n, const std::string& what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
@@ -108,7 +108,9 @@ bool determined_by(const Method& method, const SignalTable& table, const std::ve
       rests.push_back({static_cast<std::size_t>(place(rest.begin)), static_cast<std::size_t>(place(rest.end - 1)) + 1});
     const Quality quality = calibrate(method, {session, {&recording, 1}, rests}).calibration.quality;
     return quality.converged && quality.unobservable.empty();
-  } catch (const std::runtime_error&) {
+  } catch (const Error&) {
+    return false;
+  } catch (const Unsupported&) {
     return false;
   }
 }
@@ -118,15 +120,12 @@ bool determined_by(const Method& method, const SignalTable& table, const std::ve
 void add_support(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TriadEvidence& triads, Inspection& result) {
   add_readings(table, triads, result);
   const std::size_t rests = triads.rests.size();
-  if (!triads.up.empty())
-    result.evidence.push_back(
-        fmt::format("up at the first rest: about {} (if it was the other side: --set accel.axes=-x,-y,-z)", axis_text(triads.up.front())));
+  if (!triads.up.empty()) result.findings.add<Code::up_at_first_rest>(axis_text(triads.up.front()));
   const std::vector<double> parts = leverages(triads.up);
   const double determined = std::accumulate(parts.begin(), parts.end(), 0.0);
-  result.evidence.push_back(fmt::format("rests: {} found{}, {} between them{}", rests,
-                                        rests > 0 ? fmt::format(", whose directions determine {:.0f} of 9 accelerometer parameters", determined) : "",
-                                        counted(triads.turns, "turn"),
-                                        triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : ""));
+  result.findings.add<Code::rests_found>(
+      rests, rests > 0 ? fmt::format(", whose directions determine {:.0f} of 9 accelerometer parameters", determined) : "",
+      counted(triads.turns, "turn"), triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : "");
   const RestEvidence evidence{rests, triads.turns, determined, triads.explained()};
   constexpr std::size_t few = 5;  // with four turns between them not even the accelerometers are determined
   for (const Method& method : methods_by_equipment()) {
@@ -146,7 +145,7 @@ void add_clock(const ClockQuality& clock, Inspection& result) {
   if (clock.scatter_s > 0) text += fmt::format(", stamps scatter by {:.2g} ms", 1e3 * clock.scatter_s);
   text += clock.gaps == 0 ? ", no gap" : fmt::format(", {} gap{}, the longest {:.4g} s", clock.gaps, clock.gaps == 1 ? "" : "s", clock.largest_gap_s);
   if (clock.repeated > 0) text += fmt::format(", {} stamps repeated", clock.repeated);
-  result.evidence.push_back(text);
+  result.note(text);
 }
 
 }  // namespace imulab::inspection

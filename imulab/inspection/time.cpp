@@ -158,8 +158,8 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     guess.evidence = fmt::format("{} advances by {:.6g}: {} ({}), {:.5g} Hz", name, steps.typical, unit, why, *guess.rate_hz);
   };
   if (!hint.unknown.empty() && signal.unit.empty()) {
-    guess.open =
-        fmt::format("time.unit: {} advances by {:.6g} of a unit that is not known here; expected s, ms, us, ns, tick or sample", name, steps.typical);
+    guess.open = {"time.unit",
+                  fmt::format("{} advances by {:.6g} of a unit that is not known here; expected s, ms, us, ns, tick or sample", name, steps.typical)};
     return;
   }
   if (const auto clock = makers_clock(signal.name, steps.typical); clock && signal.unit.empty()) {
@@ -175,34 +175,34 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
   if (hint.ticks) {
     guess.source.unit = "tick";
     guess.evidence = fmt::format("{} advances by {:.6g}: ticks, by its name", name, steps.typical);
-    guess.open = "time.ticks_per_s: how many ticks are a second";
+    guess.open = {"time.ticks_per_s", "how many ticks are a second"};
     return;
   }
   if (!stated.empty() && std::find(time_units.begin(), time_units.end(), stated) != time_units.end()) {
     decide(stated, signal.unit.empty() ? "its name" : "the format");
     if (*guess.rate_hz < 0.5 || *guess.rate_hz > 100e3)
-      guess.open = fmt::format("time.unit: {} is named {}, which gives {:.3g} Hz, implausible for an IMU", name, stated, *guess.rate_hz);
+      guess.open = {"time.unit", fmt::format("{} is named {}, which gives {:.3g} Hz, implausible for an IMU", name, stated, *guess.rate_hz)};
     return;
   }
   if (dated.size() == 1) return decide(dated[0], "it begins at a date since 1970");
   if (steps.ones && hint.role != Role::time) {
     guess.source.unit = "sample";
     guess.evidence = fmt::format("{} advances by 1: it numbers the samples", name);
-    guess.open = "rate_hz: samples are numbered, not timed";
+    guess.open = {"rate_hz", "samples are numbered, not timed"};
     return;
   }
   if (steps.ones || fit.size() != 1) {
     guess.source.unit = "s";
     guess.evidence = fmt::format("{} advances by {:.6g}", name, steps.typical);
-    guess.open = fmt::format("time.unit: {} advances by {:.6g}; {}", name, steps.typical,
-                             steps.ones ? "a number of the sample, or ms" : "no unit of time gives a rate from 10 Hz to 10 kHz");
+    guess.open = {"time.unit", fmt::format("{} advances by {:.6g}; {}", name, steps.typical,
+                                           steps.ones ? "a number of the sample, or ms" : "no unit of time gives a rate from 10 Hz to 10 kHz")};
     return;
   }
   guess.by_rate_alone = steps.whole;
   decide(fit[0],
          steps.whole ? "of the usual units the only one with a rate from 10 Hz to 10 kHz" : "in no other unit the rate is from 10 Hz to 10 kHz");
   if (*guess.rate_hz > usual_hz)
-    guess.open = fmt::format("time.unit: {} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz);
+    guess.open = {"time.unit", fmt::format("{} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz)};
 }
 
 }  // namespace
@@ -251,7 +251,7 @@ TimeGuess recognize_time(const SignalTable& table) {
   }
   if (candidates.empty()) {
     guess.evidence = "no column advances in even steps: the rows have no stamps";
-    guess.open = "rate_hz: the rows have no stamps that advance in even steps; declare the rate of the rows";
+    guess.open = {"rate_hz", "the rows have no stamps that advance in even steps; declare the rate of the rows"};
     return guess;
   }
   const auto best = std::max_element(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {

@@ -22,7 +22,7 @@ struct TimeGuess {
   std::string evidence;
   std::vector<std::string> others;  ///< columns that could be time as well
   bool by_rate_alone = false;       ///< whole numbers in the only usual unit that gives a rate of an IMU: they may as well be ticks
-  std::string open;                 ///< a question that the data do not answer; empty where there is none
+  Question open;
 };
 
 /// Finds the column whose numbers advance in even steps, and their unit by what the column states, its beginning (a date since 1970), its name, or

@@ -49,11 +49,11 @@ UnitGuess choose(const std::vector<Possible>& fit, const std::vector<Possible>& 
     std::string instead;
     for (const Possible& p : fit) instead += (instead.empty() ? "" : " or ") + with_output(p);
     guess.unit = named;
-    guess.open = fmt::format("{}.unit: the file says {}, but {}", key, named, what + (instead.empty() ? "" : ", as in " + instead));
+    guess.open = {key + ".unit", fmt::format("the file says {}, but {}", named, what + (instead.empty() ? "" : ", as in " + instead))};
     return guess;
   }
   if (!named.empty() && named != "count") {
-    guess.open = fmt::format("{}.unit: the file says {}, which is no unit known here; {}", key, named, what);
+    guess.open = {key + ".unit", fmt::format("the file says {}, which is no unit known here; {}", named, what)};
     return guess;
   }
   if (named == "count") {
@@ -70,7 +70,7 @@ UnitGuess choose(const std::vector<Possible>& fit, const std::vector<Possible>& 
   }
   std::string list;
   for (const Possible& p : fit) list += (list.empty() ? "" : " or ") + with_output(p);
-  guess.open = fmt::format("{}.unit: {}, {}", key, what, fit.empty() ? "which is no unit known here" : "which could be " + list);
+  guess.open = {key + ".unit", fmt::format("{}, {}", what, fit.empty() ? "which is no unit known here" : "which could be " + list)};
   return guess;
 }
 

@@ -4,13 +4,15 @@
 #include "imulab/units.hpp"
 
 #include <Eigen/LU>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace imulab {
+
+std::string_view to_string(BodyFrame frame) { return frame == BodyFrame::rig ? "rig" : "accelerometers"; }
 
 std::string clock_text(const std::optional<ClockScale>& clock) {
   if (!clock) return "";
@@ -22,9 +24,9 @@ std::string clock_text(const std::optional<ClockScale>& clock) {
 }
 
 std::string verdict_text(const Quality& quality) {
-  std::string text = quality.verdict;
-  for (std::size_t i = 0; i < quality.because.size(); ++i) text += (i == 0 ? ", because " : "; ") + quality.because[i];
-  return text;
+  std::string text(to_string(quality.verdict));
+  const std::vector<std::string> reasons = quality.findings.reasons();
+  return reasons.empty() ? text : fmt::format("{}, because {}", text, fmt::join(reasons, "; "));
 }
 
 std::vector<std::string> unusable(const Calibration& calibration) {
@@ -89,8 +91,6 @@ void validate(const Calibration& c) {
     problems.push_back(std::move(wrong));
   else if (std::string of_part = known ? constant_problem(c) : ""; !of_part.empty())
     problems.push_back(std::move(of_part));
-  if (c.frame != "accelerometers" && c.frame != "rig")
-    problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", c.frame));
   const std::vector<std::string> of_model = problems_of(c.model);
   problems.insert(problems.end(), of_model.begin(), of_model.end());
   throw_problems("the calibration", problems);

@@ -10,6 +10,9 @@
 
 namespace imulab {
 
+inline constexpr std::array quality_verdicts{Verdict::none, Verdict::good, Verdict::doubtful};
+inline constexpr std::array body_frames{BodyFrame::accelerometers, BodyFrame::rig};
+
 template <class Fields>
 void describe(Fields& f, Reference& r) {
   f("quantity", r.quantity), f("instrument", r.instrument), f("certificate", r.certificate), f("date", r.date, fields::or_empty);
@@ -87,18 +90,44 @@ void describe(Fields& f, SecondOpinion& s) {
   f("method", s.method), f("coefficient", s.coefficient), f("sigmas", s.sigmas, fields::or_nan);
 }
 
+template <class Fields>
+void describe(Fields& f, Finding& x) {
+  fields::via(
+      f, "code", [&] { return std::string(name_of(x.code)); }, [&](const std::string& name) { x.code = code_of(name); });
+  fields::choice(f, "severity", x.severity, std::array{Severity::note, Severity::warning, Severity::doubt}, "note, warning or doubt");
+  f("subject", x.subject, fields::if_any), f("numbers", x.numbers, fields::if_any), f("text", x.text), f("advice", x.advice, fields::if_any);
+  f("place", x.place, fields::if_any);
+}
+
+/// The findings, and their sentences by severity. A sentence that has no finding, as in files of earlier versions, becomes one without a code.
+template <class Fields>
+void describe_findings(Fields& f, Quality& q) {
+  std::vector<std::string> warnings = q.findings.warnings(), because = q.findings.reasons(), notes = q.findings.notes();
+  f("warnings", warnings, fields::optional);
+  fields::choice(f, "verdict", q.verdict, quality_verdicts, "good or doubtful", fields::optional);
+  f("because", because, fields::optional), f("notes", notes, fields::optional), f("findings", q.findings, fields::if_any);
+  if constexpr (Fields::reads) {
+    const auto complete = [&](Severity severity, std::vector<std::string> texts, const std::vector<std::string>& known) {
+      std::erase_if(texts, [&](const std::string& text) { return std::ranges::find(known, text) != known.end(); });
+      q.findings.append(severity, texts);
+    };
+    complete(Severity::doubt, because, q.findings.reasons()), complete(Severity::warning, warnings, q.findings.warnings());
+    complete(Severity::note, notes, q.findings.notes());
+  }
+}
+
 /// Files of earlier versions, and those that people write, lack what is optional.
 template <class Fields>
 void describe(Fields& f, Quality& q) {
   f("chi2_per_dof", q.chi2_per_dof, fields::if_known), f("degrees_of_freedom", q.degrees_of_freedom, fields::optional);
   f("condition", q.condition, fields::if_known), f("converged", q.converged, fields::optional), f("unobservable", q.unobservable, fields::optional);
-  f("warnings", q.warnings, fields::optional), f("verdict", q.verdict, fields::optional), f("because", q.because, fields::optional);
+  describe_findings(f, q);
   f("requirements", q.requirements, fields::optional), f("considered", q.considered, fields::optional);
   f("rotation_residual_deg", q.rotation_residual_deg, fields::optional), f("term_tests", q.term_tests, fields::optional);
   f("effects", q.effects, fields::if_any), f("unit_size", q.unit_size, fields::if_any), f("cause", q.cause, fields::if_any),
       f("second_opinion", q.second_opinion, fields::optional);
   f("sources", q.sources, fields::optional), f("fit_residuals", q.fit_residuals, fields::optional), f("rig_errors", q.rig_errors, fields::optional);
-  f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional), f("notes", q.notes, fields::optional);
+  f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional);
 }
 
 /// The matrix is required; another term that is missing is zero. `coupling` is the lever arm of the accelerometers or the gyros' g-sensitivity.
@@ -161,9 +190,8 @@ void describe(Fields& f, Calibration& c) {
   const auto session = [&](auto& t) { t("file", c.session_file, fields::optional), t("sha256", c.session_sha256, fields::optional); };
   f.table("session", session, fields::optional);
   f("sources", c.sources, fields::optional), f("options", c.options, fields::optional);
-  if (Fields::reads) c.frame = "rig";
-  f("frame", c.frame, fields::optional);
-  fields::expect(f, c.frame == "accelerometers" || c.frame == "rig", "frame", "\"accelerometers\" or \"rig\"");
+  if (Fields::reads) c.frame = BodyFrame::rig;
+  fields::choice(f, "frame", c.frame, body_frames, "\"accelerometers\" or \"rig\"", fields::optional);
   f("clock", c.clock, fields::if_any);
   f("model", c.model);
   describe_uncertainties(f, c);

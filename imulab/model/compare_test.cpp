@@ -215,7 +215,7 @@ Calibration in_frame(const Calibration& c, const Matrix3d& f) {
     return m;
   };
   Calibration out = c;
-  out.frame = "rig";
+  out.frame = BodyFrame::rig;
   out.model = turned(c.model);
   out.estimated.clear();
   for (const char* s : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})
@@ -306,7 +306,7 @@ TEST(Compare, SeveralHaveTheSameRowsInTheSameUnits) {
 TEST(Compare, ZhangsCalibrationsDifferAsHisTable3Says) {
   const auto zhang = [](const Vector3d& gyro_offset_deg_per_h, const Vector3d& accel_offset, const Matrix3d& gyro, const Matrix3d& accel) {
     Calibration c;
-    c.frame = "rig";
+    c.frame = BodyFrame::rig;
     c.model.gyro.offset = unit::deg_per_h * gyro_offset_deg_per_h;
     c.model.accel.offset = accel_offset;
     c.model.gyro.matrix = gyro;

@@ -42,34 +42,36 @@ std::string judged_text(const RequirementResult& r) {
   return fmt::format("{}: {} ({}: {}{}{})", r.text, r.met ? "met" : "not met", r.coefficient, reached_text(r), r.note.empty() ? "" : "; ", r.note);
 }
 
-std::string verdict_about(std::string_view measured, const std::vector<RequirementResult>& requirements) {
-  if (requirements.empty() || measured == "doubtful") return std::string(measured);
-  return std::all_of(requirements.begin(), requirements.end(), [](const RequirementResult& r) { return r.met; }) ? "met" : "not met";
+Verdict verdict_about(Verdict measured, const std::vector<RequirementResult>& requirements) {
+  if (requirements.empty() || measured == Verdict::doubtful) return measured;
+  return std::all_of(requirements.begin(), requirements.end(), [](const RequirementResult& r) { return r.met; }) ? Verdict::met : Verdict::not_met;
 }
 
-Conclusion conclude(std::string_view measured, std::string headline, std::vector<RequirementResult> requirements) {
+Conclusion conclude(Verdict measured, std::string headline, std::vector<RequirementResult> requirements) {
   Conclusion out{verdict_about(measured, requirements), std::move(headline), std::move(requirements)};
-  if (out.verdict == "doubtful")
+  if (out.verdict == Verdict::doubtful)
     for (RequirementResult& r : out.requirements) r.met = false;
-  if (out.verdict != "met" && out.verdict != "not met") return out;
+  if (out.verdict != Verdict::met && out.verdict != Verdict::not_met) return out;
   const auto worse = [](const RequirementResult& a, const RequirementResult& b) { return a.reached / a.limit < b.reached / b.limit; };
   std::vector<RequirementResult> shown = out.requirements;
-  if (out.verdict == "not met") std::erase_if(shown, [](const RequirementResult& r) { return r.met; });
+  if (out.verdict == Verdict::not_met) std::erase_if(shown, [](const RequirementResult& r) { return r.met; });
   out.headline = requirement_text(*std::max_element(shown.begin(), shown.end(), worse));
-  if (shown.size() > 1) out.headline += fmt::format("; {} more {}", shown.size() - 1, out.verdict);
+  if (shown.size() > 1) out.headline += fmt::format("; {} more {}", shown.size() - 1, to_string(out.verdict));
   return out;
 }
 
-std::string conclusion_text(const Conclusion& c) { return c.verdict.empty() ? c.headline : c.verdict + ": " + c.headline; }
+std::string conclusion_text(const Conclusion& c) {
+  return c.verdict == Verdict::none ? c.headline : fmt::format("{}: {}", to_string(c.verdict), c.headline);
+}
 
-bool is_favorable(std::string_view verdict) { return verdict == "good" || verdict == "met"; }
+bool is_favorable(Verdict verdict) { return verdict == Verdict::good || verdict == Verdict::met; }
 
 std::string missed_requirements(const Conclusion& c) {
   std::string list;
   for (const RequirementResult& r : c.requirements)
-    if (!r.met || c.verdict == "doubtful") list += (list.empty() ? "" : ", ") + r.text;
+    if (!r.met || c.verdict == Verdict::doubtful) list += (list.empty() ? "" : ", ") + r.text;
   if (list.empty()) return list;
-  return (c.verdict == "doubtful" ? "a doubtful result meets no requirement: " : "not met: ") + list;
+  return (c.verdict == Verdict::doubtful ? "a doubtful result meets no requirement: " : "not met: ") + list;
 }
 
 }  // namespace imulab

@@ -108,7 +108,7 @@ Calibration in_accelerometer_frame(const Calibration& calibration) {
   values = rotated(values);
 
   Calibration out = calibration;
-  out.frame = "accelerometers";
+  out.frame = BodyFrame::accelerometers;
   for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, zero_by_frame(i) ? 0.0 : values[static_cast<std::size_t>(i)]);
   std::erase_if(out.estimated, zero_by_frame);
   const Eigen::MatrixXd jacobian = rotation_jacobian(calibration.model)(out.estimated, calibration.estimated);

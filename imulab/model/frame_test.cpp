@@ -88,10 +88,10 @@ TEST(AccelerometerFrame, ASingularMatrixIsAnError) {
 
 TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
   Calibration c;
-  c.frame = "rig";
+  c.frame = BodyFrame::rig;
   c.model = framed_model(0.02, 0.5);
   const Calibration turned = in_accelerometer_frame(c);
-  EXPECT_EQ(turned.frame, "accelerometers");
+  EXPECT_EQ(turned.frame, BodyFrame::accelerometers);
   const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
   const RawSample raw{.gyro = {70, 40, -90}, .accel = {300, -500, 800}};
   const Motion before = compensate(c.model, raw), after = compensate(turned.model, raw);
@@ -120,7 +120,7 @@ TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
 /// The covariance against central differences of the whole transformation, at a turn and misalignment where R's dependence matters.
 TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   Calibration c;
-  c.frame = "rig";
+  c.frame = BodyFrame::rig;
   c.model = framed_model(0.05, 0.5);
   c.model.accel.temperature = c.model.gyro.temperature = ThermalReading{};
   c.estimated = all_coefficients();

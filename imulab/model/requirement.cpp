@@ -103,14 +103,14 @@ RequirementResult compared(const Requirement& requirement, const std::function<S
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
   validate(calibration);
-  const auto fixed = [&](CoefficientIndex index) { return calibration.frame == "accelerometers" && zero_by_frame(index); };
+  const auto fixed = [&](CoefficientIndex index) { return calibration.frame == BodyFrame::accelerometers && zero_by_frame(index); };
   RequirementResult out = compared(requirement, [&](CoefficientIndex index) {
     if (fixed(index)) return StatedSigma{};
     const double sigma = is_result(calibration, index) ? relative_uncertainty(calibration, index) : std::numeric_limits<double>::infinity();
     return StatedSigma{sigma, std::isfinite(sigma) ? expanded_uncertainty(calibration, index).degrees_of_freedom : 0};
   });
   if (std::ranges::all_of(requirement.coefficients, fixed)) out.note = "zero by the definition of the axes";
-  if (calibration.quality.verdict == "doubtful") {
+  if (calibration.quality.verdict == Verdict::doubtful) {
     out.met = false;
     if (out.note.empty() || out.reached > 0) out.note = "the calibration is doubtful";
   }

@@ -66,9 +66,9 @@ TEST(Requirement, ADoubtfulResultMeetsNone) {
   c.estimated = select_coefficients("accel.offset");
   c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
   const Requirement r = parse_requirements("accel.offset <= 1 ug").front();
-  c.quality.verdict = "good", c.quality.degrees_of_freedom = 100;
+  c.quality.verdict = Verdict::good, c.quality.degrees_of_freedom = 100;
   EXPECT_TRUE(assess(c, r).met);
-  c.quality.verdict = "doubtful";
+  c.quality.verdict = Verdict::doubtful;
   EXPECT_FALSE(assess(c, r).met);
   EXPECT_LT(assess(c, r).reached, r.limit);
   EXPECT_EQ(assess(c, r).note, "the calibration is doubtful");
@@ -80,7 +80,7 @@ TEST(Requirement, APriorAloneMeetsNone) {
   Calibration c;
   c.estimated = select_coefficients("accel.offset");
   c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
-  c.quality.verdict = "good", c.quality.degrees_of_freedom = 100;
+  c.quality.verdict = Verdict::good, c.quality.degrees_of_freedom = 100;
   c.quality.considered = {"accel.offset.y"};
   const RequirementResult result = assess(c, parse_requirements("accel.offset <= 1 ug").front());
   EXPECT_FALSE(result.met);
@@ -91,9 +91,9 @@ TEST(Requirement, APriorAloneMeetsNone) {
 
 TEST(Requirement, FewDegreesOfFreedomCountWithStudentsT) {
   Calibration c;
-  c.estimated = select_coefficients("accel.offset"), c.frame = "rig";
+  c.estimated = select_coefficients("accel.offset"), c.frame = BodyFrame::rig;
   c.covariance = std::pow(30 * unit::ug, 2) * Eigen::MatrixXd::Identity(3, 3);
-  c.quality.verdict = "good";
+  c.quality.verdict = Verdict::good;
   const Requirement r = parse_requirements("accel.offset <= 2 mg").front();
   struct Case {
     int degrees;

@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -37,6 +38,21 @@ std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white
 std::string_view to_string(Extent extent) { return extent == Extent::all ? "all" : "steps"; }
 
 std::string_view to_string(Stamps stamps) { return stamps == Stamps::automatic ? "automatic" : stamps == Stamps::recorded ? "recorded" : "uniform"; }
+namespace {
+constexpr std::array<std::string_view, 4> vertical_channels{"free", "fixed", "aided", "held"};
+}
+
+std::string_view to_string(VerticalChannel vertical) {
+  const auto at = static_cast<std::size_t>(vertical);
+  return at < vertical_channels.size() ? vertical_channels[at] : "none";
+}
+
+VerticalChannel vertical_channel(std::string_view name) {
+  const auto at = std::ranges::find(vertical_channels, name) - vertical_channels.begin();
+  if (at == std::ssize(vertical_channels)) throw Error(fmt::format("vertical channel: \"{}\"; expected free, fixed, aided or held", name));
+  return static_cast<VerticalChannel>(at);
+}
+
 std::string_view to_string(RigKind kind) {
   switch (kind) {
     case RigKind::turntable:

@@ -148,9 +148,10 @@ void transfer(Fields& f, Session& session) {
 /// The treatment of the height and its aid.
 template <class Fields>
 void transfer_navigation(Fields& f, Session& session) {
-  std::string vertical = session.vertical.value_or("");
+  std::string vertical(session.vertical ? to_string(*session.vertical) : "");
   f.choice("vertical", vertical, {"free", "fixed", "aided", "held"}, Presence::optional);
-  if (!vertical.empty()) session.vertical = vertical;
+  for (const VerticalChannel each : {VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held})
+    if (vertical == to_string(each)) session.vertical = each;
   f.text("barometer", session.barometer_file);
 }
 

@@ -130,11 +130,10 @@ std::string aided_page(const std::string& session, const AidedNavigation& n, con
   page.kind = "Navigation", page.title = name_of_file(session);
   page.subtitle = n.causal ? "Aided solution, filtered" : "Aided solution, smoothed";
   take_conclusion(page.verdict, conclusion);
-  page.verdict.because = n.doubts;
-  std::vector<std::string> others = warnings;  // than the reasons of the verdict
-  std::erase_if(others, [&](const std::string& text) {
-    return std::ranges::any_of(n.doubts, [&](const std::string& doubt) { return text.ends_with(doubt); });
-  });
+  page.verdict.because = n.findings.reasons();
+  std::vector<std::string> others = warnings;  // than the reasons of the verdict, which are above
+  const std::vector<std::string> shown = n.findings.of(Severity::doubt);
+  std::erase_if(others, [&](const std::string& text) { return std::ranges::find(shown, text) != shown.end(); });
   if (!others.empty()) page.body += section("warnings", "Warnings", "", list(others));
   page.body += track_section(n) + sigmas_section(n) + outages_section(n) + innovations_section(n);
   page.body += aids_section(n) + constants_section(n);

@@ -113,19 +113,19 @@ std::string loss_section(const BudgetReport& r) {
                  list(lines) + key(entries) + figure(plot.svg(), "One sigma; dashed: the limits.", true) + table(t));
 }
 
-Verdict budget_verdict(const BudgetReport& r) {
+PageVerdict budget_verdict(const BudgetReport& r) {
   const ErrorBudget& b = r.summary.budget;
   const bool rough = large_angles(b).has_value(), sampled = r.summary.monte_carlo && r.summary.monte_carlo->mean.cols() > 0;
-  Verdict v{.tone = Tone::neutral,
-            .word = fmt::format("{}{} after {} min", rough && !sampled ? "roughly " : "",
-                                length_text(rough && sampled ? horizontal_rms(*r.summary.monte_carlo) : horizontal_rms(b, b.time.size() - 1)),
-                                number_text(b.time.back() / 60)),
-            .meaning = fmt::format("Horizontal position error, {}, vertical channel {}.",
-                                   rough && sampled ? fmt::format("root mean square of {} Monte Carlo runs", r.summary.runs)
-                                                    : "fixed errors and one sigma of drawn ones",
-                                   to_string(b.vertical)),
-            .because = {},
-            .actions = {}};
+  PageVerdict v{.tone = Tone::neutral,
+                .word = fmt::format("{}{} after {} min", rough && !sampled ? "roughly " : "",
+                                    length_text(rough && sampled ? horizontal_rms(*r.summary.monte_carlo) : horizontal_rms(b, b.time.size() - 1)),
+                                    number_text(b.time.back() / 60)),
+                .meaning = fmt::format("Horizontal position error, {}, vertical channel {}.",
+                                       rough && sampled ? fmt::format("root mean square of {} Monte Carlo runs", r.summary.runs)
+                                                        : "fixed errors and one sigma of drawn ones",
+                                       to_string(b.vertical)),
+                .because = {},
+                .actions = {}};
   if (b.loss) {
     const std::vector<ErrorsAfterLoss> after = errors_after_loss(b);
     v.word = fmt::format("{} after {} s", length_text(after.back().horizontal), number_text(after.back().seconds));

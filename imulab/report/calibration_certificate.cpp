@@ -66,7 +66,7 @@ std::string identification_section(const CalibrationReport& report) {
   const std::string sketch = figure(
       axes_sketch(), "Right-handed axes. At rest the axis that points up measures +1 g. A positive rate turns as the arc does: about z from x to y.");
   return section("identification", "What was calibrated, and how", "",
-                 facts.html() + "<div class=\"small\">" + sketch + "</div>\n" + model_equation(c) + list(c.quality.notes));
+                 facts.html() + "<div class=\"small\">" + sketch + "</div>\n" + model_equation(c) + list(c.quality.findings.notes()));
 }
 
 std::string not_covered_section(const CalibrationReport& report, const std::string& temperature) {
@@ -88,7 +88,7 @@ std::string not_covered_section(const CalibrationReport& report, const std::stri
   if (!has_estimated(c, Term::g_sensitivity, Triad::gyro)) out.emplace_back("The gyros' sensitivity to acceleration: not estimated.");
   out.emplace_back("Vibration, shock, magnetic fields, supply voltage, bandwidth and delay: not examined.");
   out.emplace_back("Noise and bias instability over time: an Allan deviation needs a long recording at rest.");
-  if (find_method(c.method) != nullptr && c.frame == "accelerometers")
+  if (find_method(c.method) != nullptr && c.frame == BodyFrame::accelerometers)
     out.emplace_back("The axes are the sensors' own: their orientation in the housing is not measured.");
   return section("not-covered", "What this does not cover", "", list(out));
 }

@@ -176,7 +176,7 @@ std::string uncertainty_section(const Calibration& calibration) {
     rigs.rows.push_back({escaped(e.name), number_text(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
   std::vector<std::string> said;
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
-  const bool rig = calibration.frame == "rig";
+  const bool rig = calibration.frame == BodyFrame::rig;
   std::string lead = "Type A comes from the residuals and the noise of the data, type B from declarations. ";
   lead += t.rows.empty() ? "No declared part is known apart from the rest. "
                          : "The uncertainty of g is the same part of all three accelerometer scales. ";

@@ -73,8 +73,8 @@ std::string temperature_text(const TriadModel& m) {
 }
 
 std::string frame_text(const Calibration& c) {
-  return c.frame == "rig" ? "the rig's axes"
-                          : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
+  return c.frame == BodyFrame::rig ? "the rig's axes"
+                                   : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
 }
 
 std::string declared_name(const Calibration& c) {

@@ -51,30 +51,30 @@ std::vector<std::string> actions(const CalibrationReport& report) {
   for (const RequirementResult& r : q.requirements)
     if (!r.met && !(r.reached <= r.limit))
       out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
-  if (q.verdict == "doubtful") {
+  if (q.verdict == Verdict::doubtful) {
     out.emplace_back("Resolve each reason above, and calibrate again. Until then rely on the values no further than the reasons allow.");
     if (const std::string more = missing_directions(report); !more.empty()) out.push_back(more);
   }
-  if (out.empty() && q.verdict == "good")  // and no requirement was missed
+  if (out.empty() && q.verdict == Verdict::good)  // and no requirement was missed
     out = {"Use it within the conditions below: imulab compensate applies it to recordings, imulab export to firmware.",
            "Repeat it after a power cycle and another day, and compare: one calibration does not show how stable the IMU is."};
   return out;
 }
 
-Verdict verdict_of(const CalibrationReport& report) {
+PageVerdict verdict_of(const CalibrationReport& report) {
   const Quality& q = report.result.calibration.quality;
-  Verdict v;
+  PageVerdict v;
   const bool bare = report.result.calibration.estimated.empty();
   const Conclusion conclusion = conclusion_of(report.result.calibration);
-  v.word = conclusion.verdict.empty() ? "no verdict" : conclusion.verdict;
-  if (conclusion.verdict.empty() || bare)
+  v.word = conclusion.verdict == Verdict::none ? "no verdict" : to_string(conclusion.verdict);
+  if (conclusion.verdict == Verdict::none || bare)
     v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
   else
     take_conclusion(v, conclusion);
-  if (conclusion.verdict == "good" && !bare)
+  if (conclusion.verdict == Verdict::good && !bare)
     v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
-  if (conclusion.verdict == "doubtful") v.meaning = "Something contradicts the stated uncertainties, or is missing:";
-  v.because = q.because;
+  if (conclusion.verdict == Verdict::doubtful) v.meaning = "Something contradicts the stated uncertainties, or is missing:";
+  v.because = q.findings.reasons();
   if (!bare) v.actions = actions(report);
   return v;
 }
@@ -103,7 +103,10 @@ std::string subtitle_of(const Calibration& c) {
   return text;
 }
 
-std::string warnings_section(const Quality& q) { return q.warnings.empty() ? "" : section("warnings", "Warnings", "", list(q.warnings)); }
+std::string warnings_section(const Quality& q) {
+  const std::vector<std::string> warnings = q.findings.warnings();
+  return warnings.empty() ? "" : section("warnings", "Warnings", "", list(warnings));
+}
 
 std::string next_switch_on_note(const Calibration& c) {
   const std::string next = next_switch_on_text(c);

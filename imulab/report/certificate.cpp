@@ -73,10 +73,10 @@ std::string head_part(const Certificate& c) {
 
 /// A doubtful calibration is a result too; the one who receives it must not miss that.
 std::string doubt_part(const Quality& quality) {
-  if (quality.verdict != "doubtful") return "";
+  if (quality.verdict != Verdict::doubtful) return "";
   constexpr std::size_t shown = 3;
   std::vector<std::string> because;
-  for (const std::string& reason : quality.because) because.push_back(shortened(reason, 240));
+  for (const std::string& reason : quality.findings.reasons()) because.push_back(shortened(reason, 240));
   const std::size_t more = because.size() > shown ? because.size() - shown : 0;
   if (more > 0) because.resize(shown), because.push_back(fmt::format("{} more in the appendix", more));
   return "<div class=\"notice\"><strong id=\"verdict\">This calibration is doubtful</strong>: the stated uncertainties may be too small, and no "

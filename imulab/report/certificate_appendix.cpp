@@ -42,7 +42,7 @@ std::string all_coefficients(const Calibration& c) {
 std::string fit_part(const Calibration& c) {
   const Quality& q = c.quality;
   Statements s;
-  s.add("verdict", verdict_text(q).empty() ? "none on record" : verdict_text(q));
+  s.add("verdict", q.verdict == Verdict::none ? "none on record" : verdict_text(q));
   if (q.degrees_of_freedom > 0)
     s.add("residuals", fmt::format("chi-square {} per degree of freedom, {} degrees of freedom; 1 is expected", number_text(q.chi2_per_dof),
                                    q.degrees_of_freedom));
@@ -58,8 +58,9 @@ std::string fit_part(const Calibration& c) {
   s.add_known("clock", clock_text(c.clock));
   s.add_known("evaluated with", c.software);
   std::vector<std::string> assumed;
-  std::ranges::copy_if(q.notes, std::back_inserter(assumed), is_assumption);
-  return "<h2>Fit</h2>\n" + s.html() + list(q.warnings) +
+  for (const Finding& finding : q.findings)
+    if (is_assumption(finding)) assumed.push_back(finding.text);
+  return "<h2>Fit</h2>\n" + s.html() + list(q.findings.warnings()) +
          (assumed.empty() ? "" : "<h3>Assumed, and not confirmed by the data</h3>\n" + list(assumed));
 }
 

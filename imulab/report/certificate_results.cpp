@@ -69,7 +69,7 @@ std::string triad_results(const Calibration& c, Triad triad) {
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& of = coefficient(index);
     if (of.triad != triad || (of.term != Term::offset && of.term != Term::matrix)) continue;
-    if (c.frame == "accelerometers" && zero_by_frame(index)) continue;
+    if (c.frame == BodyFrame::accelerometers && zero_by_frame(index)) continue;
     rows += result_row(c, index);
   }
   if (triad == Triad::gyro) rows += time_base_row(c);
@@ -92,7 +92,7 @@ std::string results_part(const Certificate& certificate) {
   std::string tables;
   for (const Triad triad : {Triad::accel, Triad::gyro})
     if (any_of_triad(c, triad)) tables += triad_results(c, triad);
-  const bool rig = c.frame == "rig";
+  const bool rig = c.frame == BodyFrame::rig;
   return "<h2>Results</h2>\n<p>To the item's readings V belong specific force a = A0 + A1 V and angular rate w = W0 + W1 V, with the further terms "
          "of the "
          "appendix, which has the full model. Offsets A0, W0 are added to the output (a sensor's bias is the offset with the other sign); scale "
@@ -112,7 +112,7 @@ std::string conformity_part(const Calibration& c) {
   const std::vector<RequirementResult>& requirements = c.quality.requirements;
   const std::string heading = "<h2>Decision rule and conformity</h2>\n";
   if (requirements.empty()) return heading + "<p>No requirement was given: no statement of conformity is made.</p>\n";
-  const bool doubtful = c.quality.verdict == "doubtful";
+  const bool doubtful = c.quality.verdict == Verdict::doubtful;
   std::string rows;
   for (const RequirementResult& r : requirements)
     rows += fmt::format("<tr><td>{}</td><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n", escaped(readable_unit(r.text)),

@@ -20,8 +20,8 @@ std::string consistency_text(const Consistency& c) {
   return fmt::format("all together, {} degrees of freedom: {}", c.degrees_of_freedom, judged_text(c));
 }
 
-Verdict comparison_verdict(const ComparisonSummary& summary) {
-  Verdict v{.tone = Tone::good, .word = "consistent", .meaning = {}, .because = {}, .actions = {}};
+PageVerdict comparison_verdict(const ComparisonSummary& summary) {
+  PageVerdict v{.tone = Tone::good, .word = "consistent", .meaning = {}, .because = {}, .actions = {}};
   const std::vector<PairTest> pairs = ranked_pairs(summary);
   v.meaning = size_text(pairs.front().together) + (pairs.size() > 1 ? " even in the least probable pair." : ".");
   v.meaning[0] = 'T';

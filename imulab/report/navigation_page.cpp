@@ -106,9 +106,10 @@ std::vector<double> rates_of(const NavigationSummary& sessions) {
   return rates;
 }
 
-Verdict navigation_verdict(const NavigationReport& report) {
+PageVerdict navigation_verdict(const NavigationReport& report) {
   const std::vector<double> rates = rates_of(report.sessions);
-  Verdict v{.tone = Tone::neutral, .word = "navigated", .meaning = "There is no reference, so errors are not known.", .because = {}, .actions = {}};
+  PageVerdict v{
+      .tone = Tone::neutral, .word = "navigated", .meaning = "There is no reference, so errors are not known.", .because = {}, .actions = {}};
   if (!rates.empty()) {
     const RateSummary summary = rate_summary(rates);
     v.word = fmt::format("{} nmi/h", number_text(summary.rms));

@@ -19,8 +19,8 @@ namespace {
 
 void add_name(std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; }
 
-Verdict noise_verdict(const NoiseAnalysis& analysis) {
-  Verdict v{Tone::good, noise_headline(analysis), "On every axis the spectrum is that of the fitted terms.", analysis.warnings, {}};
+PageVerdict noise_verdict(const NoiseAnalysis& analysis) {
+  PageVerdict v{Tone::good, noise_headline(analysis), "On every axis the spectrum is that of the fitted terms.", analysis.warnings, {}};
   std::string misfits, silent;
   for (const NoiseAxis& axis : analysis.axes) {
     if (!axis.fit) add_name(silent, axis.name);
@@ -215,7 +215,7 @@ std::string noise_page(const NoiseBatch& batch, const Conclusion& conclusion) {
                   .actions = {}};
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   for (const NoiseAnalysis& log : batch.logs) {
-    const Verdict one = noise_verdict(log);
+    const PageVerdict one = noise_verdict(log);
     if (one.tone == Tone::good) continue;
     page.verdict.tone = Tone::doubtful;
     page.verdict.because.push_back(shortened(log.recording, 60) + ": " + one.meaning);

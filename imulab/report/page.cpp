@@ -45,7 +45,7 @@ std::string head(const Page& page) {
       assets::page_css);
 }
 
-std::string banner(const Verdict& v) {
+std::string banner(const PageVerdict& v) {
   constexpr std::array classes{"good", "doubtful", "neutral"};
   constexpr std::array signs{"✓", "!", "i"};
   const auto tone = static_cast<std::size_t>(v.tone);
@@ -92,9 +92,9 @@ std::string contents(const std::vector<std::pair<std::string, std::string>>& sec
 
 }  // namespace
 
-void take_conclusion(Verdict& v, const Conclusion& c) {
-  if (c.verdict.empty()) return;
-  v.word = c.verdict;
+void take_conclusion(PageVerdict& v, const Conclusion& c) {
+  if (c.verdict == Verdict::none) return;
+  v.word = to_string(c.verdict);
   v.tone = is_favorable(c.verdict) ? Tone::good : Tone::doubtful;
   std::vector<std::string> because;
   for (const RequirementResult& r : c.requirements) because.push_back((r.met ? "met: " : "not met: ") + requirement_text(r));

@@ -16,7 +16,7 @@ namespace imulab::report {
 enum class Tone { good, doubtful, neutral };
 
 /// All are text.
-struct Verdict {
+struct PageVerdict {
   Tone tone = Tone::neutral;
   std::string word;                  ///< "good"
   std::string meaning;               ///< one sentence
@@ -26,7 +26,7 @@ struct Verdict {
 
 /// The verdict of the answer in place of the page's own: its word, its tone (green: met and good), its headline, and the requirements as reasons. A
 /// conclusion that judged nothing changes nothing.
-void take_conclusion(Verdict& verdict, const Conclusion& conclusion);
+void take_conclusion(PageVerdict& verdict, const Conclusion& conclusion);
 
 struct KeyFigure {
   std::string value, name;
@@ -36,7 +36,7 @@ struct Page {
   std::string kind;   ///< "Calibration"
   std::string title;  ///< of what: an IMU's name
   std::string subtitle;
-  Verdict verdict;
+  PageVerdict verdict;
   std::vector<KeyFigure> figures;
   std::string body;  ///< HTML: sections
 };

@@ -103,14 +103,14 @@ std::string uncertainties_section(const PredictionSummary& s) {
                  table(t) + (undetermined.empty() ? "" : paragraph("Not determined by this procedure: " + undetermined + ".")) + notes);
 }
 
-Verdict prediction_verdict(const PredictionReport& report) {
+PageVerdict prediction_verdict(const PredictionReport& report) {
   const PredictionSummary& s = report.summary;
   const std::vector<Shortfall> missed = s.missed.value_or(std::vector<Shortfall>());
-  Verdict v{.tone = Tone::neutral,
-            .word = "predicted",
-            .meaning = "What a calibration by this procedure will know, if rig and noise are as declared.",
-            .because = {},
-            .actions = {}};
+  PageVerdict v{.tone = Tone::neutral,
+                .word = "predicted",
+                .meaning = "What a calibration by this procedure will know, if rig and noise are as declared.",
+                .because = {},
+                .actions = {}};
   if (!missed.empty()) v.tone = Tone::doubtful;
   take_conclusion(v, report.conclusion);
   if (report.conclusion.requirements.empty())  // of a saved prediction of an earlier version
@@ -207,14 +207,14 @@ std::string requirements_figure(const PlanSummary& plan) {
                  figure(interval_rows(rows, "u, or U/2 where that is larger, over requirement", "requirements", 1), "At most 1 is required."));
 }
 
-Verdict plan_verdict(const PlanSummary& plan, const std::string& written) {
+PageVerdict plan_verdict(const PlanSummary& plan, const std::string& written) {
   const std::vector<Shortfall> missed = plan.prediction.missed.value_or(std::vector<Shortfall>());
   const bool met = missed.empty();
-  Verdict v{.tone = met ? Tone::good : Tone::doubtful,
-            .word = met ? "met" : "not met",
-            .meaning = fmt::format("{} turns in {}.", plan.path.turns.size(), text::minutes(plan.path.duration)),
-            .because = {},
-            .actions = {}};
+  PageVerdict v{.tone = met ? Tone::good : Tone::doubtful,
+                .word = met ? "met" : "not met",
+                .meaning = fmt::format("{} turns in {}.", plan.path.turns.size(), text::minutes(plan.path.duration)),
+                .because = {},
+                .actions = {}};
   for (const Shortfall& s : missed) v.because.push_back(shortfall_line(s));
   v.actions.emplace_back(met ? fmt::format("{}, and calibrate with --method {}.",
                                            written.empty() ? "Save the procedure with imulab plan -o, perform it" : "Perform " + written,

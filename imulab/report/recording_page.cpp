@@ -13,11 +13,11 @@ namespace imulab {
 namespace report {
 namespace {
 
-Verdict inspection_verdict(const Inspection& inspection) {
-  Verdict v;
-  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be fixed first:", inspection.problems, {}};
+PageVerdict inspection_verdict(const Inspection& inspection) {
+  PageVerdict v;
+  if (!inspection.problems().empty()) return {Tone::doubtful, "not usable", "The file has to be fixed first:", inspection.problems(), {}};
   if (!inspection.complete()) {
-    v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous, {}};
+    v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous(), {}};
     v.actions = {"Declare it: imulab inspect FILE --set KEY=VALUE"};
     return v;
   }
@@ -94,7 +94,7 @@ std::string inspection_page(const Inspection& inspection, const std::optional<Ov
     page.figures.push_back({number_text(inspection.duration_s) + " s", "duration"});
   }
   if (inspection.triads) page.figures.push_back({std::to_string(inspection.triads->rests.size()), "rests"});
-  page.body = section("evidence", "What was found", "Each guess with what speaks for it.", list(inspection.evidence, "evidence"));
+  page.body = section("evidence", "What was found", "Each guess with what speaks for it.", list(inspection.evidence(), "evidence"));
   if (overview) page.body += signals_section(inspection, *overview);
   page.body += columns_section(inspection) + directions_section(inspection) + methods_section(inspection);
   return page_text(page);
@@ -103,12 +103,12 @@ std::string inspection_page(const Inspection& inspection, const std::optional<Ov
 namespace report {
 namespace {
 
-Verdict compensation_verdict(const CompensationSummary& summary) {
-  Verdict v{.tone = Tone::good,
-            .word = "compensated",
-            .meaning = "Every sample was corrected within the conditions of the calibration.",
-            .because = {},
-            .actions = {}};
+PageVerdict compensation_verdict(const CompensationSummary& summary) {
+  PageVerdict v{.tone = Tone::good,
+                .word = "compensated",
+                .meaning = "Every sample was corrected within the conditions of the calibration.",
+                .because = {},
+                .actions = {}};
   for (const CompensatedFile& e : summary.files) {
     const std::string& name = e.recording.empty() ? e.file : e.recording;
     if (e.saturated > 0) v.because.push_back(fmt::format("{}: {} of {} samples have a reading at a limit", name, e.saturated, e.samples));
@@ -116,7 +116,7 @@ Verdict compensation_verdict(const CompensationSummary& summary) {
       v.because.push_back(fmt::format("{}: {} of {} samples are outside the calibrated temperatures", name, e.out_of_range, e.samples));
     if (e.replaced > 0) v.because.push_back(fmt::format("{}: {} of {} samples had an outlier, which was replaced", name, e.replaced, e.samples));
   }
-  if (!summary.quality.verdict.empty() && summary.quality.verdict != "good") v.because.push_back("the calibration: " + verdict_text(summary.quality));
+  if (summary.quality.verdict == Verdict::doubtful) v.because.push_back("the calibration: " + verdict_text(summary.quality));
   if (v.because.empty()) return v;
   v.tone = Tone::doubtful;
   v.word = "compensated with reservations";

@@ -1,5 +1,6 @@
 // The fields of `navigate --aided --json`.
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/model/calibration_fields.hpp"
 #include "imulab/results/aided.hpp"
 #include "imulab/results/thinned.hpp"
 #include "imulab/units.hpp"
@@ -115,6 +116,7 @@ void describe(Fields& f, AidedSummary& s) {
   if constexpr (!Fields::reads) f("aids", aided_aids(n));
   describe_by_name(f, "constants", n.constants), describe_by_name(f, "noise", n.factors);
   f("innovation_rms", n.innovation_rms), f("suspects", n.suspects), f("passes", n.passes), f("converged", n.converged);
+  f("findings", n.findings, fields::if_any);
   result_io::describe_track(f, n.track);
   f.table("sigmas_over_time", [&](auto& inner) { describe_sigmas(inner, n.covariance); });
   f.table("innovations_over_time", [&](auto& inner) { describe_innovations(inner, n.innovations); });
@@ -127,7 +129,7 @@ std::string aided_json(const std::string& session, const AidedNavigation& n) {
   shown.solution.time = {n.solution.time.front(), n.solution.time.back()}, shown.track = thinned_rows(n.track, result_io::most_places);
   shown.covariance = thinned_rows(n.covariance, most_epochs), shown.innovations = thinned_rows(n.innovations, most_innovations);
   shown.aids = n.aids, shown.constants = n.constants, shown.factors = n.factors, shown.outages = n.outages;
-  shown.innovation_rms = n.innovation_rms, shown.suspects = n.suspects, shown.passes = n.passes;
+  shown.findings = n.findings, shown.innovation_rms = n.innovation_rms, shown.suspects = n.suspects, shown.passes = n.passes;
   shown.converged = n.converged, shown.causal = n.causal;
   JsonWriter writer;
   describe(writer, s);

@@ -5,6 +5,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/files.hpp"
+#include "imulab/finding_code.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
@@ -123,7 +124,7 @@ std::string requirements_text(const Calibration& calibration) {
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
   if (quality.degrees_of_freedom == 0) return "  fit             no degree of freedom is left beside the effects\n";
-  const bool rig = calibration.frame == "rig";
+  const bool rig = calibration.frame == BodyFrame::rig;
   std::string text =
       wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,
                                                 rig ? "the noise and the declared rig errors" : "the noise alone", quality.degrees_of_freedom));
@@ -156,7 +157,7 @@ std::size_t clearest_axis(const EffectEstimate& effect) {
   return best;
 }
 
-bool is_assumption(const std::string& note) { return note.starts_with("assumed:"); }
+bool is_assumption(const Finding& f) { return f.code == Code::effect_assumed || f.code == Code::latitude_assumed; }
 
 std::string curves_csv(const CalibrationResult& result) {
   std::string text = "t";
@@ -185,15 +186,15 @@ std::string undetermined_text(const Calibration& calibration) {
 Conclusion conclusion_of(const Calibration& calibration) {
   const Quality& q = calibration.quality;
   std::string headline = "the file does not say how good the calibration is";
-  if (q.verdict == "good") headline = "nothing contradicts the stated uncertainties" + undetermined_text(calibration);
-  if (q.verdict == "doubtful") headline = fmt::format("{}", fmt::join(q.because, "; "));
+  if (q.verdict == Verdict::good) headline = "nothing contradicts the stated uncertainties" + undetermined_text(calibration);
+  if (q.verdict == Verdict::doubtful) headline = fmt::format("{}", fmt::join(q.findings.reasons(), "; "));
   Conclusion out = conclude(q.verdict, std::move(headline), q.requirements);
   out.requirements.clear();
   return out;
 }
 
 std::string calibration_document(const Calibration& calibration) {
-  return with_conclusion(calibration_text(calibration), conclusion_of(calibration), calibration.quality.warnings, ConclusionPlace::end);
+  return with_conclusion(calibration_text(calibration), conclusion_of(calibration), calibration.quality.findings.warnings(), ConclusionPlace::end);
 }
 
 std::string calibration_summary(const Calibration& calibration) {
@@ -202,11 +203,11 @@ std::string calibration_summary(const Calibration& calibration) {
   if (const std::string next = next_switch_on_text(calibration); !next.empty()) text += wrapped("  next switch-on  ", next);
   text += fit_text(calibration) + requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
-                                         excerpt(calibration.method), calibration.frame));
+                                         excerpt(calibration.method), to_string(calibration.frame)));
   if (calibration.clock) text += wrapped("", "seconds of the gyros: " + clock_text(calibration.clock));
   text += "\n" + coefficient_rows(calibration) + hidden_text(calibration) + effects_text(calibration.quality, true);
-  for (const std::string& note : calibration.quality.notes)
-    if (is_assumption(note)) text += wrapped("  ", note);
+  for (const Finding& f : calibration.quality.findings)
+    if (is_assumption(f)) text += wrapped("  ", f.text);
   return text;
 }
 
@@ -214,8 +215,8 @@ std::string calibration_details(const Calibration& calibration, const SensorMode
   const Quality& quality = calibration.quality;
   std::string text = detail_rows(calibration) + "\n";
   if (coarse) text += correction_rows(calibration, *coarse) + "\n";
-  for (const std::string& note : quality.notes)
-    if (!is_assumption(note)) text += wrapped("  ", note);
+  for (const Finding& f : quality.findings)
+    if (f.severity == Severity::note && !is_assumption(f)) text += wrapped("  ", f.text);
   for (const UncertaintySource& source : quality.sources) text += wrapped("  ", source.consequence);
   for (const TermTest& test : quality.term_tests) text += term_test_text(test);
   text += effects_text(quality, false) + second_opinion_text(quality);

@@ -33,7 +33,7 @@ std::string calibration_details(const Calibration& calibration, const SensorMode
 std::size_t clearest_axis(const EffectEstimate& effect);
 
 /// Of a note: what the result depends on and the data do not confirm, which is stated with it.
-bool is_assumption(const std::string& note);
+bool is_assumption(const Finding& finding);
 
 /// Convergence curves as CSV: t (s), then for every coefficient NAME,NAME.sigma: its residual and the standard uncertainty of the residual.
 std::string curves_csv(const CalibrationResult& result);

@@ -14,7 +14,7 @@ namespace imulab {
 namespace {
 
 std::string origin(const ComparedCalibration& c) {
-  const std::string frame = c.frame == "rig" ? "the rig's frame" : "the accelerometers' frame";
+  const std::string frame = c.frame == BodyFrame::rig ? "the rig's frame" : "the accelerometers' frame";
   std::string text = fmt::format("{}  (", one_line(c.name));
   if (c.bare)
     text += "no uncertainties: taken as the truth";
@@ -149,7 +149,7 @@ std::string comparison_table(const ComparisonSummary& summary, bool details) {
   const bool pair = comparisons.size() == 1;
   const std::optional<double> years = pair ? years_between(summary, 0) : std::nullopt;
   std::string out;
-  if (const Conclusion about = conclusion_about(summary); !about.verdict.empty()) out += text::wrapped("", about.verdict + ": " + about.headline);
+  if (const Conclusion about = conclusion_about(summary); about.verdict != Verdict::none) out += text::wrapped("", conclusion_text(about));
   for (const RequirementResult& r : summary.requirements) out += tolerance_text(r);
   const RankedRows ranked = ranked_rows(comparisons, mark_from);
   out += tests_text(summary, ranked, mark_from);

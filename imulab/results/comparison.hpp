@@ -18,7 +18,8 @@ struct NamedCalibration {
 
 /// What a comparison says of each calibration.
 struct ComparedCalibration {
-  std::string name, imu, serial, method, frame;
+  std::string name, imu, serial, method;
+  BodyFrame frame = BodyFrame::accelerometers;
   std::string date, dated;  ///< YYYY-MM-DD, and of what: "measured" (declared), "recorded" (stamps), "calibrated"; empty: not known
   bool bare = false;        ///< no uncertainties: taken as the truth
   bool doubtful = false;

@@ -48,7 +48,7 @@ std::string limit_and_reached(const RequirementResult& r) {
 ComparedCalibration compared_calibration(const NamedCalibration& named) {
   const Calibration& c = named.calibration;
   ComparedCalibration out{.name = named.name, .imu = c.imu, .serial = c.serial, .method = c.method, .frame = c.frame, .date = {}, .dated = {}};
-  out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == "doubtful", out.with_turn_on = c.turn_on.has_value();
+  out.bare = c.estimated.empty(), out.doubtful = c.quality.verdict == Verdict::doubtful, out.with_turn_on = c.turn_on.has_value();
   const std::string recorded = c.sources.empty() ? "" : date_text(c.sources.front().first_s);
   for (const auto& [text, what] : {std::pair{c.measured, "measured"}, {recorded, "recorded"}, {c.created, "calibrated"}})
     if (out.date.empty() && time_of(text)) out.date = text.substr(0, 10), out.dated = what;
@@ -101,13 +101,13 @@ Conclusion conclusion_about(const ComparisonSummary& summary) {
   std::string doubtful;
   for (const ComparedCalibration& c : summary.calibrations)
     if (c.doubtful) doubtful += fmt::format("{}{}", doubtful.empty() ? "" : ", ", excerpt(c.name));
-  out.verdict = verdict_about(doubtful.empty() ? "" : "doubtful", summary.requirements);
+  out.verdict = verdict_about(doubtful.empty() ? Verdict::none : Verdict::doubtful, summary.requirements);
   if (!doubtful.empty()) {
     out.headline = "a doubtful calibration meets no tolerance: " + doubtful;
     return out;
   }
   for (const RequirementResult& r : summary.requirements)
-    if (r.met == (out.verdict == "met"))
+    if (r.met == (out.verdict == Verdict::met))
       out.headline += fmt::format("{}{}; tolerance: {}", out.headline.empty() ? "" : "; ", limit_and_reached(r), r.text);
   return out;
 }

@@ -42,7 +42,11 @@ void describe(Fields& f, CompensationSummary& s) {
   f("files", s.files);
   fields::check(f, !s.files.empty(), "files", "is empty; expected at least one recording");
   f.table("calibration", [&](auto& t) {
-    t("file", s.calibration_file), t("imu", s.imu), t("verdict", s.quality.verdict), t("because", s.quality.because, fields::optional);
+    t("file", s.calibration_file), t("imu", s.imu);
+    fields::choice(t, "verdict", s.quality.verdict, quality_verdicts, "good or doubtful", fields::optional);
+    fields::via(
+        t, "because", [&] { return s.quality.findings.reasons(); },
+        [&](const std::vector<std::string>& reasons) { s.quality.findings.append(Severity::doubt, reasons); }, fields::optional);
   });
 }
 
@@ -51,8 +55,8 @@ Conclusion conclusion_of(const CompensationSummary& summary) {
   for (const CompensatedFile& c : summary.files) samples += c.samples, reserved += c.saturated + c.out_of_range + c.replaced;
   std::string headline = fmt::format("{} samples compensated", samples);
   if (reserved > 0) headline += fmt::format(", {} times with a reading at a limit, outside the calibrated temperatures or replaced", reserved);
-  if (summary.quality.verdict == "doubtful") headline += "; the calibration is doubtful";
-  return {reserved > 0 || summary.quality.verdict == "doubtful" ? "doubtful" : "good", std::move(headline)};
+  if (summary.quality.verdict == Verdict::doubtful) headline += "; the calibration is doubtful";
+  return {reserved > 0 || summary.quality.verdict == Verdict::doubtful ? Verdict::doubtful : Verdict::good, std::move(headline)};
 }
 
 std::string compensation_json(const CompensationSummary& summary) { return json_text(written(summary), JsonLayout::long_lists); }

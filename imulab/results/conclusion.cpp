@@ -3,7 +3,6 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/model/calibration_fields.hpp"
 
-#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -11,7 +10,7 @@
 namespace imulab {
 namespace {
 
-constexpr std::array<std::string_view, 4> judged_verdicts{"met", "not met", "good", "doubtful"};
+constexpr std::array judged_verdicts{Verdict::met, Verdict::not_met, Verdict::good, Verdict::doubtful};
 
 /// The fields of one object and then those of another, of texts of one layout.
 std::string joined_objects(std::string first, std::string_view second) {
@@ -28,7 +27,8 @@ std::string joined_objects(std::string first, std::string_view second) {
 
 std::string with_conclusion(const std::string& json, const Conclusion& c, const std::vector<std::string>& warnings, ConclusionPlace place) {
   if (!json.starts_with('{')) return json;
-  JsonFields head{{{"verdict", c.verdict.empty() ? JsonValue() : JsonValue(c.verdict)}, {"headline", c.headline}, {"warnings", warnings}}};
+  JsonFields head{
+      {{"verdict", c.verdict == Verdict::none ? JsonValue() : JsonValue(to_string(c.verdict))}, {"headline", c.headline}, {"warnings", warnings}}};
   if (!c.requirements.empty()) head.fields.emplace_back("requirements", written(c.requirements));
   const bool one_line = json.find('\n') + 1 >= json.size();
   const std::string text = json_text(head, one_line ? JsonLayout::one_line : JsonLayout::indented);
@@ -38,9 +38,8 @@ std::string with_conclusion(const std::string& json, const Conclusion& c, const 
 Conclusion conclusion_of(const json_io::Field& root) {
   Conclusion out;
   if (root.has("verdict") && !root["verdict"].is_null()) {
-    out.verdict = root["verdict"].text();
-    if (std::find(judged_verdicts.begin(), judged_verdicts.end(), out.verdict) == judged_verdicts.end())
-      root["verdict"].expected("met, not met, good, doubtful or null");
+    JsonReader reader(root);
+    fields::choice(reader, "verdict", out.verdict, judged_verdicts, "met, not met, good, doubtful or null");
   }
   if (root.has("headline") && !root["headline"].is_null()) out.headline = root["headline"].text();
   if (!root.has("requirements")) return out;

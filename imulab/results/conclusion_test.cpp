@@ -11,7 +11,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-const Conclusion a_conclusion{"not met", "CEP is 2 m \"or so\"", {{"CEP <= 1 m", "CEP", 1, 2, false, "by a test"}}};
+const Conclusion a_conclusion{Verdict::not_met, "CEP is 2 m \"or so\"", {{"CEP <= 1 m", "CEP", 1, 2, false, "by a test"}}};
 
 std::vector<std::string> keys_of(const std::string& text) {
   std::vector<std::string> keys;
@@ -31,7 +31,8 @@ TEST(ConclusionJson, StandsAtTheBegin) {
 }
 
 TEST(ConclusionJson, OrAtTheEndOfAFile) {
-  const std::string whole = with_conclusion("{\n  \"quality\": {\n    \"x\": {}\n  }\n}\n", {"", "nothing was judged"}, {}, ConclusionPlace::end);
+  const std::string whole =
+      with_conclusion("{\n  \"quality\": {\n    \"x\": {}\n  }\n}\n", {Verdict::none, "nothing was judged"}, {}, ConclusionPlace::end);
   EXPECT_THAT(keys_of(whole), testing::ElementsAre("quality", "verdict", "headline", "warnings"));
   EXPECT_TRUE(OrderedJson::parse(whole)["verdict"].is_null());
 }
@@ -39,16 +40,16 @@ TEST(ConclusionJson, OrAtTheEndOfAFile) {
 TEST(ConclusionJson, ListsStayListsAndNothingIsStillAnObject) {
   EXPECT_EQ(with_conclusion("[1, 2]\n", a_conclusion, {}), "[1, 2]\n");
   for (const ConclusionPlace place : {ConclusionPlace::begin, ConclusionPlace::end})
-    EXPECT_THAT(keys_of(with_conclusion("{}\n", {"good", "x"}, {}, place)), testing::ElementsAre("verdict", "headline", "warnings"));
+    EXPECT_THAT(keys_of(with_conclusion("{}\n", {Verdict::good, "x"}, {}, place)), testing::ElementsAre("verdict", "headline", "warnings"));
 }
 
 TEST(ConclusionJson, ComesBackWithItsResult) {
   const std::string text = R"({"coefficients": {}, "undetermined": []})";
   const Conclusion back = parse_answer(with_conclusion(text, a_conclusion, {}), "p.json").conclusion;
-  EXPECT_EQ(back.verdict, "not met");
+  EXPECT_EQ(back.verdict, Verdict::not_met);
   EXPECT_EQ(back.headline, a_conclusion.headline);
   EXPECT_EQ(back.requirements, a_conclusion.requirements);
-  EXPECT_EQ(parse_answer(text, "p.json").conclusion.verdict, "") << "of an earlier version";
+  EXPECT_EQ(parse_answer(text, "p.json").conclusion.verdict, Verdict::none) << "of an earlier version";
   EXPECT_THROW(parse_answer(R"({"verdict": "perfect", "coefficients": {}, "undetermined": []})", "p.json"), Error);
 }
 

@@ -38,7 +38,7 @@ TEST(SavedResult, AComparisonComesBack) {
   const auto back = std::get<ComparisonSummary>(parse_result(text, "c.json"));
   EXPECT_THAT(back.names, testing::ElementsAre("a.json", "b.json"));
   EXPECT_EQ(comparison_json(back), text);
-  EXPECT_EQ(conclusion_about(back).verdict, "not met");
+  EXPECT_EQ(conclusion_about(back).verdict, Verdict::not_met);
 }
 
 TEST(SavedResult, APredictionComesBack) {
@@ -170,10 +170,10 @@ TEST(SavedResult, CompensatedRecordingsComeBack) {
     for (std::size_t k = 0; k < 3; ++k) f.overview->rate[k].push_back(0.01 * i), f.overview->force[k].push_back(9.8125);
   }
   CompensationSummary summary{.calibration_file = "c.json", .imu = "unit", .quality = {}, .files = {f}};
-  summary.quality.verdict = "doubtful";
-  summary.quality.because = {"why"};
+  summary.quality.verdict = Verdict::doubtful;
+  summary.quality.findings.append(Severity::doubt, {"why"});
   const auto back = std::get<CompensationSummary>(parse_result(compensation_json(summary), "c.json"));
-  EXPECT_EQ(back.quality.because, summary.quality.because);
+  EXPECT_EQ(back.quality.findings.reasons(), summary.quality.findings.reasons());
   ASSERT_EQ(back.files.size(), 1u);
   EXPECT_EQ(back.files[0].gaps, 4u);
   ASSERT_TRUE(back.files[0].overview);

@@ -61,7 +61,8 @@ void describe(Fields& f, NamedComparison& c) {
 template <class Fields>
 void describe(Fields& f, ComparedCalibration& c) {
   f("name", c.name), f("imu", c.imu, fields::or_empty), f("serial", c.serial, fields::or_empty), f("method", c.method, fields::or_empty);
-  f("frame", c.frame, fields::or_empty), f("date", c.date, fields::or_empty), f("dated", c.dated, fields::or_empty);
+  fields::choice(f, "frame", c.frame, body_frames, "accelerometers or rig", fields::optional), f("date", c.date, fields::or_empty),
+      f("dated", c.dated, fields::or_empty);
   f("without_uncertainties", c.bare, fields::optional), f("doubtful", c.doubtful, fields::optional);
   f("with_turn_on", c.with_turn_on, fields::if_any);
 }

@@ -108,8 +108,6 @@ void check(const Truth& truth, const RigErrors& rig, const EffectSetting& settin
       if (!(size >= 0 && std::isfinite(size))) problems.push_back(fmt::format("{}: a term is {}; expected 0 or more", triad, size));
   if (truth.latitude && !(std::abs(*truth.latitude) <= std::numbers::pi / 2))
     problems.push_back(fmt::format("latitude is {} rad; expected -pi/2 to pi/2", *truth.latitude));
-  if (truth.frame != "accelerometers" && truth.frame != "rig")
-    problems.push_back(fmt::format("the frame is \"{}\"; expected accelerometers or rig", truth.frame));
   for (const EffectValue& e : truth.effects)
     if (const std::string problem = simulate::problem_of(e, setting); !problem.empty()) problems.push_back(problem);
   if (rig.values.size() != rig.sources.size())
@@ -268,7 +266,7 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   truth.model = given ? *given : drawn_model(*spread, seed);
   truth.model.accel = as_recorded(truth.model.accel, procedure, &RecordingSource::accel_temperature, !given);
   truth.model.gyro = as_recorded(truth.model.gyro, procedure, &RecordingSource::gyro_temperature, !given);
-  if (!given && spread->ranges) truth.frame = "rig";
+  if (!given && spread->ranges) truth.frame = BodyFrame::rig;
   truth.effects = drawn_effects(procedure, seed);
   truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
   if (const double sigma = procedure.site.latitude_sigma.value_or(0); procedure.site.latitude && sigma > 0)

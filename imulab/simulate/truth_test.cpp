@@ -26,7 +26,7 @@ TEST(Truth, AUnitFor30GHasThePapersCoefficients) {
   };
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     const Truth truth = draw_truth(s, seed);
-    EXPECT_EQ(truth.frame, "rig");
+    EXPECT_EQ(truth.frame, BodyFrame::rig);
     const SensorModel& m = truth.model;
     for (int i = 0; i < 3; ++i) {
       inside(m.gyro.quadratic(i) * deg, 1.5e-4, 2.5e-4);

@@ -4,6 +4,7 @@
 #include "imulab/files.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/report/aided_page.hpp"
 #include "imulab/results/aided.hpp"
 
@@ -67,15 +68,15 @@ AnswerOf<AidedNavigation> aided_answer(const std::string& name, const Calibratio
   if (!o.outages.empty()) options.outages = regular_outages(o.outages, recording.time_s(0), recording.time_s(recording.size() - 1));
   AidedNavigation navigation = navigate_aided(calibration, session, std::move(recording), reading.aids, options);
   if (const std::string& file = session.recordings.front().file; made_of(calibration, session_path(session, file))) {
-    navigation.doubts.emplace_back("the calibration was made of this recording, which so counts twice: sigmas are too small; expected another one");
-    navigation.warnings.push_back(file + ": " + navigation.doubts.back());
+    navigation.findings.add<Code::calibrated_on_same>().place = file;
   }
   const auto all = std::make_shared<const AidedNavigation>(std::move(navigation));
   std::vector<std::string> warnings = std::move(reading.warnings);
-  warnings.insert(warnings.end(), all->warnings.begin(), all->warnings.end());
+  const std::vector<std::string> found = all->findings.all();
+  warnings.insert(warnings.end(), found.begin(), found.end());
   std::vector<std::string> on_page = told;
   on_page.insert(on_page.end(), warnings.begin(), warnings.end());
-  const Conclusion conclusion = conclude(all->doubtful() ? "doubtful" : "good", aided_headline(*all), {});
+  const Conclusion conclusion = conclude(all->findings.doubtful() ? Verdict::doubtful : Verdict::good, aided_headline(*all), {});
   return {{.json = [all, name] { return aided_json(name, *all); },
            .table = [all, name](bool) { return aided_table(name, *all); },
            .page = [all, name, conclusion, on_page] { return aided_page(name, *all, conclusion, on_page); },

@@ -201,7 +201,7 @@ AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbO
   const std::shared_ptr<const MissionBudget> b = made;
   const auto required =
       o.require ? errors_of_option("require", [&] { return assess(b->budget, b->monte_carlo, *o.require); }) : std::vector<RequirementResult>();
-  const Conclusion conclusion = conclude(b->doubtful ? "doubtful" : "", budget_headline(b->budget, b->monte_carlo), required);
+  const Conclusion conclusion = conclude(b->doubtful ? Verdict::doubtful : Verdict::none, budget_headline(b->budget, b->monte_carlo), required);
   return {{.json = [b] { return budget_json(b->budget, b->monte_carlo, b->motion.states, b->grade, b->noise); },
            .table = [b](bool details) { return budget_table(b->budget, b->monte_carlo, details); },
            .page = [b, mission = std::filesystem::path(o.mission).filename().string(), conclusion,

@@ -32,20 +32,20 @@ std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
 
 /// The worst of all, with its grades first; the headline says which grade is good enough.
 Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std::string& headline) {
-  constexpr std::array worst_last{"", "met", "not met", "doubtful"};
-  const auto rank = [&](const std::string& verdict) { return std::find(worst_last.begin(), worst_last.end(), verdict); };
-  Conclusion out{"", ""};
+  constexpr std::array worst_last{Verdict::none, Verdict::met, Verdict::not_met, Verdict::doubtful};
+  const auto rank = [&](Verdict verdict) { return std::find(worst_last.begin(), worst_last.end(), verdict); };
+  Conclusion out{Verdict::none, ""};
   for (const auto& each : budgets)
     if (rank(each.conclusion.verdict) > rank(out.verdict)) out.verdict = each.conclusion.verdict;
   std::vector<std::string> parts;
-  for (const std::string_view verdict : worst_last) {
+  for (const Verdict verdict : worst_last) {
     std::string names;
     for (const auto& each : budgets)
-      if (!verdict.empty() && each.conclusion.verdict == verdict) names += (names.empty() ? "" : ", ") + each.data->grade;
+      if (verdict != Verdict::none && each.conclusion.verdict == verdict) names += (names.empty() ? "" : ", ") + each.data->grade;
     if (verdict == out.verdict && !names.empty())
       parts.insert(parts.begin(), names);  // the verdict itself is before the headline
     else if (!names.empty())
-      parts.push_back((verdict == "met" ? "met by " : std::string(verdict) + ": ") + names);
+      parts.push_back(fmt::format("{}{}{}", to_string(verdict), verdict == Verdict::met ? " by " : ": ", names));
   }
   parts.push_back(headline);
   out.headline = fmt::format("{}", fmt::join(parts, "; "));
@@ -56,8 +56,8 @@ Conclusion joint(const std::vector<AnswerOf<MissionBudget>>& budgets, const std:
 std::string verdicts_by_grade(const std::vector<AnswerOf<MissionBudget>>& budgets) {
   std::string out;
   for (const auto& each : budgets)
-    if (!each.conclusion.verdict.empty())
-      out += text::wrapped(fmt::format("  {:<12} {:<9} ", each.data->grade, each.conclusion.verdict), each.conclusion.headline);
+    if (each.conclusion.verdict != Verdict::none)
+      out += text::wrapped(fmt::format("  {:<12} {:<9} ", each.data->grade, to_string(each.conclusion.verdict)), each.conclusion.headline);
   return out.empty() ? "" : out + "\n";
 }
 

@@ -9,6 +9,7 @@
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"
@@ -45,19 +46,16 @@ void add_prior(Calibration& calibration, const FleetPrior& prior) {
   if (!quality.converged) return;
   const PriorUse use = take_prior(calibration, prior);
   if (!use.taken) {
-    quality.warnings.push_back(fmt::format(
-        "the unit is an outlier of the fleet {} (distance {:.1f}, probability by chance {:.2g}); the prior is not used; check the unit and the store",
-        prior.fleet, use.distance, use.p_value));
+    quality.findings.add<Code::outlier_of_fleet>(Subject{prior.fleet}, use.distance, use.p_value);
     return;
   }
-  quality.notes.push_back(fmt::format("prior: {:.0f} units of {}; the data alone are {:.1f} from their mean (chance: {:.2g})", prior.units,
-                                      prior.fleet, use.distance, use.p_value));
+  quality.findings.add<Code::prior_used>(prior.units, Subject{prior.fleet}, use.distance, use.p_value);
   std::string filled;
   for (const CoefficientIndex index : use.filled) {
     filled += fmt::format(" {}", coefficient(index).name);
     std::erase(quality.unobservable, std::string(coefficient(index).name));
   }
-  if (!filled.empty()) quality.notes.push_back("from the fleet alone:" + filled);
+  if (!filled.empty()) quality.findings.add<Code::from_fleet>(filled);
 }
 
 /// The options that shape the result, as they were given.
@@ -212,7 +210,7 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   CalibrationResult result = calibrate(chosen, {std::move(session), data.recordings}, options_of(task, chosen, data.recordings));
   if (task.prior) add_prior(result.calibration, *task.prior);
   Quality& quality = result.calibration.quality;
-  quality.warnings.insert(quality.warnings.begin(), warnings.begin(), warnings.end());
+  quality.findings.prepend(Severity::warning, warnings);
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
   return result;
 }
@@ -228,8 +226,8 @@ AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const Sessi
   Calibration& calibration = made->calibration;
   if (from_files) add_provenance(calibration, data->session, data->recordings);
   calibration.options = options_used(o);
-  const std::vector<std::string> own = calibration.quality.warnings;
-  calibration.quality.warnings.insert(calibration.quality.warnings.begin(), data->warnings.begin(), data->warnings.end());
+  const std::vector<std::string> own = calibration.quality.findings.warnings();
+  calibration.quality.findings.prepend(Severity::warning, data->warnings);
   const std::shared_ptr<const CalibrationResult> result = made;
   return {{.json = [result] { return calibration_text(result->calibration); },
            .table =
@@ -255,7 +253,7 @@ std::string shortcomings(const CalibrationResult& result) {
   std::vector<std::string> unmet, doubted;
   for (const RequirementResult& r : quality.requirements) {
     if (r.met) continue;
-    if (r.reached <= r.limit && quality.verdict == "doubtful")
+    if (r.reached <= r.limit && quality.verdict == Verdict::doubtful)
       doubted.push_back(r.text);
     else
       unmet.push_back(r.reached <= r.limit ? fmt::format("{} ({})", r.text, r.note) : r.text);

@@ -20,7 +20,7 @@ namespace {
 /// The accelerometers' frame follows from their matrix.
 std::vector<std::string> open_frame(const NamedCalibration& input) {
   const std::vector<CoefficientIndex>& estimated = input.calibration.estimated;
-  if (input.calibration.frame != "rig" || estimated.empty()) return {};
+  if (input.calibration.frame != BodyFrame::rig || estimated.empty()) return {};
   for (const CoefficientIndex index : select_coefficients("accel.matrix"))
     if (std::find(estimated.begin(), estimated.end(), index) == estimated.end())
       return {
@@ -93,12 +93,12 @@ AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> cali
   if (summary->agreement->calibrations < 3) summary->agreement.reset();  // for two, their comparison is enough
   for (const Requirement& each : tolerances) summary->requirements.push_back(assess(*summary, each));
   const Conclusion conclusion = conclusion_about(*summary);
-  const bool missed = conclusion.verdict == "not met" || conclusion.verdict == "doubtful";
+  const bool missed = conclusion.verdict == Verdict::not_met || conclusion.verdict == Verdict::doubtful;
   return {{.json = [summary] { return comparison_json(*summary); },
            .table = [summary](bool details) { return comparison_table(*summary, details); },
            .page = [summary, warnings] { return comparison_page(*summary, warnings); },
            .warnings = warnings,
-           .shortcomings = missed ? conclusion.verdict + ": " + conclusion.headline : "",
+           .shortcomings = missed ? conclusion_text(conclusion) : "",
            .conclusion = conclusion},
           summary};
 }
@@ -108,7 +108,7 @@ AnswerOf<ResultComparison> result_comparison_answer(const std::vector<NamedResul
   return {{.json = [comparison] { return result_comparison_json(*comparison); },
            .table = [comparison](bool details) { return result_comparison_table(*comparison, details); },
            .page = [comparison] { return result_comparison_page(*comparison); },
-           .conclusion = {"", comparison->headline}},
+           .conclusion = {Verdict::none, comparison->headline}},
           comparison};
 }
 

@@ -128,7 +128,7 @@ std::string plan_headline(const PlannedDrive& p) {
 AnswerOf<PlannedDrive> drive_plan_answer(const PlanOptions& o, const std::function<void(double)>& progress) {
   expect_no_path_options(o);
   const auto p = std::make_shared<const PlannedDrive>(plan_drive(o, progress));
-  Conclusion conclusion = conclude("", "", assess(p->prediction, p->requirements));
+  Conclusion conclusion = conclude(Verdict::none, "", assess(p->prediction, p->requirements));
   conclusion.headline = plan_headline(*p) + "; " + conclusion.headline;
   return {{.json = [p] { return prediction_json(summary_of(*p)); },
            .table = [p](bool details) { return prediction_text(p->prediction, p->requirements, details); },

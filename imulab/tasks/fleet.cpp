@@ -71,7 +71,7 @@ void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
     for (const SourceFile& before : item.hashed.files)
       if (before.file == source.file && before.sha256 != source.sha256) throw Error(source.file + ": changed while it was read");
   c.options = {{"terms", task.terms}};
-  c.quality.warnings.insert(c.quality.warnings.begin(), data.warnings.begin(), data.warnings.end());
+  c.quality.findings.prepend(Severity::warning, data.warnings);
   item.occasion = occasion_of(data.session, data.recordings, task.declared);
   item.calibration = std::move(c);
 }

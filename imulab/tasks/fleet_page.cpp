@@ -46,7 +46,7 @@ struct Fleet {
 
 bool differs(const std::optional<Gauge>& gauge, double level) { return gauge && gauge->p_value < level; }
 
-Verdict fleet_verdict(const FleetStatistics& f) {
+PageVerdict fleet_verdict(const FleetStatistics& f) {
   const double level = f.search.false_alarm / static_cast<double>(std::max<std::size_t>(1, f.coefficients.size()));
   const auto different = [&](std::optional<Gauge> CoefficientStatistics::*gauge) {
     return std::count_if(f.coefficients.begin(), f.coefficients.end(), [&](const CoefficientStatistics& c) { return differs(c.*gauge, level); });
@@ -59,7 +59,7 @@ Verdict fleet_verdict(const FleetStatistics& f) {
       incapable += fmt::format("{}{} ({})", incapable.empty() ? "" : ", ", coefficient(c.index).name, number_text(c.capability->cpk));
     for (const Eigen::Index row : beyond_limit(f, c)) beyond.insert(row);
   }
-  Verdict v;
+  PageVerdict v;
   if (!f.search.outliers.empty())
     v.because.push_back(
         fmt::format("{} {}", text::plural(f.search.outliers.size(), "unit"), f.search.outliers.size() == 1 ? "is an outlier" : "are outliers"));

@@ -12,6 +12,7 @@
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/inspection/pieces.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/inspection.hpp"
@@ -118,11 +119,11 @@ InspectedFiles inspect_recordings(const GivenFiles& given, const InspectionTask&
   out.found = inspect(whole, task.declared);
   out.found.source.layout = declared_layout;
   if (!pieces) return out;
-  const auto is_of_turns = [](const std::string& question) { return question.starts_with("gyro.columns: they leave"); };
-  std::replace_if(out.found.ambiguous.begin(), out.found.ambiguous.end(), is_of_turns,
-                  "gyro.unit: no file has three turns between rests, which would show it");
+  Findings asked;
+  asked.add<Code::open_question>(Subject{"gyro.unit"}, "no file has three turns between rests, which would show it");
+  std::ranges::replace(out.found.findings, Code::turns_unexplained, asked.front(), &Finding::code);
   out.recordings = files;
-  out.found.evidence.push_back(
+  out.found.note(
       fmt::format("files: {} with the same columns: recordings of one unit one after the other, which calibrate takes together, by "
                   "name or in the session of -o; turns from one file to the next are not seen",
                   files.size()));
@@ -155,9 +156,9 @@ void read_all(InspectedRecording& out) {
   std::size_t rows = 0;
   for (const RecordingSource& source : out.session.recordings) {
     RecordingReading reading = read_recording(out.session, source);
-    std::vector<std::string>& evidence = out.inspection.evidence;  // which has some of them already
-    for (std::string& text : reading.warnings)
-      if (std::find(evidence.begin(), evidence.end(), text) == evidence.end()) evidence.push_back(std::move(text));
+    const std::vector<std::string> evidence = out.inspection.evidence();  // which has some of them already
+    for (const std::string& text : reading.warnings)
+      if (std::find(evidence.begin(), evidence.end(), text) == evidence.end()) out.inspection.note(text);
     const Recording& whole = reading.recording;  // of a long one only the first rows were inspected
     const double duration_s = whole.time_s(whole.size() - 1) - whole.time_s(0);
     rows += whole.size();
@@ -174,11 +175,11 @@ void tell_aids(InspectedRecording& out) {
   const AidsReading reading = read_aids(out.session, out.session.recordings.front(), *out.recording);
   for (const Aid& aid : reading.aids)
     if (has_record(aid.kind))
-      out.inspection.evidence.push_back(fmt::format("aid: {}: {}, {} rows in {:.5g} s{}", aid.file, to_string(aid.kind), aid.record.time.size(),
-                                                    1e-9 * static_cast<double>(aid.record.time.back() - aid.record.time.front()),
-                                                    aid.scale == TimeScale::own ? ", on a clock whose offset is estimated" : ""));
-  out.inspection.evidence.insert(out.inspection.evidence.end(), reading.warnings.begin(), reading.warnings.end());
-  out.inspection.evidence.emplace_back("with the aid, by the session of -o: calibrate --method drive, and navigate --aided for the path");
+      out.inspection.note(fmt::format("aid: {}: {}, {} rows in {:.5g} s{}", aid.file, to_string(aid.kind), aid.record.time.size(),
+                                      1e-9 * static_cast<double>(aid.record.time.back() - aid.record.time.front()),
+                                      aid.scale == TimeScale::own ? ", on a clock whose offset is estimated" : ""));
+  for (const std::string& warning : reading.warnings) out.inspection.note(warning);
+  out.inspection.note("with the aid, by the session of -o: calibrate --method drive, and navigate --aided for the path");
   for (MethodFinding& method : out.inspection.methods)
     if (find_method(method.name)->takes_aids) method = {method.name, true, "by the aid, as far as the motion shows the coefficients, which it says"};
 }
@@ -238,11 +239,11 @@ InspectedRecording opened_session(const GivenFiles& given, const InspectionTask&
   Inspection& found = out.inspection;
   found.file = given.session;
   found.source = out.session.recordings.front();
-  found.evidence.insert(found.evidence.end(), warnings.begin(), warnings.end());
-  found.evidence.push_back(fmt::format("session: {} recording{}, {} steps, {} aids, used as it stands", out.session.recordings.size(),
-                                       out.session.recordings.size() == 1 ? "" : "s", out.session.steps.size(), out.session.aids.size()));
-  for (std::string& question : found.ambiguous) found.problems.push_back("the data contradict the session: " + question);
-  found.ambiguous.clear();
+  for (const std::string& warning : warnings) found.note(warning);
+  found.note(fmt::format("session: {} recording{}, {} steps, {} aids, used as it stands", out.session.recordings.size(),
+                         out.session.recordings.size() == 1 ? "" : "s", out.session.steps.size(), out.session.aids.size()));
+  for (Finding& f : found.findings)
+    if (f.severity == Severity::warning) f.severity = Severity::doubt, f.text = "the data contradict the session: " + f.text;
   for (MethodFinding& method : found.methods)
     if (!find_method(method.name)->support && !find_method(method.name)->takes_aids && !out.session.steps.empty() && !out.session.rigs.empty())
       method = {method.name, true, "the session has a rig and steps: try it if they are those that it needs"};
@@ -279,7 +280,7 @@ InspectedRecording inspect_and_read(const InspectionTask& task) {
     tell_aids(out);
   } catch (const Error& e) {
     if (out.inspection.rows == 0) throw;  // nothing was found
-    out.inspection.problems.emplace_back(e.what());
+    out.inspection.findings.add<Code::file_problem>(e.what());
   }
   return out;
 }
@@ -296,17 +297,17 @@ AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task) {
                  if (found->recording) picture = overview(SensorModel{}, *found->recording, intervals);
                  return inspection_page(found->inspection, picture);
                },
-           .shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n")),
-           .conclusion = {"", inspection_headline(inspection)}},
+           .shortcomings = fmt::format("{}", fmt::join(inspection.problems().empty() ? inspection.ambiguous() : inspection.problems(), "\n")),
+           .conclusion = {Verdict::none, inspection_headline(inspection)}},
           found};
 }
 
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint) {
   const std::string file = recordings_named(task.files).front();
-  if (!inspection.problems.empty()) throw Error(fmt::format("{}: {}", file, inspection.problems.front()));
+  if (const std::vector<std::string> problems = inspection.problems(); !problems.empty()) throw Error(fmt::format("{}: {}", file, problems.front()));
   if (!inspection.complete())
     throw Unsupported(
-        fmt::format("{}: the data do not answer every question about it; {}:\n  {}", file, hint, fmt::join(inspection.ambiguous, "\n  ")));
+        fmt::format("{}: the data do not answer every question about it; {}:\n  {}", file, hint, fmt::join(inspection.ambiguous(), "\n  ")));
   Session session = inspected_session(inspection, task.declared);
   session.file = file;
   session.sha256 = file_sum(file).sha256;

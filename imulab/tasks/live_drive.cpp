@@ -93,7 +93,7 @@ void LiveDrive::estimate(bool last) {
   }
   Quality& quality = result_->calibration.quality;
   for (const Requirement& r : requirements_) quality.requirements.push_back(assess(result_->calibration, r));
-  view_.requirements = quality.requirements, view_.because = quality.because;
+  view_.requirements = quality.requirements, view_.because = quality.findings.reasons();
   view_.missing = missing_coefficients(result_->calibration, requirements_);
   view_.done = !requirements_.empty() && std::ranges::all_of(quality.requirements, &RequirementResult::met);
 }

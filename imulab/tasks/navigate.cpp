@@ -61,10 +61,8 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
 
 NavigateOptions navigate_options(const NavigateVerbOptions& o, const Session& session) {
   if (o.heading_sigma_deg && !o.heading_deg) throw OptionError("heading-sigma", "belongs to --heading; expected both");
-  static const std::map<std::string, VerticalChannel> channels{
-      {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
   NavigateOptions options;
-  options.vertical = channels.at(o.vertical.value_or(session.vertical.value_or("free")));
+  options.vertical = o.vertical ? vertical_channel(*o.vertical) : session.vertical.value_or(VerticalChannel::free);
   const bool needs_heights = options.vertical == VerticalChannel::aided || options.vertical == VerticalChannel::held;
   if (!o.barometer.empty() && !needs_heights) throw OptionError("barometer", "belongs to --vertical aided or held; expected one of them");
   options.align = o.align;
@@ -134,7 +132,7 @@ AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedS
   const auto all = std::make_shared<const std::vector<NavigatedSession>>(std::move(sessions));
   const auto required = o.require ? errors_of_option("require", [&] { return assess(*all, *o.require); }) : std::vector<RequirementResult>();
   const bool doubtful = std::any_of(all->begin(), all->end(), [](const NavigatedSession& s) { return s.navigated.doubtful; });
-  const Conclusion conclusion = conclude(doubtful ? "doubtful" : "", navigation_headline(*all), required);
+  const Conclusion conclusion = conclude(doubtful ? Verdict::doubtful : Verdict::none, navigation_headline(*all), required);
   std::vector<std::string> warnings;
   for (const NavigatedSession& one : *all)
     for (const std::string& text : warnings_of(one)) warnings.push_back((all->size() > 1 ? one.session + ": " : "") + text);

@@ -39,7 +39,7 @@ Conclusion conclusion_of(const NoiseAnalysis& analysis, const NoiseVerbOptions& 
   for (const NoiseAxis& axis : analysis.axes) good = good && axis.fit && axis.fit->accepted(), fits = fits && (!axis.fit || axis.fit->accepted());
   std::string headline = noise_headline(analysis);
   if (!fits) headline += "; the spectrum of some axes is not that of the terms";
-  return conclude(good ? "good" : "doubtful", std::move(headline), assessed({analysis}, o));
+  return conclude(good ? Verdict::good : Verdict::doubtful, std::move(headline), assessed({analysis}, o));
 }
 
 /// What is missing, or what is not met.
@@ -141,7 +141,7 @@ AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVe
     if (missing.empty()) missing = shortcomings(log);
     for (const NoiseAxis& axis : log.axes) good = good && axis.fit && axis.fit->accepted();
   }
-  const Conclusion conclusion = conclude(good ? "good" : "doubtful", noise_headline(*batch), assessed(batch->logs, o));
+  const Conclusion conclusion = conclude(good ? Verdict::good : Verdict::doubtful, noise_headline(*batch), assessed(batch->logs, o));
   return {{.json = [batch] { return noise_json(*batch); },
            .table = [batch](bool) { return noise_text(*batch); },
            .page = [batch, conclusion] { return noise_page(*batch, conclusion); },

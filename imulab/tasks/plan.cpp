@@ -186,7 +186,7 @@ std::vector<RigAxis> axes_of(const std::string& text) {
 }
 
 std::string text_of(const PlannedProcedure& p) {
-  const bool said = conclusion_of(p).verdict == "met";  // by the headline
+  const bool said = conclusion_of(p).verdict == Verdict::met;  // by the headline
   std::string text = said ? "" : fmt::format("{} turns in {}\n", p.path.turns.size(), text::minutes(p.path.duration));
   if (p.prior) text += prior_text(*p.prior) + "\n";
   return fmt::format("{}{}{}\n{}", text, text.empty() ? "" : "\n", path_table(p.path), prediction_table(p.prediction, p.requirements));
@@ -291,9 +291,9 @@ Conclusion conclusion_of(const PlannedProcedure& p) {
   const std::vector<RequirementResult> required = assess(p.prediction, p.requirements);
   double most = 0;
   for (const RequirementResult& r : required) most = std::max(most, r.reached / r.limit);
-  Conclusion out = conclude("", "", required);
+  Conclusion out = conclude(Verdict::none, "", required);
   out.requirements.clear();  // the table shows them
-  if (out.verdict != "met") return out;
+  if (out.verdict != Verdict::met) return out;
   constexpr double agreement = 1.01;  // of the margin that was asked for, and the path in whole seconds
   out.headline =
       fmt::format("{} turns in {}, uncertainties at most {:.2f} of what is required", p.path.turns.size(), text::minutes(p.path.duration), most);

@@ -120,7 +120,7 @@ std::string prediction_headline(const Prediction& p) {
 }
 
 Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& requirements) {
-  return conclude(p.undetermined.empty() ? "" : "doubtful", prediction_headline(p), assess(p, requirements));
+  return conclude(p.undetermined.empty() ? Verdict::none : Verdict::doubtful, prediction_headline(p), assess(p, requirements));
 }
 
 AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {

@@ -8,6 +8,7 @@
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording/origin.hpp"
 #include "imulab/simulate.hpp"
 #include "imulab/simulate/effects.hpp"
@@ -53,7 +54,7 @@ Session given_session(Session session, const Truth& truth) {
   return session;
 }
 
-Calibration truth_calibration(const Session& session, const Truth& truth, std::uint64_t seed, const std::string& frame) {
+Calibration truth_calibration(const Session& session, const Truth& truth, std::uint64_t seed, BodyFrame frame) {
   Calibration c;
   c.imu = session.imu.name;
   c.method = "truth";
@@ -61,12 +62,13 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   c.session_file = "session.toml";
   c.frame = frame;
   c.model = truth.model;
-  c.quality.verdict = "good";
+  c.quality.verdict = Verdict::good;
   c.quality.effects = stated_effects(truth.effects);
-  c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
-                     fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N),
-                     fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N)};
-  if (truth.latitude) c.quality.notes.push_back(fmt::format("latitude {} deg", *truth.latitude / unit::deg));
+  const auto note = [&](const std::string& text) { c.quality.findings.add<Code::simulated>(text); };
+  note(fmt::format("seed {}", seed)), note(fmt::format("gravity {} m/s^2", truth.gravity));
+  note(fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N));
+  note(fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N));
+  if (truth.latitude) note(fmt::format("latitude {} deg", *truth.latitude / unit::deg));
   return c;
 }
 

@@ -124,7 +124,7 @@ Recording recording_on(const MissionFile& file, const TrajectoryTask& task, cons
 /// The vertical channel of [errors], and the barometer that it uses: an ideal one, or with the mission's errors where the readings have them.
 void add_vertical_channel(const MissionFile& file, const TrajectoryTask& task, const Trajectory& motion, FlownMission& out) {
   if (!file.errors || file.errors->vertical == VerticalChannel::free) return;
-  out.session.vertical = to_string(file.errors->vertical);
+  out.session.vertical = file.errors->vertical;
   if (file.errors->vertical == VerticalChannel::fixed) return;
   constexpr double readings_per_s = 10;  // heights between them are linear
   const auto every = static_cast<std::size_t>(std::max(1.0, std::round(file.mission.rate / readings_per_s)));
@@ -206,7 +206,7 @@ AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTa
                                       {"duration_s", end},
                                       {"rate_hz", rate},
                                       {"truth_rows", std::uint64_t{flown->truth.size()}},
-                                      {"vertical", flown->session.vertical},
+                                      {"vertical", flown->session.vertical ? JsonValue(to_string(*flown->session.vertical)) : JsonValue()},
                                       {"aids", aids_json(flown->aids)}}});
                },
            .table =

@@ -41,7 +41,7 @@ void expect_sizes(const Calibration& calibration, const std::string& name) {
 }
 
 std::vector<std::string> doubt_about(const Calibration& calibration, const std::string& name) {
-  if (calibration.quality.verdict != "doubtful") return {};
+  if (calibration.quality.verdict != Verdict::doubtful) return {};
   return {name + ": the calibration is doubtful; its errors may be larger than it states"};
 }
 

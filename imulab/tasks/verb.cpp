@@ -159,7 +159,7 @@ std::string Answer::document() const {
 
 std::string Answer::text(bool details) const {
   const std::string own = table(details);
-  if (conclusion.verdict.empty()) return own;
+  if (conclusion.verdict == Verdict::none) return own;
   std::string begin = text::wrapped("", conclusion_text(conclusion));
   if (own.starts_with(begin)) return own;
   if (conclusion.requirements.size() == 1) return begin + "\n" + own;  // the headline says it

@@ -32,9 +32,11 @@ std::string shortcomings(const std::string& calibration, const Files& files) {
 /// Files that are unchanged make a doubtful calibration no better.
 Conclusion conclusion_of(const Files& files, const Quality& quality) {
   const auto unchanged = std::count_if(files.begin(), files.end(), [](const VerifiedFile& f) { return f.state == FileState::unchanged; });
-  Conclusion out{unchanged == std::ssize(files) ? "good" : "doubtful", fmt::format("{} of {} files are unchanged", unchanged, files.size())};
-  if (quality.verdict == "doubtful")
-    out.verdict = quality.verdict, out.headline += fmt::format("; the calibration itself is doubtful: {}", fmt::join(quality.because, "; "));
+  Conclusion out{unchanged == std::ssize(files) ? Verdict::good : Verdict::doubtful,
+                 fmt::format("{} of {} files are unchanged", unchanged, files.size())};
+  if (quality.verdict == Verdict::doubtful)
+    out.verdict = quality.verdict,
+    out.headline += fmt::format("; the calibration itself is doubtful: {}", fmt::join(quality.findings.reasons(), "; "));
   return out;
 }
 

@@ -39,6 +39,12 @@ class Answer:
         data: dict[str, Any] = json.loads(self.json)
         return data
 
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """Doubts, warnings and notes, each with code, severity and text, and where it has one subject, numbers, advice and place."""
+        found: list[dict[str, Any]] = self.data.get("quality", self.data).get("findings", [])
+        return found
+
     def expect_supported(self) -> None:
         """Raises Unsupported with the shortcomings where there are any."""
         if self.shortcomings:

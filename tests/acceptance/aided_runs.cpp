@@ -207,8 +207,8 @@ AidedRun aided_run(std::uint64_t seed, bool effects) {
   const AidedNavigation n = aided::navigate_under(priors, c.session, c.recording, c.session.aids, {}, effects ? &terms : nullptr);
   const Calibration result =
       drive::calibration_result({drive::drive_of(n, c.recording, c.session.imu)}, {c.session, std::span(&c.recording, 1)}, options).calibration;
-  out.good = result.quality.verdict == "good";
-  out.reasons = fmt::format("{}", fmt::join(result.quality.because, "; "));
+  out.good = result.quality.verdict == Verdict::good;
+  out.reasons = fmt::format("{}", fmt::join(result.quality.findings.reasons(), "; "));
   for (std::size_t k = 0; k < result.estimated.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     const double error = coefficient_value(result.model, result.estimated[k]) - coefficient_value(c.unit.model, result.estimated[k]),

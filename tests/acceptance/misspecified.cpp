@@ -113,7 +113,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   if (method.support) session.steps.clear();  // it finds the rests in the recording
   const Calibration c = calibrate(method, {session, recordings}).calibration;
   const SensorModel exact = method.takes_several ? truth.model : with_recorded_offsets(truth, recordings.front(), seed);
-  MisspecifiedRun out{true, c.quality.verdict == "good", c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};
+  MisspecifiedRun out{true, c.quality.verdict == Verdict::good, c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
     out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(exact, c.estimated[i]);
   return out;

@@ -65,7 +65,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
   options.effects = false;
   const Calibration c = calibrate(method, {of, recordings}, options).calibration;
   Outcome out;
-  for (const std::string& warning : c.quality.warnings)
+  for (const std::string& warning : c.quality.findings.warnings())
     out.widened = out.widened || warning.find("is larger than expected of this IMU") != std::string::npos;
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const CoefficientIndex index = p.coefficients[i];

@@ -45,12 +45,11 @@ bool gravity_on_every_axis(const RestStart& start) {
 void warn_of_poor_rests(RestStart& start) {
   constexpr std::size_t enough = 9;  // as many as the accelerometers have coefficients
   const std::size_t n = start.rests.size();
-  if (n < enough) start.findings.warn(fmt::format("only {} rest{}: about 20 in different directions are good", n, n == 1 ? "" : "s"));
+  if (n < enough) start.findings.add<Code::few_rests>(n, n == 1 ? "" : "s");
   Matrix3d scatter = Matrix3d::Zero();
   for (const RestMeans& rest : start.rests) scatter += start.up(rest) * start.up(rest).transpose() / static_cast<double>(n);
   // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
-  if (n > 1 && symmetric_eigenvalues(scatter)[0] < 1.0 / 30)
-    start.findings.warn("all rests have gravity near one axis or plane of the IMU: turn it so that each of its axes points up and down");
+  if (n > 1 && symmetric_eigenvalues(scatter)[0] < 1.0 / 30) start.findings.add<Code::rests_near_a_plane>();
 }
 
 /// Raw noise of a declared density, and a warning where the rests show another. A raw axis feeds its column of the matrix.
@@ -74,13 +73,13 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
                     "different directions, are needed",
                     recording.name, start.rests.size()));
   if (!coarse) {
-    start.findings.note("the rests alone do not give offsets and scales: the fit started from the declared units");
+    start.findings.add<Code::start_of_fit>("the rests alone do not give offsets and scales: the fit started from the declared units");
     return;
   }
   start.model.accel.offset = coarse->offset;
   start.model.accel.matrix = coarse->matrix;
   if (!coarse->misalignment)
-    start.findings.note("the linear solution does not determine the accelerometers' misalignments: the fit started from zero");
+    start.findings.add<Code::start_of_fit>("the linear solution does not determine the accelerometers' misalignments: the fit started from zero");
   if (!counts) return;
   start.prior.accel.offset = coarse->offset;
   start.prior.accel.matrix = coarse->matrix.diagonal().asDiagonal();
@@ -121,7 +120,7 @@ RestStart start_from_rests(const CalibrationInput& input, std::string_view metho
   kernel::Findings findings;
   const std::vector<Range> rests = kernel::rests_found(input, recording, findings);
   RestStart start = start_from_rests(recording, rests, input.session.imu, input.session.site.gravity());
-  findings.add(start.findings);
+  findings.append(start.findings);
   start.findings = std::move(findings);
   return start;
 }

@@ -74,7 +74,7 @@ StatedUnit calibration_of(const AidedNavigation& n) {
   StatedUnit stated;
   Calibration& out = stated.calibration;
   out.method = "drive";
-  out.frame = "accelerometers";
+  out.frame = BodyFrame::accelerometers;
   out.model.accel.raw_unit = "m/s^2", out.model.gyro.raw_unit = "rad/s";
   std::vector<Index> places;
   SensorModel constants = out.model;

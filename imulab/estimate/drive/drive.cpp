@@ -159,13 +159,13 @@ Prediction predict(const Session& mission, const PredictionOptions& options) {
   calibration.quality.sources = {kernel::gravity_source(mission.site)};
   Prediction out = prediction_of(calibration);
   out.rig_errors = calibration.quality.rig_errors;
-  out.notes = findings.warnings;
+  out.notes = findings.warnings();
   std::string aids;
   for (const AidedConstant& c : n.constants)
     if (of_aid(c)) aids += (aids.empty() ? "aids, declared and u to come: " : ", ") + constant_text(c);
   if (!aids.empty()) out.notes.push_back(std::move(aids));
   if (!mission.imu.grade) out.notes.emplace_back("priors: of grade mems, since the mission declares none");
-  for (const std::string& doubt : n.doubts) out.warnings.push_back(fmt::format("{}: {}", mission.file, doubt));
+  for (const std::string& doubt : n.findings.reasons()) out.warnings.push_back(fmt::format("{}: {}", mission.file, doubt));
   out.missed = shortfalls(out, options.requirements);
   return out;
 }

@@ -41,7 +41,7 @@ void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findi
     group->second += (group->second.empty() ? "" : ", ") + c.name;
   }
   for (const auto& [shown_by, names] : groups)
-    findings.warn(fmt::format("not determined, so still as uncertain as its prior: {}{}", names, shown_by.empty() ? "" : "; shown by " + shown_by));
+    findings.add<Code::shown_by_no_motion>(Subject{names}, shown_by.empty() ? "" : "; shown by " + shown_by);
 }
 
 std::string constant_text(const AidedConstant& c) {
@@ -59,17 +59,16 @@ namespace {
 
 void note_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
   const AidedNavigation& n = drive.navigation;
-  findings.note(fmt::format("{}{} passes over {:.0f} s with {}; {} values of aids, innovations {:.2f} times their stated size (RMS)", before,
-                            n.passes, n.solution.time.back() - n.solution.time.front(), fmt::join(n.aids, ", "), n.innovations.size(),
-                            n.innovation_rms));
-  for (const AidedFactor& f : n.factors)
-    findings.note(fmt::format("{}noise of {}: {:.3g} times the declared sigma, from {:.0f} values", before, f.name, std::sqrt(f.factor), f.resolved));
+  findings.add<Code::drive_passes>(before, n.passes, n.solution.time.back() - n.solution.time.front(), fmt::format("{}", fmt::join(n.aids, ", ")),
+                                   n.innovations.size(), n.innovation_rms);
+  for (const AidedFactor& f : n.factors) findings.add<Code::aid_noise>(before, Subject{f.name}, std::sqrt(f.factor), f.resolved);
 }
 
 void doubt_drive(const Drive& drive, const std::string& before, kernel::Findings& findings) {
-  for (const std::string& warning : drive.navigation.warnings)
-    if (std::ranges::none_of(drive.navigation.doubts, [&](const std::string& doubt) { return warning.ends_with(doubt); })) findings.warn(warning);
-  for (const std::string& reason : drive.navigation.doubts) findings.doubt(before + reason);
+  for (Finding f : drive.navigation.findings) {
+    if (f.severity == Severity::doubt) f.text = before + f.text;
+    findings.push_back(std::move(f));
+  }
 }
 
 /// The drive that adds to the others what they exclude.
@@ -78,9 +77,8 @@ void doubt_contradiction(const std::vector<Contradiction>& all, kernel::Findings
   const auto worst = std::ranges::min_element(all, {}, chance);
   constexpr double improbable = 1e-4;
   if (worst == all.end() || chance(*worst) > std::log(improbable / static_cast<double>(all.size()))) return;
-  findings.doubt(
-      fmt::format("{} contradicts the other{}: chi2 {:.3g} for {:g} differences, most in {} ({:.1f} sigmas); another unit, or one that changed",
-                  worst->drive, all.size() > 2 ? " drives" : " drive", worst->chi2, worst->freedom, worst->worst, worst->sigmas));
+  findings.add<Code::drive_contradicts>(Subject{worst->drive}, all.size() > 2 ? " drives" : " drive", worst->chi2, worst->freedom, worst->worst,
+                                        worst->sigmas);
 }
 
 /// A unit that is not of its grade, or not mounted as its axes say: the prior then pulls the estimates.
@@ -90,11 +88,11 @@ void doubt_priors(const AidedNavigation& n, const Session& session, kernel::Find
   for (const AidedConstant& c : n.constants) {
     if (of_unit(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
     if (c.name.find("mounting") != std::string::npos && std::abs(c.value) > far * c.prior)
-      findings.doubt(fmt::format("{} is {:.0f} deg; declare the columns' axes (right, forward, up)", c.name, c.value / unit::deg));
+      findings.add<Code::large_mounting>(Subject{c.name}, c.value / unit::deg);
   }
   if (worst && std::abs(worst->value) > many * worst->prior)
-    findings.doubt(fmt::format("{} is {:.1f} times what an IMU of grade {} has; declare its grade, unit and axes", shown_name(worst->name),
-                               std::abs(worst->value / worst->prior), session.imu.grade.value_or("mems, which is assumed,")));
+    findings.add<Code::beyond_grade>(Subject{shown_name(worst->name)}, std::abs(worst->value / worst->prior),
+                                     session.imu.grade.value_or("mems, which is assumed,"));
 }
 
 /// The part of it that the drive determined.
@@ -132,16 +130,16 @@ kernel::Findings judged(const std::vector<Drive>& drives, const Together& all, c
                                                               all.navigation.constants, [](const AidedConstant& c) { return !c.undetermined(); }));
   if (!calibration.estimated.empty()) quality.condition = kernel::condition_number(calibration.covariance);
   quality.sources.push_back(kernel::gravity_source(session.site));
-  if (!session.imu.grade) findings.note("priors: of grade mems, since the session declares none");
+  if (!session.imu.grade) findings.add<Code::no_grade>("session");
   name_undetermined(all.navigation, quality, findings);
   add_aids(all.navigation, quality);
   for (const AidedConstant& c : all.navigation.constants)
-    if (of_aid(c)) findings.note(constant_text(c));
+    if (of_aid(c)) findings.add<Code::aid_constant>(constant_text(c)).subject = c.name;
   for (const Drive& drive : drives) doubt_drive(drive, in_front(drives, drive), findings);
   doubt_contradiction(all.contradictions, findings);
   doubt_priors(all.navigation, session, findings);
   const Calibration determined = determined_part(calibration);
-  if (determined.estimated.empty()) findings.doubt("the motion shows no coefficient");
+  if (determined.estimated.empty()) findings.add<Code::no_coefficient_shown>();
   kernel::add_common_doubts(findings, determined, session.site);
   return findings;
 }

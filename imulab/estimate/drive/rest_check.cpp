@@ -78,13 +78,9 @@ void doubt_at_rest(const Calibration& calibration, const AidedNavigation& naviga
                      std::hypot(tilt[turn.begin_s], tilt[turn.end_s],
                                 rotation_sigma(calibration, recording, recording.samples_in(turn.begin_s, turn.end_s), noise.gyro.N))});
   if (const Excess* worst = improbable(sizes))
-    findings.doubt(
-        fmt::format("{}at rest from {:.1f} to {:.1f} s the calibrated force is {:+.3g} mg from gravity, where {:.2g} mg is its uncertainty", before,
-                    worst->begin_s, worst->end_s, worst->error / mg, worst->sigma / mg));
+    findings.add<Code::force_at_rest>(before, worst->begin_s, worst->end_s, worst->error / mg, worst->sigma / mg);
   if (const Excess* worst = improbable(turns))
-    findings.doubt(
-        fmt::format("{}from {:.1f} to {:.1f} s the calibrated gyros miss gravity's turn by {:.3g} deg, where {:.2g} deg is their uncertainty", before,
-                    worst->begin_s, worst->end_s, worst->error / unit::deg, worst->sigma / unit::deg));
+    findings.add<Code::turn_missed>(before, worst->begin_s, worst->end_s, worst->error / unit::deg, worst->sigma / unit::deg);
 }
 
 }  // namespace imulab::drive

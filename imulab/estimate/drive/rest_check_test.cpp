@@ -43,7 +43,7 @@ std::vector<std::string> doubts_of(double accel_offset, double gyro_scale) {
   session.site.given_gravity = gravity;
   kernel::Findings findings;
   doubt_at_rest(unit_of(accel_offset, gyro_scale), {}, rolled(), session, "", findings);
-  return findings.doubts;
+  return findings.reasons();
 }
 
 TEST(DriveAtRest, WhatTheCovarianceExplainsIsNoDoubt) {

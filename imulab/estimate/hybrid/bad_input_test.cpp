@@ -109,9 +109,9 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
     EXPECT_THAT(calibration.quality.unobservable, IsEmpty()) << c.what;
     EXPECT_LT(largest_sigmas(calibration, s.truth.model), 4.5) << c.what << ": 21 coefficients, once in 7000 sessions";
     if (*c.warning) {
-      EXPECT_THAT(calibration.quality.warnings, Contains(HasSubstr(c.warning))) << c.what;
+      EXPECT_THAT(calibration.quality.findings.warnings(), Contains(HasSubstr(c.warning))) << c.what;
     } else {
-      EXPECT_THAT(calibration.quality.warnings, IsEmpty()) << c.what;
+      EXPECT_THAT(calibration.quality.findings.warnings(), IsEmpty()) << c.what;
     }
   }
 }
@@ -119,22 +119,22 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
 TEST(HybridBadInput, ShortRestsAreSaid) {
   const HybridSession s = session_with(3, 2);
   const Calibration c = calibrated(s, base_terms()).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
 /// Gyros that are a second late: each pass ends as far away as the one before.
 TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
-  const auto passes = [](const HybridSession& s, const char* verdict) {
+  const auto passes = [](const HybridSession& s, Verdict verdict) {
     int count = 0;
     const WorkScope scope({}, [&](double) { ++count; });
     EXPECT_EQ(calibrated(s).calibration.quality.verdict, verdict);
     return count;
   };
   HybridSession s = session_with(2);
-  const int usual = passes(s, "good");
+  const int usual = passes(s, Verdict::good);
   for (std::vector<double>& axis : s.recording.gyro) std::rotate(axis.begin(), axis.end() - 50, axis.end());
-  EXPECT_LT(passes(s, "doubtful"), 3 * usual);
+  EXPECT_LT(passes(s, Verdict::doubtful), 3 * usual);
 }
 
 /// A velocity of 0.15 m/s at the end of a second, which is gone a sample later, in each of the samples of the first rest.
@@ -145,7 +145,8 @@ TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
     s.recording.accel[0][at] += 0.15 / s.recording.interval_s;
     s.recording.accel[0][at + 1] -= 0.15 / s.recording.interval_s;
     const Quality quality = calibrated(s).calibration.quality;
-    EXPECT_EQ(quality.verdict, "good") << at << ": " << testing::PrintToString(quality.because) << testing::PrintToString(quality.warnings);
+    EXPECT_EQ(quality.verdict, Verdict::good) << at << ": " << testing::PrintToString(quality.findings.reasons())
+                                              << testing::PrintToString(quality.findings.warnings());
   }
 }
 
@@ -165,8 +166,8 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   HybridSession s = session_with(4);
   s.session.site.latitude = *s.session.site.latitude + 10 * unit::deg;
   const Calibration c = calibrated(s, base_terms()).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not 55.000")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("deg), not 55.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
@@ -175,8 +176,8 @@ TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
   HybridSession s = session_with(6);
   s.session.site.latitude = -*s.session.site.latitude;  // the horizontal Earth rate is the same
   const Calibration c = calibrated(s).calibration;
-  EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]\\.")));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg), not -45.000")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the gyros show a latitude of 4[45]\\.")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("deg), not -45.000")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }
 

@@ -39,7 +39,7 @@ void start_gyro(coarse::RestStart& start, const Recording& recording, double lat
   if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
     gyro.matrix = at_rest->matrix;
     gyro.offset = at_rest->offset;
-    start.findings.note("gyros started from the Earth's rate at rest");
+    start.findings.add<Code::start_of_fit>("gyros started from the Earth's rate at rest");
     return;
   }
   if (counts) {
@@ -50,7 +50,8 @@ void start_gyro(coarse::RestStart& start, const Recording& recording, double lat
   }
   const Vector3d mean = gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
-  start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
+  start.findings.add<Code::start_of_fit>(counts ? "gyros started from the motion of gravity between the rests"
+                                                : "gyros started from the declared unit");
 }
 
 void check_axes(const Recording& recording, const coarse::RestStart& start) {
@@ -117,11 +118,7 @@ bool shows_no_noise(const Noise& noise, const ImuDeclaration& imu) {
 
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
   const auto n = std::inner_product(rests.begin(), rests.end(), still.begin(), std::size_t{0}, std::plus<>(), std::equal_to<>());
-  if (2 * n > rests.size())
-    findings.warn(
-        fmt::format("{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly "
-                    "shows in them; use rests of 30 s or more",
-                    n, rests.size(), 5 * in_place::settling_time));
+  if (2 * n > rests.size()) findings.add<Code::short_rests>(n, rests.size(), 5 * in_place::settling_time);
 }
 
 /// An axis whose readings come a sample after those of the others: by a filter of its own, or a register that is read too soon. In turns it looks
@@ -156,11 +153,6 @@ std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
         best.axis = axis, best.samples = samples, best.scatter = scatter;
     }
   return best.scatter < 0.5 * best.before ? std::optional(best) : std::nullopt;
-}
-
-std::string text_of(const LateAxis& late) {
-  return fmt::format("the {} {}'s readings are a sample {} than the others'", "xyz"[late.axis % 3], late.axis < 3 ? "gyro" : "accelerometer",
-                     late.samples > 0 ? "later" : "earlier");
 }
 
 void add_curves(const Data& data, const Iterate& iterate, double interval, CalibrationResult& out) {
@@ -213,7 +205,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .coarse = coarse,
             .terms = terms_of(session, options.terms, seen_of_unit, recording.interval_s)};
   data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms, seen_of_unit, options.effects);
-  const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
+  const bool corrected = last.has(Code::wrong_latitude);
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
   std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
@@ -231,31 +223,25 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
     there.site.given_gravity_sigma = there.site.gravity_sigma();
     there.site.latitude_sigma = 5 * seen->sigma;  // the fit knows it better
     kernel::Findings instead;
-    instead.warn(fmt::format(
-        "the gyros show a latitude of {:.3f} deg (u = {:.2g} deg), not {:.3f}; this latitude is used, with its gravity if none is declared; "
-        "check the site's latitude",
-        seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg));
-    instead.doubt(kernel::wrong_latitude);
-    instead.add(last);
+    instead.add<Code::latitude_by_rests>(seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg);
+    instead.add<Code::wrong_latitude>();
+    instead.append(last);
     return calibrated(recording, rests, there, options, std::move(findings), instead);
   }
-  if (const auto late = last.doubts.empty() ? late_axis(data, result.last) : std::nullopt) {
+  if (const auto late = !last.doubtful() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
-    instead.warn(
-        fmt::format("{}: it was corrected; the scatter of the velocities fell from {:.3g} to {:.3g} times the noise; check the filter and the "
-                    "column of this axis",
-                    text_of(*late), late->before, late->scatter));
-    instead.doubt(text_of(*late));
+    instead.add<Code::late_axis>("xyz"[late->axis % 3], late -> axis<3 ? "gyro" : "accelerometer", late->samples> 0 ? "later" : "earlier",
+                                 late->before, late->scatter);
     return calibrated(shift_by_one_sample(recording, *late), rests, session, options, std::move(findings), instead);
   }
-  findings.add(start.findings);
-  for (const std::string& warning : cut.warnings) findings.warn(warning);
+  findings.append(start.findings);
+  for (const std::string& warning : cut.warnings) findings.add<Code::motion_left_out>(warning);
   warn_of_short_rests(rests, still, findings);
   CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
   out.calibration.imu = session.imu.name;
   report(data, result, session.site, out.calibration, findings);
   add_effects(data, result.last, out.calibration, findings);
-  findings.add(last);
+  findings.append(last);
   kernel::conclude(out.calibration, findings);
   if (options.hybrid.curve_interval > 0) add_curves(data, result.last, options.hybrid.curve_interval, out);
   return out;

@@ -57,7 +57,7 @@ TEST(Hybrid, ACleanSessionIsGoodUnderAGradeWorseThanTheUnit) {
       HybridSession s = hybrid_session(seed, [](Session& session) { session.imu.grade.reset(); });
       if (*grade != 0) s.session.imu.grade = grade;
       const Calibration c = calibrated(s).calibration;
-      EXPECT_EQ(c.quality.verdict, "good") << seed << " " << grade << ": " << verdict_text(c.quality);
+      EXPECT_EQ(c.quality.verdict, Verdict::good) << seed << " " << grade << ": " << verdict_text(c.quality);
       const auto [sum, count] = normalized_error(c, s.truth.model);
       EXPECT_LT(sum / count, 2) << seed << " " << grade;  // of some 30: once in 1,000
     }
@@ -80,11 +80,11 @@ TEST(Hybrid, RestsThatTurnALittleCountLess) {
   for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
     HybridSession s = hybrid_session(seed);
     const Calibration still = calibrated(s, base_terms()).calibration;
-    EXPECT_THAT(still.quality.warnings, Not(Contains(HasSubstr("headings"))));
+    EXPECT_THAT(still.quality.findings.warnings(), Not(Contains(HasSubstr("headings"))));
     turn_in_rests(s, seed);
     const Calibration c = calibrated(s, base_terms()).calibration;
-    EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
-    EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the headings within the rests scatter [2-5]")));
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
+    EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the headings within the rests scatter [2-5]")));
     const CoefficientIndex offset = coefficient_index("gyro.offset.x"), scale = coefficient_index("accel.matrix.xx");
     EXPECT_GT(*standard_uncertainty(c, offset), 1.2 * *standard_uncertainty(still, offset));
     EXPECT_LT(*standard_uncertainty(c, scale), 1.05 * *standard_uncertainty(still, scale));  // the heading is not in it
@@ -102,7 +102,7 @@ TEST(Hybrid, AWellKnownLatitudeDoesNotHoldItUp) {
     const Recording recording =
         simulate_recording(session, session.recordings.front(), truth, seed, draw_rig_errors(session, session.recordings.front(), seed));
     const CalibrationResult result = calibrate(input_of(session, recording), {});
-    EXPECT_EQ(result.calibration.quality.verdict, "good") << seed << ": " << verdict_text(result.calibration.quality);
+    EXPECT_EQ(result.calibration.quality.verdict, Verdict::good) << seed << ": " << verdict_text(result.calibration.quality);
     EXPECT_LE(result.iterations, 20) << seed;
   }
 }
@@ -136,7 +136,7 @@ TEST(Hybrid, ErrorsAreAsLargeAsStatedWhateverTheTable) {
     const HybridSession s = hybrid_session(seed);
     const Calibration c = calibrated(s, base_terms()).calibration;
     ASSERT_EQ(c.estimated.size(), 21u);
-    EXPECT_EQ(c.quality.verdict, "good");
+    EXPECT_EQ(c.quality.verdict, Verdict::good);
     // About 3000 degrees of freedom: a standard deviation of 0.026.
     EXPECT_NEAR(c.quality.chi2_per_dof, 1, 0.1);
     sum += normalized_error(c, s.truth.model).sum;
@@ -186,7 +186,7 @@ TEST(Hybrid, CountsGiveTheSameUnitAsSi) {
     // Another coarse solution starts them; both converge to a hundredth of a sigma a step.
     EXPECT_NEAR(value, coefficient_value(si.model, index), 0.03 * *standard_uncertainty(si, index)) << row.name;
   }
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(Hybrid, IncrementsAreAsGoodAsRates) {
@@ -254,11 +254,11 @@ TEST(Hybrid, TurnedByHand) {
       session.steps.clear();
       const Calibration c = hybrid::calibrate(input_of(session, recording), base_terms(grade == std::string("mems"))).calibration;
       EXPECT_THAT(c.quality.unobservable, IsEmpty());
-      EXPECT_EQ(c.quality.verdict, "good") << grade << " " << seed;
+      EXPECT_EQ(c.quality.verdict, Verdict::good) << grade << " " << seed;
       const NormalizedError e = normalized_error(c, truth.model);
       sum += e.sum;
       m += e.count;
-      EXPECT_THAT(c.quality.warnings, IsEmpty());
+      EXPECT_THAT(c.quality.findings.warnings(), IsEmpty());
     }
     EXPECT_GT(sum, chi_square_quantile(0.0005, m)) << grade;
     EXPECT_LT(sum, chi_square_quantile(0.9995, m)) << grade;
@@ -281,7 +281,7 @@ TEST(Hybrid, FindsAHeadingThatTurns) {
     session.steps.clear();
     session.imu.grade.reset();  // a g-sensitivity of any size
     const Calibration c = hybrid::calibrate(input_of(session, recording), base_terms(true)).calibration;
-    EXPECT_EQ(c.quality.verdict, "good") << seed << ": " << verdict_text(c.quality);
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << seed << ": " << verdict_text(c.quality);
     const CoefficientIndex index = coefficient_index("gyro.g_sensitivity.xx");
     sum += std::pow((coefficient_value(c.model, index) - coefficient_value(truth.model, index)) / *standard_uncertainty(c, index), 2), sessions += 1;
   }
@@ -299,7 +299,7 @@ TEST(Hybrid, NoTiltAddsUp) {
       session.site.given_gravity_sigma = 1e-6 * session.site.gravity();
     });
     const Calibration c = calibrated(s, base_terms()).calibration;
-    EXPECT_EQ(c.quality.verdict, "good") << seed << ": " << verdict_text(c.quality);
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << seed << ": " << verdict_text(c.quality);
     const NormalizedError e = normalized_error(c, s.truth.model);
     sum += e.sum, count += e.count;
   }

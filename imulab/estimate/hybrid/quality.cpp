@@ -51,10 +51,7 @@ void judge_left_out(const Data& data, const std::vector<Disturbance>& found, ker
   for (const Disturbance& d : found) in_turns += !data.blocks[d.first].at_rest;
   const double n = static_cast<double>(found.size());
   if (turning == 0 || binomial_quantile(1 - improbable, n, turning / observed) >= in_turns) return;
-  findings.doubt(
-      fmt::format("{:.0f} of {:.0f} disturbances that were left out are in turns: that is no bump but something that the model lacks; check the "
-                  "delay between the triads, the lever arms and the stamps",
-                  in_turns, n));
+  findings.add<Code::disturbances_in_turns>(in_turns, n);
 }
 
 /// Lists the blocks that were left out, with their times.
@@ -67,8 +64,7 @@ void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, ke
     times += fmt::format("{}{:.1f}..{:.1f} s", k == 0 ? "" : ", ", data.recording.time_s(data.blocks[found[k].first].samples.begin),
                          data.recording.time_s(data.blocks[found[k].last].samples.end - 1));
   if (found.size() > most_listed) times += fmt::format(" and {} more", found.size() - most_listed);
-  findings.warn(fmt::format("{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used: {}", left_out.size(),
-                            data.blocks.size(), times));
+  findings.add<Code::velocities_left_out>(left_out.size(), data.blocks.size(), times);
   judge_left_out(data, found, findings);
 }
 
@@ -78,10 +74,7 @@ void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
   constexpr double much = 0.15, improbable = 5;  // standard deviations of white ones: 3e-7
   const auto [correlation, sigma] = iterate.pass.serial;
   if (!iterate.converged || correlation < std::max(much, improbable * sigma)) return;
-  findings.doubt(
-      fmt::format("the velocities' residuals are alike from one to the next (correlation {:.2f}): slow vibration, or something that the model "
-                  "lacks; the uncertainties may be too small",
-                  correlation));
+  findings.add<Code::colored_residuals>(correlation);
 }
 
 /// Force along up at a rest, and what the effects change of it.
@@ -143,9 +136,7 @@ constexpr double much_drift = 5;
 /// The headings' scatter is in their weight (noise_of_angle).
 void judge_headings(double scatter, kernel::Findings& findings) {
   if (scatter <= 1) return;
-  const std::string text = fmt::format("the headings within the rests scatter {:.3g} times as much as the gyros' noise explains", scatter);
-  findings.warn(text + ", as on a stand that moves, or with offsets that drift; they count that much less");
-  if (scatter > much_drift) findings.doubt(text);
+  findings.add<Code::headings_scatter>(scatter).severity = scatter > much_drift ? Severity::doubt : Severity::warning;
 }
 
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.
@@ -161,9 +152,7 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
   if (const double drift = drift_between_rests(data, iterate); drift > factor) {
     constexpr double much_of_velocities = 1.5;
-    const std::string text = fmt::format("the rests' mean forces scatter {:.3g} times as much as the noise explains", drift);
-    findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
-    if (drift > much_drift || factor > much_of_velocities) findings.doubt(text);
+    findings.add<Code::forces_scatter>(drift).severity = drift > much_drift || factor > much_of_velocities ? Severity::doubt : Severity::warning;
     factor = drift;
   } else {
     kernel::add_scatter(findings, "velocities", factor);
@@ -238,14 +227,12 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   judge_whiteness(last, findings);
   kernel::add_dropped(findings, result.lost, result.lost.size() + motions_of(data.blocks).size(), "rotations");
   add_left_out(data, result.left_out, findings);
-  findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
+  findings.add<Code::iterations>(last.iterations, data.blocks.size());
   if (const Index at = last.states.first(Group::delay); at >= 0) {
     const double delay = last.pass.x[at];
-    findings.note(fmt::format("the accelerometers' output is {:.3g} ms (u = {:.2g} ms) behind the gyros'", 1e3 * delay, 1e3 * sigma(at)));
+    findings.add<Code::triads_delayed>(1e3 * delay, 1e3 * sigma(at));
     constexpr double most = 1.5;  // samples: the equations are linear in the delay
-    if (std::abs(delay) > most * data.recording.interval_s + 3 * sigma(at))
-      findings.doubt(fmt::format(
-          "the accelerometers' output is {:.3g} ms behind the gyros', more than what the method corrects; shift one triad's stamps", 1e3 * delay));
+    if (std::abs(delay) > most * data.recording.interval_s + 3 * sigma(at)) findings.add<Code::delay_too_large>(1e3 * delay);
   }
   kernel::add_common_doubts(findings, calibration, site);
   kernel::doubt_latitude(findings, calibration, last.about.place.latitude, last.about.place.gravity);

@@ -195,8 +195,8 @@ TEST(Separation, AGyroThatSticksInATurnCostsThatTurn) {
   const std::size_t begin = s.rests[4].end + 60;  // 3 s at 20 Hz: within a turn of 9 s
   for (std::vector<double>& gyro : s.recording.gyro) std::fill_n(gyro.begin() + static_cast<std::ptrdiff_t>(begin), 20, gyro[s.rests[4].begin]);
   const Calibration c = calibrated(s).calibration;
-  EXPECT_THAT(c.quality.warnings, testing::Contains(testing::HasSubstr("dropped as an outlier: the rotation from")));
-  EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+  EXPECT_THAT(c.quality.findings.warnings(), testing::Contains(testing::HasSubstr("dropped as an outlier: the rotation from")));
+  EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
   VectorXd error(std::ssize(c.estimated));
   for (Index k = 0; k < error.size(); ++k) {
     const CoefficientIndex index = c.estimated[static_cast<std::size_t>(k)];

@@ -96,7 +96,7 @@ TEST(HybridTerms, ADelayIsFoundAndHarmsNothing) {
     for (std::size_t i = axis.size(); --i > 0;) axis[i] += 0.2 * (axis[i - 1] - axis[i]);
   const Calibration c = calibrated(s).calibration;
   EXPECT_TRUE(term_test(c, "delay of the accelerometers").kept);
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("the accelerometers' output is 2 ms (u = 0.0")));
+  EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("the accelerometers' output is 2 ms (u = 0.0")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
@@ -105,7 +105,7 @@ TEST(HybridTerms, ALongDelayIsDoubted) {
   HybridSession s = session_of(4, hybrid_unit(4));
   for (std::vector<double>& axis : s.recording.accel)
     for (std::size_t i = axis.size(); --i > 2;) axis[i] = axis[i - 3];
-  EXPECT_THAT(calibrated(s).calibration.quality.because, Contains(HasSubstr("more than what the method corrects")));
+  EXPECT_THAT(calibrated(s).calibration.quality.findings.reasons(), Contains(HasSubstr("more than what the method corrects")));
 }
 
 TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {  // ctest: long

@@ -103,21 +103,14 @@ void state_clock(Calibration& calibration, const Session& session, const std::ve
 void doubt_clock(Calibration& calibration, const ClockGain& gain) {
   constexpr double declared_s = 0.1;  // to which steps are declared
   if (gain.clock.lost_s > declared_s) {
-    add_doubt(
-        calibration.quality,
-        fmt::format("{}: samples are lost without a trace in the stamps: turns come {:.2g} s earlier at once than the steps say, which no clock "
-                    "does; the angle of a turn that lost some is wrong; record again with all samples",
-                    gain.recording, gain.clock.lost_s));
+    calibration.quality.findings.add<Code::samples_lost>(Subject{gain.recording}, gain.clock.lost_s);
     if (!calibration.quality.cause) calibration.quality.cause = "lost samples";
     return;
   }
   constexpr double of_clocks = 250 * unit::ppm;  // five sigmas of one that stamps
   const double rate = gain.clock.rate;
   if (!gain.increments || !gain.significant() || rate > 0 || std::abs(rate) < std::max(of_clocks, gyro_scale_sigma(calibration))) return;
-  add_doubt(calibration.quality,
-            fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
-                        "by as much; find out whether all samples were recorded",
-                        gain.recording, 1e6 * std::abs(rate)));
+  calibration.quality.findings.add<Code::clock_loses>(Subject{gain.recording}, 1e6 * std::abs(rate));
 }
 
 }  // namespace imulab::kernel

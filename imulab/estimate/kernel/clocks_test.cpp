@@ -22,15 +22,16 @@ Quality doubted(const ClockGain& gain) {
 
 TEST(DoubtClock, LostSamplesAreDoubtfulAndASlowClockIsNot) {
   for (const bool increments : {false, true}) {
-    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 1e-6}, increments}).because, IsEmpty());
+    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 1e-6}, increments}).findings.reasons(), IsEmpty());
     const Quality lost = doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.3}, increments});
-    EXPECT_THAT(lost.because, Contains(HasSubstr("samples are lost without a trace in the stamps: turns come 0.3 s earlier at once")));
+    EXPECT_THAT(lost.findings.reasons(), Contains(HasSubstr("samples are lost without a trace in the stamps: turns come 0.3 s earlier at once")));
     EXPECT_EQ(lost.cause, "lost samples");
-    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.05}, increments}).because, IsEmpty());  // as steps are declared
+    EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.05}, increments}).findings.reasons(),
+                IsEmpty());  // as steps are declared
   }
   // Sums that are too small by more than any clock is slow; rates are of the recording's own seconds.
-  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, true}).because, Contains(HasSubstr("its clock loses 1000 ppm")));
-  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, false}).because, IsEmpty());
+  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, true}).findings.reasons(), Contains(HasSubstr("its clock loses 1000 ppm")));
+  EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, false}).findings.reasons(), IsEmpty());
 }
 
 }  // namespace

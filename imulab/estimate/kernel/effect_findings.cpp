@@ -80,9 +80,8 @@ void name_assumed(Calibration& calibration, Findings& findings, const Effects& e
     }
     if (following.empty()) continue;
     if (!is_among(considered, g.effect->name)) considered.emplace_back(g.effect->name);
-    findings.note(
-        fmt::format("assumed: {} of {:.3g} {} (one sigma); the data hardly show it, and if it is larger, so are the errors of {}; to see it: {}",
-                    g.effect->name, g.sigma / g.effect->unit, g.effect->unit_name, fmt::join(following, ", "), g.effect->advice));
+    findings.add<Code::effect_assumed>(Subject{g.effect->name}, g.sigma / g.effect->unit, g.effect->unit_name,
+                                       fmt::format("{}", fmt::join(following, ", ")), g.effect->advice);
   }
 }
 
@@ -93,23 +92,16 @@ void judge_unit_size(Quality& quality, Findings& findings, const Effects& effect
   UnitSize size{.factor = std::exp(found.log_factor), .factor_sigma = found.sigma, .grade = effects.grade()};
   if (found.weights.size() > 1) {
     for (std::size_t k = 0; k < found.weights.size(); ++k) size.weights[effects.grade(k)] = found.weights[k];
-    const std::optional<std::string>& declared = effects.declared_grade();
-    const std::string words = fmt::format(
-        "{}: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes are averaged over the grades",
-        declared ? "the data contradict the declared grade, " + *declared : "no grade declared", size.grade, 100 * size.weights[size.grade]);
-    if (declared)
-      findings.warn(words);
+    if (const std::optional<std::string>& declared = effects.declared_grade())
+      findings.add<Code::grade_contradicted>(*declared, size.grade, 100 * size.weights[size.grade]);
     else
-      findings.note(words);
+      findings.add<Code::likely_grade>(size.grade, 100 * size.weights[size.grade]);
   } else if (found.factor_exceeds(worse) > sure || found.factor_exceeds(better) < 1 - sure) {
-    std::string words = fmt::format("the IMU's effects are {:.2g} times those of its grade, {}", size.factor, size.grade);
-    if (const std::string other = effects.grade_of_factor(size.factor); other != size.grade) words += "; the grade that fits is " + other;
-    if (found.factor_exceeds(much_worse) > sure)
-      findings.doubt(words);
-    else if (size.factor > 1)
-      findings.warn(words);
-    else
-      findings.note(words);
+    const std::string other = effects.grade_of_factor(size.factor);
+    findings.add<Code::unit_size>(size.factor, size.grade, other != size.grade ? "; the grade that fits is " + other : "").severity =
+        found.factor_exceeds(much_worse) > sure ? Severity::doubt
+        : size.factor > 1                       ? Severity::warning
+                                                : Severity::note;
   }
   quality.unit_size = std::move(size);
 }
@@ -141,9 +133,12 @@ void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::s
     if (effect != nullptr) add(advice, std::string(effect->advice));
   }
   quality.cause = fmt::format("{}", fmt::join(causes, ", "));
-  findings.doubt(fmt::format("{}, by more than is expected of this IMU", fmt::join(words, ", or ")));
+  const bool of_site = causes.front() == "site.latitude" || causes.front() == "site.north";
+  Finding& doubt = findings.add<Code::unexpected_effect>(fmt::format("{}", fmt::join(words, ", or ")));
+  doubt.subject = *quality.cause;
+  if (of_site) doubt.code = Code::unexpected_site_effect;
   if (causes.size() > 1 && !advice.empty())
-    findings.warn(fmt::format("the data do not tell these apart: {}; to do so: {}", *quality.cause, fmt::join(advice, ", or ")));
+    findings.add<Code::effects_not_told_apart>(Subject{*quality.cause}, fmt::format("{}", fmt::join(advice, ", or ")));
 }
 
 }  // namespace
@@ -166,10 +161,7 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
 
 void doubt_improbable(Findings& findings, const Effects& effects, double p_value) {
   constexpr double level = 1e-3;
-  if (p_value < level)
-    findings.doubt(
-        fmt::format("noise and an IMU of grade {} explain the data with a probability of {:.1g}: something is wrong that is no known effect",
-                    effects.grade(), p_value));
+  if (p_value < level) findings.add<Code::improbable_data>(effects.grade(), p_value);
 }
 
 }  // namespace imulab::kernel

@@ -3,8 +3,6 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
-#include "imulab/model/conclusion.hpp"
-#include "imulab/model/effects.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -20,46 +18,34 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
-
-void append(std::vector<std::string>& to, const std::vector<std::string>& more) { to.insert(to.end(), more.begin(), more.end()); }
-
-}  // namespace
-
-void Findings::add(const Findings& more) { append(notes, more.notes), append(warnings, more.warnings), append(doubts, more.doubts); }
-
 UncertaintySource gravity_source(const Site& site) {
   const double relative = site.gravity_sigma() / site.gravity();
   return {"gravity", relative, fmt::format("g has u = {:.3g} ppm: this much is common to all three accelerometer scales", relative / unit::ppm)};
 }
 
 void check_declared_noise(Findings& findings, std::string_view triad, double ratio) {
-  if (ratio > 1.5 || ratio < 1 / 1.5)
-    findings.warn(fmt::format("the {}' noise is {:.2g} times the declared density; the declared one sets the weights", triad, ratio));
+  if (ratio > 1.5 || ratio < 1 / 1.5) findings.add<Code::noise_not_as_declared>(Subject{triad}, ratio);
 }
 
 void note_spread(Findings& findings, std::string_view what, double spread, std::string_view unit_name) {
-  if (spread > 0)
-    findings.note(
-        fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread, unit_name));
+  if (spread > 0) findings.add<Code::spread>(Subject{what}, spread, unit_name);
 }
 
 void warn_of_larger_terms(Findings& findings, std::vector<std::string> terms) {
   std::sort(terms.begin(), terms.end());
   terms.erase(std::unique(terms.begin(), terms.end()), terms.end());
-  for (const std::string& term : terms)
-    findings.warn(term + " is larger than expected of this IMU; the data set its size; check the declared grade and sizes of terms");
+  for (const std::string& term : terms) findings.add<Code::larger_term>(Subject{term});
 }
 
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all, std::string_view parts) {
-  for (const std::string& name : names) findings.warn("dropped as an outlier: " + name);
-  if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} {} were dropped as outliers", names.size(), all, parts));
+  for (const std::string& name : names) findings.add<Code::dropped>(Subject{name});
+  if (5 * names.size() > all) findings.add<Code::many_dropped>(names.size(), all, parts);
 }
 
 void check_gyro_steps(Findings& findings, const MeanNoise& noise) {
   for (Eigen::Index j = 0; j < 3; ++j)
     if (noise.rounding.gyro[j] > 0.025 * noise.step.gyro[j])  // the noise is below a third of the step: slopes within it are off by a fifth
-      return findings.doubt("the steps of the gyros' readings are coarser than their noise; smaller motion is lost; use a finer output");
+      return void(findings.add<Code::coarse_steps>());
 }
 
 double excess(double chi2, double degrees_of_freedom) {
@@ -69,31 +55,26 @@ double excess(double chi2, double degrees_of_freedom) {
 
 void add_scatter(Findings& findings, std::string_view what, double factor) {
   if (factor <= 1) return;
-  const std::string text = fmt::format("the {} scatter {:.3g} times as much as the noise explains", what, factor);
-  findings.warn(text + "; the uncertainties are enlarged by this factor");
-  if (factor > 1.5) findings.doubt(text);
+  findings.add<Code::scatter>(Subject{what}, factor).severity = factor > 1.5 ? Severity::doubt : Severity::warning;
 }
 
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site, double in_effects) {
   const Quality& quality = calibration.quality;
-  if (!quality.converged) findings.doubt("the fit did not converge");
+  if (!quality.converged) findings.add<Code::not_converged>();
   if (!quality.unobservable.empty())
-    findings.doubt(fmt::format("{} not determined by the data", quality.unobservable.size() == 1
-                                                                    ? "a coefficient is"
-                                                                    : fmt::format("{} coefficients are", quality.unobservable.size())));
+    findings.add<Code::undetermined>(quality.unobservable.size() == 1 ? "a coefficient is"
+                                                                      : fmt::format("{} coefficients are", quality.unobservable.size()));
   // Below about six degrees of freedom the residuals, and effects by their priors, can hardly contradict the model or the noise.
   if (const double degrees = std::round(quality.degrees_of_freedom + in_effects); degrees < 6)
-    findings.doubt(fmt::format("only {} to check the result",
-                               degrees == 1 ? "1 degree of freedom remains" : fmt::format("{} degrees of freedom remain", degrees)));
+    findings.add<Code::few_degrees_of_freedom>(degrees, degrees == 1 ? "" : "s", degrees == 1 ? "s" : "");
   // Real sensors in a hand show 1 to 10; five times the noise is another sensor, another motion or another place than was declared.
-  if (quality.chi2_per_dof > 25)
-    findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
+  if (quality.chi2_per_dof > 25) findings.add<Code::large_residuals>(std::sqrt(quality.chi2_per_dof));
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
     if (!is_scale(c)) continue;
     const auto row = triad_model(calibration.model, c.triad).matrix.row(c.row);
     const double relative = *standard_uncertainty(calibration, index) / row.norm();
-    if (relative > 0.01) findings.doubt(fmt::format("{} is uncertain by {:.2g} %", c.name, 100 * relative));  // uncalibrated: a few percent
+    if (relative > 0.01) findings.add<Code::uncertain_scale>(Subject{c.name}, 100 * relative);  // uncalibrated: a few percent
   }
   if (!site.given_gravity) return;
   // Normal gravity is true to 0.005 m/s^2 at a known height, and up to 0.03 m/s^2 too large up to 10 km; on Earth's surface g is between 9.76
@@ -102,8 +83,7 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   const double off = *site.given_gravity - expected;
   const double largest = !site.latitude ? 0.05 : site.height || off > 0 ? 0.005 : 0.03;
   if (std::abs(off) > std::max(largest, 3 * site.gravity_sigma()))
-    findings.doubt(fmt::format("the given gravity of {:g} m/s^2 is not that of {} ({:.3f})", *site.given_gravity,
-                               site.latitude ? "the given latitude" : "the Earth's surface", expected));
+    findings.add<Code::wrong_gravity>(*site.given_gravity, site.latitude ? "the given latitude" : "the Earth's surface", expected);
 }
 
 namespace {
@@ -136,9 +116,8 @@ std::optional<EqualPart> equal_g_sensitivity(const Calibration& c) {
 
 }  // namespace
 
-bool is_of_session(std::string_view doubt) {
-  if (doubt == wrong_latitude || doubt == not_earth_rate || doubt == wrong_turn) return true;
-  return doubt.starts_with(find_effect("site.latitude")->words) || doubt.starts_with(find_effect("site.north")->words);
+bool is_of_session(Code code) {
+  return code == Code::wrong_latitude || code == Code::not_earth_rate || code == Code::wrong_turn || code == Code::unexpected_site_effect;
 }
 
 void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity) {
@@ -149,39 +128,30 @@ void doubt_latitude(Findings& findings, const Calibration& calibration, double l
     constexpr double few = 3;
     const double other = std::abs(2 * earth_rate * std::sin(latitude) / gravity);
     if (other > few * std::sqrt(equal->variance) && other < few * equal->rest)
-      findings.note(
-          fmt::format("assumed: the latitude of {:.3g} deg; with the other sign gyro.g_sensitivity.xx, .yy and .zz would differ by {:.3g} deg/h/g, "
-                      "and an IMU with as much of its own would not show it; check the sign",
-                      latitude / unit::deg, other * unit::g / unit::deg_per_h));
+      findings.add<Code::latitude_assumed>(latitude / unit::deg, other * unit::g / unit::deg_per_h);
     return;
   }
   const double sine = std::sin(latitude) - equal->value * gravity / earth_rate;
   if (equal->value * equal->value < 25 * equal->variance || std::abs(sine) > 1) return;
   const double instead = std::asin(sine);
-  findings.warn(
-      fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} deg (u = {:.1f} deg) instead of {:.1f} would make it; check "
-                  "the site's latitude",
-                  instead / unit::deg, std::sqrt(equal->variance) * gravity / earth_rate / std::cos(instead) / unit::deg, latitude / unit::deg));
-  findings.doubt(wrong_latitude);
+  findings.add<Code::latitude_in_g_sensitivity>(
+      instead / unit::deg, std::sqrt(equal->variance) * gravity / earth_rate / std::cos(instead) / unit::deg, latitude / unit::deg);
+  findings.add<Code::wrong_latitude>();
 }
 
 void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu) {
   const bool declared = imu.accel_noise_density || imu.gyro_noise_density || imu.accel_noise || imu.gyro_noise;
-  if (declared && quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6)
-    add_doubt(quality, "the residuals are far smaller than the declared noise: the uncertainties are too large");
+  if (declared && quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6) quality.findings.add<Code::small_residuals>();
 }
 
-void add_doubt(Quality& quality, std::string reason) {
-  quality.verdict = "doubtful";
-  if (reason == wrong_latitude) quality.cause = "site.latitude";
-  quality.because.push_back(std::move(reason));
+void judge(Quality& quality) {
+  quality.verdict = quality.findings.doubtful() ? Verdict::doubtful : Verdict::good;
+  if (quality.findings.has(Code::wrong_latitude)) quality.cause = "site.latitude";
 }
 
 void conclude(Calibration& calibration, const Findings& findings) {
-  append(calibration.quality.notes, findings.notes), append(calibration.quality.warnings, findings.warnings);
-  calibration.quality.verdict = "good";
-  calibration.quality.because.clear();
-  for (const std::string& doubt : findings.doubts) add_doubt(calibration.quality, doubt);
+  calibration.quality.findings.append(findings);
+  judge(calibration.quality);
 }
 
 }  // namespace imulab::kernel

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "imulab/calibration.hpp"
-#include "imulab/model/conclusion.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording/mean_noise.hpp"
 #include "imulab/session.hpp"
 
@@ -13,21 +13,10 @@
 
 namespace imulab::kernel {
 
-struct Findings {
-  std::vector<std::string> notes, warnings, doubts;
+using imulab::Findings;
 
-  void note(std::string text) { notes.push_back(std::move(text)); }
-  void warn(std::string text) { warnings.push_back(std::move(text)); }
-  /// A warning that makes the verdict doubtful.
-  void doubt(std::string reason) { doubts.push_back(std::move(reason)); }
-  void add(const Findings& more);
-};
-
-inline constexpr const char* wrong_latitude = "the latitude seems to be wrong";
-inline constexpr const char* not_earth_rate = "the gyros' readings at rest are not the Earth's rate at this latitude";
-inline constexpr const char* wrong_turn = "a turn does not fit its declared angle";
-/// What is wrong with the session's declarations, not with the estimate: the latitude, north, the steps.
-bool is_of_session(std::string_view doubt);
+/// True of a fault of the session's declarations, not of the estimate: the latitude, north, the steps.
+bool is_of_session(Code code);
 
 /// Doubts the latitude where the g-sensitivity is the same on all axes: up is along the force at every rest, so an error of the Earth's vertical rate
 /// looks just like it. Notes the sign of the latitude as assumed where the IMU's own g-sensitivity would hide a wrong one.
@@ -65,10 +54,10 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
 /// Residuals far below a declared noise. That of shaken rests is measured in their samples, and may average out.
 void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu);
 
-/// Adds a reason to a verdict that has been given.
-void add_doubt(Quality& quality, std::string reason);
+/// The verdict, and the cause that the findings name, anew: after each change of them.
+void judge(Quality& quality);
 
-/// Puts the findings into the calibration's quality, with the verdict: "good", or "doubtful, because ...".
+/// Adds the findings to the calibration's quality, with the verdict.
 void conclude(Calibration& calibration, const Findings& findings);
 
 }  // namespace imulab::kernel

@@ -65,7 +65,7 @@ std::array<int, 3> strongest(const Matrix3d& matrix) {
   return at;
 }
 
-void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3d& matrix, bool counts) {
+void judge_axes(Findings& found, const char* name, const Matrix3d& matrix, bool counts) {
   const std::array<int, 3> at = strongest(matrix);
   std::string wrong;
   for (int row = 0; row < 3; ++row) {
@@ -75,8 +75,7 @@ void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3
       wrong += fmt::format("{}{} is along the {}{} reading", wrong.empty() ? "" : ", ", "xyz"[row], reversed ? "-" : "", "xyz"[column]);
   }
   if (wrong.empty()) return;
-  found.push_back(fmt::format("the {}' axes are not as declared: {}{}; check the order and the signs of both triads' columns", name, wrong,
-                              matrix.determinant() < 0 && !counts ? " (left-handed)" : ""));
+  found.add<Code::axes_not_as_declared>(Subject{name}, wrong, matrix.determinant() < 0 && !counts ? " (left-handed)" : "");
 }
 
 }  // namespace
@@ -136,14 +135,15 @@ void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording) {
     throw Error(fmt::format("{}: {}", recording.name, wrong));
 }
 
-std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording) {
-  std::vector<std::string> found;
+Findings contradictions(const SensorModel& model, const Recording& recording) {
+  Findings found;
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const bool accel = triad == Triad::accel;
     const Matrix3d& matrix = triad_model(model, triad).matrix;
     const bool counts = (accel ? recording.accel_unit : recording.gyro_unit) == "count";
     judge_axes(found, accel ? "accelerometers" : "gyros", matrix, counts);
-    if (std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty()) found.push_back(std::move(wrong));
+    if (const std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty())
+      found.add<Code::scale_not_as_declared>(wrong).subject = accel ? "accelerometers" : "gyros";
   }
   return found;
 }
@@ -158,13 +158,11 @@ void judge_interval(const Recording& r, bool declared, Quality& quality) {
   // Crystals are good to 1e-4, and the ends of a recording to a part of a sample; a rate is often declared in round numbers.
   const double allowed = increments ? 5e-4 : 2e-3;
   if (samples < enough || !(std::abs(ratio - 1) > allowed)) return;
-  const std::string rates = fmt::format("{}: the stamps give {:.6g} Hz where {:.6g} Hz is declared: ", r.name, samples / time, 1 / r.interval_s),
-                    by = fmt::format("{:.2g} %", 100 * std::abs(ratio - 1));
+  const double off = 100 * std::abs(ratio - 1);
   if (increments)
-    add_doubt(quality, rates + "increments, and with them the scales, are " + by + " off if the stamps are right; correct the declared rate");
+    quality.findings.add<Code::wrong_rate_of_increments>(Subject{r.name}, samples / time, 1 / r.interval_s, off);
   else if (declared)
-    quality.warnings.push_back(rates + "turns are rates times the stamps' time, so the gyros' scales are " + by +
-                               " off if the stamps are wrong; correct the one that is");
+    quality.findings.add<Code::wrong_rate>(Subject{r.name}, samples / time, 1 / r.interval_s, off);
 }
 
 std::string repetition(std::span<const Recording> recordings) {

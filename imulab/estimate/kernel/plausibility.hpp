@@ -33,7 +33,7 @@ void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 
 /// Contradictions between model and declarations, each with its likely cause and the change that the session needs: a scale more than 20 % from its
 /// declared unit, axes that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
-std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
+Findings contradictions(const SensorModel& model, const Recording& recording);
 
 /// Adds to a verdict where the stamps contradict the nominal interval: increments were divided by it, which is doubtful. Rates are integrated over
 /// the stamps; of a rate that was `declared` a warning says what follows if these are wrong.

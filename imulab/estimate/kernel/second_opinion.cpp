@@ -5,8 +5,6 @@
 #include "imulab/frame.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -43,22 +41,22 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
 void add_second_opinion(Calibration& calibration, const Calibration& other) {
   constexpr double most = 3.7;
   Quality& quality = calibration.quality;
-  if (other.quality.verdict == "doubtful") {
+  if (other.quality.verdict == Verdict::doubtful) {
     if (other.quality.cause && quality.cause == other.quality.cause) return;
     const bool first = !quality.cause;
-    for (const std::string& doubt : other.quality.because) {
-      if (!is_of_session(doubt)) continue;
-      add_doubt(quality, fmt::format("{}, by the method {} from the same data", doubt, other.method));
+    for (const Finding& doubt : other.quality.findings) {
+      if (!is_of_session(doubt.code)) continue;
+      quality.findings.add<Code::other_method_doubts>(doubt.text, other.method).subject = name_of(doubt.code);
       if (first) quality.cause = other.quality.cause;
     }
-    return;
+    return judge(quality);
   }
   const std::optional<SecondOpinion> opinion = second_opinion(calibration, other);
   if (!opinion) return;
   quality.second_opinion = opinion;
   if (std::abs(opinion->sigmas) > most)
-    add_doubt(quality, fmt::format("the method {} finds {} {:.1f} standard deviations away, from the same data", opinion->method,
-                                   opinion->coefficient, std::abs(opinion->sigmas)));
+    quality.findings.add<Code::other_method_differs>(opinion->method, Subject{opinion->coefficient}, std::abs(opinion->sigmas));
+  judge(quality);
 }
 
 }  // namespace imulab::kernel

@@ -41,25 +41,29 @@ TEST(SecondOpinion, TakesErrorsAsIndependentWhereNeitherIsEfficient) {
 
 TEST(SecondOpinion, BecomesADoubtBeyondChance) {
   Calibration c = offsets(3, {0, 0, 0});
-  c.quality.verdict = "good";
+  c.quality.verdict = Verdict::good;
   add_second_opinion(c, offsets(5, {0, 14, 0}));  // 3.5
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
   add_second_opinion(c, offsets(5, {0, 16, 0}));
-  EXPECT_EQ(c.quality.verdict, "doubtful");
-  EXPECT_EQ(c.quality.because.size(), 1u);
+  EXPECT_EQ(c.quality.verdict, Verdict::doubtful);
+  EXPECT_EQ(c.quality.findings.reasons().size(), 1u);
 }
 
 TEST(SecondOpinion, OfOneThatDoubtsItselfCountsForTheSessionAlone) {
   Calibration c = offsets(3, {0, 0, 0}), doubtful = offsets(5, {0, 16, 0});
-  c.quality.verdict = "good";
-  add_doubt(doubtful.quality, "the fit did not converge");
+  c.quality.verdict = Verdict::good;
+  doubtful.quality.findings.add<Code::not_converged>();
+  judge(doubtful.quality);
   add_second_opinion(c, doubtful);
-  EXPECT_EQ(c.quality.verdict, "good");
-  for (const char* of_session : {wrong_latitude, wrong_turn}) {
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
+  Findings of_session;
+  of_session.add<Code::wrong_latitude>(), of_session.add<Code::wrong_turn>();
+  for (const Finding& found : of_session) {
     Calibration other = doubtful, mine = c;
-    add_doubt(other.quality, of_session);
+    other.quality.findings.push_back(found);
+    judge(other.quality);
     add_second_opinion(mine, other);
-    EXPECT_EQ(mine.quality.because, std::vector<std::string>{std::string(of_session) + ", by the method some from the same data"});
+    EXPECT_EQ(mine.quality.findings.reasons(), std::vector<std::string>{found.text + ", by the method some from the same data"});
     EXPECT_EQ(mine.quality.cause, other.quality.cause);
   }
 }

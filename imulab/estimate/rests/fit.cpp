@@ -37,7 +37,7 @@ struct Stated {
   std::vector<char> kept;
   bool implausible = false;
 };
-Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std::vector<std::string>& warnings) {
+Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, Findings& findings) {
   Stated result;
   std::vector<char>& out = result.kept;
   for (std::size_t i = 0; i < problem.indices().size(); ++i) {
@@ -52,11 +52,11 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std
     result.implausible = true;
     const TriadModel& prior = triad_model(problem.prior(), triad);
     const double scale = triad_model(problem.model(), triad).matrix(c->row, c->row) / prior.matrix(c->row, c->row);
-    warnings.push_back(fmt::format(
-        "{} is implausible for an IMU, {:.3g} times what {}: {}", c->name, scale,
+    findings.add<Code::implausible_scale>(
+        Subject{c->name}, scale,
         prior.raw_unit == "count" ? "the coarse solution is" : "the declared unit gives; check the unit and this axis's column, and the stamps, or",
         triad == Triad::accel ? "the rests are too similar; nothing of the fit is used"
-                              : "the rotations are too few or do not fit; nothing of the gyros' fit is used"));
+                              : "the rotations are too few or do not fit; nothing of the gyros' fit is used");
     for (std::size_t i = 0; i < out.size(); ++i)
       if (triad == Triad::accel || coefficient(problem.indices()[i]).triad == triad) out[i] = 0;
     if (triad == Triad::accel) break;
@@ -138,7 +138,7 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   const std::vector<CoefficientIndex>& indices = problem.indices();
   const auto n = static_cast<Index>(indices.size());
   Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
-  const auto [kept, implausible] = stated(problem, covariance, out.quality.warnings);
+  const auto [kept, implausible] = stated(problem, covariance, out.quality.findings);
   const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(n)) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
   std::vector<Index> at;
@@ -206,15 +206,12 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::add_common_doubts(findings, calibration, site, problem.effects().degrees_of_freedom(fit.under_noise.solution.covariance));
   if (site.latitude) kernel::doubt_latitude(findings, calibration, *site.latitude, site.gravity());
   if (curvature > most_curvature) {
-    findings.warn(
-        "the rests leave misalignments so uncertain that the equations are not linear within them: single uncertainties hold, combinations are less "
-        "certain than stated; add rests with gravity between the axes");
-    findings.doubt("combinations of coefficients are less certain than stated");
+    findings.add<Code::large_misalignments>();
+    findings.add<Code::uncertain_combinations>();
   }
   kernel::add_dropped(findings, dropped, all);
   // The spread is enlarged for its few degrees of freedom, but from fewer than five errors of five sigmas happen (once in 500).
-  if (const double degrees = fit.spread_degrees(); degrees < 5)
-    findings.doubt(fmt::format("the spread beyond the sample noise rests on {:.0f} degrees of freedom", degrees));
+  if (const double degrees = fit.spread_degrees(); degrees < 5) findings.add<Code::uncertain_spread>(degrees);
 }
 
 }  // namespace imulab::rests

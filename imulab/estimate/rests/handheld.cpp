@@ -192,30 +192,26 @@ void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const
                const HandheldProblem& problem) {
   if (turns.empty()) {
     const auto rotates = [](const Step& step) { return step.kind == StepKind::rotate; };
-    if (std::any_of(steps.begin(), steps.end(), rotates))
-      findings.warn("turns are declared, but not how well their angles are known: they are not used; declare the sigma of the rig's angles");
+    if (std::any_of(steps.begin(), steps.end(), rotates)) findings.add<Code::turns_without_sigma>();
     return;
   }
-  findings.note(fmt::format("{} of {} turns were used with their declared angle, each with u = {:.2g} deg", problem.turns(), turns.size(),
-                            turns.front().angle_sigma() / unit::deg));
-  if (usable < turns.size())
-    findings.warn(fmt::format("{} of {} turns have no rest of their own before and after them, or a gap: their angle is not used",
-                              turns.size() - usable, turns.size()));
-  if (problem.turns(true) > 0) findings.doubt(kernel::wrong_turn);
+  findings.add<Code::turns_used>(problem.turns(), turns.size(), turns.front().angle_sigma() / unit::deg);
+  if (usable < turns.size()) findings.add<Code::turns_not_used>(turns.size() - usable, turns.size());
+  if (problem.turns(true) > 0) findings.add<Code::wrong_turn>();
 }
 
 /// The other hemisphere is another minimum, which no step reaches. Of two latitudes the wrong one is as much more probable in at most one of 140
 /// sessions, whatever the gyros resolve: in P(Z > sqrt(2 x)).
 void doubt_hemisphere(kernel::Findings& findings, const HandheldProblem& problem, const Fit& fit) {
   constexpr double more_likely = 3;  // logarithm
-  if (problem.effects().size() == 0 || std::ranges::find(findings.doubts, kernel::wrong_latitude) != findings.doubts.end()) return;
+  if (problem.effects().size() == 0 || findings.has(Code::wrong_latitude)) return;
   HandheldProblem mirrored = problem;
   mirrored.mirror_latitude();
   const Fit there = converge(mirrored, fit.spreads);
   const auto log_probability = [](const Fit& f) { return kernel::log_probability(f.conditions.information(), f.parameters, "the rests"); };
   if (!there.converged || !(log_probability(there) - log_probability(fit) > more_likely)) return;
-  findings.warn("the gyros show a latitude of the other sign; check the site's latitude");
-  findings.doubt(kernel::wrong_latitude);
+  findings.add<Code::latitude_of_other_sign>("");
+  findings.add<Code::wrong_latitude>();
 }
 
 }  // namespace
@@ -250,19 +246,18 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
-  findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
+  findings.add<Code::parts_used>(fmt::format("{} rests and {} rotations between them", problem.rests().size(), problem.rotations())).numbers = {
+      static_cast<double>(problem.rests().size()), static_cast<double>(problem.rotations())};
   add_turns(findings, session.steps, turns, usable_turns, problem);
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
     quality.rotation_residual_deg = check.rms_deg;
-    findings.note(fmt::format("held-out rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)",
-                              check.rms_deg, check.rotations));
+    findings.add<Code::held_out_rotations>(check.rms_deg, check.rotations);
   }
-  if (!session.site.latitude) findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
+  if (!session.site.latitude) findings.add<Code::no_latitude>("is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
   add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, parts);
   if (session.site.latitude) doubt_hemisphere(findings, problem, fit);
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
-  if (quality.rotation_residual_deg.value_or(0) > 1)
-    findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
+  if (quality.rotation_residual_deg.value_or(0) > 1) findings.add<Code::poor_rotations>(*quality.rotation_residual_deg);
   kernel::add_effects(result.calibration, findings, problem.effects(), fit.covariance(), 1e-3, problem.indices());
   kernel::conclude(result.calibration, findings);
   result.missing_turns = next_turns(problem, fit, options.handheld);

@@ -44,7 +44,7 @@ TEST(Handheld, KnocksBeyondTheAccelerometersRangeLeaveTheTurns) {
     if (const std::size_t knock = rest.begin - std::min<std::size_t>(rest.begin, 50); knock > 0)
       s.recording.accel[2][knock] = 39.2, s.recording.saturated.push_back(knock);
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-  EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+  EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4);
   for (const std::size_t i : s.recording.saturated) s.recording.gyro[0][i] = 40;
   EXPECT_EQ(calibrated("handheld", s.recording, s.rests, {}, s.site()).quality.unobservable.size(), 9U) << "of a gyro that clips in every turn";
@@ -58,7 +58,8 @@ TEST(Handheld, WhereHalfOfTheRestsAreOfAnotherUnitTheResultIsDoubtful) {
     Session session;
     session.site = s.site();
     const Quality quality = calibrate(name, input_of(session, s.recording)).calibration.quality;
-    EXPECT_THAT(quality.because, testing::Contains(testing::ContainsRegex("(9|1[01]) of 2[0-9] stretches that look like rests were rejected")))
+    EXPECT_THAT(quality.findings.reasons(),
+                testing::Contains(testing::ContainsRegex("(9|1[01]) of 2[0-9] stretches that look like rests were rejected")))
         << name;
   }
 }
@@ -69,7 +70,7 @@ TEST(Handheld, GyrosThatTheirFirmwareSetToZeroAreGood) {
   for (std::size_t j = 0; j < 3; ++j)
     for (double& v : s.recording.gyro[j]) v -= first.gyro[static_cast<Eigen::Index>(j)];
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-  EXPECT_EQ(c.quality.verdict, "good") << verdict_text(c.quality);
+  EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
 }
 
 TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) {
@@ -79,9 +80,9 @@ TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) 
   imu.term_sigmas.g_sensitivity = 10 * unit::deg_per_h / unit::g;  // an equal part of 20 deg/h/g, as the wrong sign makes it, is within two sigmas
   Site south = s.site();
   south.latitude = -*south.latitude;
-  EXPECT_EQ(calibrated("handheld", s.recording, s.rests, imu, s.site()).quality.verdict, "good");
+  EXPECT_EQ(calibrated("handheld", s.recording, s.rests, imu, s.site()).quality.verdict, Verdict::good);
   const Calibration c = calibrated("handheld", s.recording, s.rests, imu, south);
-  EXPECT_EQ(c.quality.verdict, "doubtful");
+  EXPECT_EQ(c.quality.verdict, Verdict::doubtful);
   EXPECT_EQ(c.quality.cause, "site.latitude");
 }
 
@@ -143,7 +144,7 @@ TEST(Handheld, CountsGiveTheSameUnitAsSi) {
       EXPECT_NEAR(10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k),
                   0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
   }
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
   const Calibration all = calibrated("handheld", counts, s.rests, imu, s.site());
   EXPECT_EQ(verdict_text(all.quality), "good");
   EXPECT_FALSE(standard_uncertainty(all, coefficient_index("accel.quadratic.x")));
@@ -183,7 +184,7 @@ TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
     EXPECT_NEAR(standard_uncertainty(c, index).value(), 1e-15, 1e-17);  // what it entered with; the scale is 1 within a percent
   }
   EXPECT_TRUE(c.quality.unobservable.empty());
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(Handheld, ABadRestIsDroppedAndNamed) {
@@ -191,19 +192,19 @@ TEST(Handheld, ABadRestIsDroppedAndNamed) {
   const Range bad = s.rests[10];
   for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;  // as if the hand had pushed
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-  ASSERT_EQ(c.quality.warnings.size(), 1u);
-  EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rest at"));
+  ASSERT_EQ(c.quality.findings.warnings().size(), 1u);
+  EXPECT_THAT(c.quality.findings.warnings()[0], HasSubstr("dropped as an outlier: the rest at"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5) << "30 coefficients: beyond 4.5 sigma once in 5000 sessions";
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
   SimulatedSession s = simulate_session(short_hand_held(), 12);
   for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // ten samples clipped, say
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-  ASSERT_EQ(c.quality.warnings.size(), 1u);
-  EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rotation between"));
-  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("24 rests and 22 rotations")));
+  ASSERT_EQ(c.quality.findings.warnings().size(), 1u);
+  EXPECT_THAT(c.quality.findings.warnings()[0], HasSubstr("dropped as an outlier: the rotation between"));
+  EXPECT_THAT(c.quality.findings.notes(), testing::Contains(HasSubstr("24 rests and 22 rotations")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
@@ -212,7 +213,7 @@ TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
   s.recording.gaps = {s.rests[7].end + 20};
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
-  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("24 rests and 22 rotations")));
+  EXPECT_THAT(c.quality.findings.notes(), testing::Contains(HasSubstr("24 rests and 22 rotations")));
 }
 
 TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
@@ -227,7 +228,7 @@ TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << "Student with about 15 degrees of freedom, 30 coefficients";
   EXPECT_GT(*standard_uncertainty(c, coefficient_index("accel.offset.x")), 0.2 * spread);
   EXPECT_GT(c.quality.chi2_per_dof, 3);
-  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("the rests' accelerometer means spread by")));
+  EXPECT_THAT(c.quality.findings.notes(), testing::Contains(HasSubstr("the rests' accelerometer means spread by")));
 }
 
 TEST(Handheld, TermsByHand) {
@@ -311,7 +312,7 @@ TEST(Handheld, WhatIsStatedHoldsWithFewOrCardinalRests) {
       s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
       const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
       EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << "seed " << seed << (cardinal ? ", cardinal" : ", few") << ": 300 coefficients in all";
-      for (const std::string& warning : c.quality.warnings) EXPECT_EQ(warning.find("dropped"), std::string::npos) << warning;
+      for (const std::string& warning : c.quality.findings.warnings()) EXPECT_EQ(warning.find("dropped"), std::string::npos) << warning;
     }
   }
 }

@@ -60,7 +60,7 @@ TEST(HandheldUncertainty, ATremblingHandDoesNotShortenTheTurns) {
     Session found = s.session;
     found.steps.clear();
     const Calibration c = calibrated("handheld", r, rests_of(r, found).ranges, {}, s.site());
-    EXPECT_EQ(c.quality.verdict, "good") << seed;
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << seed;
     for (Eigen::Index j = 0; j < 3; ++j) errors += c.model.gyro.matrix(j, j) - s.truth.model.gyro.matrix(j, j), ++count;
   }
   EXPECT_LT(std::abs(errors / count), 300e-6) << "single ones scatter by 250 ppm; with the slow ends left out the mean is some 1750";

@@ -66,8 +66,9 @@ template <class Problem>
 Prediction prediction(std::string_view method, const Foreseen& of, const PredictionOptions& options, Problem problem) {
   const Fit fit = foreseen(problem);
   Prediction out = prediction_of(calibration_of(method, problem, fit, of.session));
-  out.notes = of.start.findings.notes;
-  out.notes.insert(out.notes.end(), of.start.findings.warnings.begin(), of.start.findings.warnings.end());
+  out.notes = of.start.findings.notes();
+  const std::vector<std::string> warnings = of.start.findings.warnings();
+  out.notes.insert(out.notes.end(), warnings.begin(), warnings.end());
   out.missed = shortfalls(out, options.requirements);
   return out;
 }

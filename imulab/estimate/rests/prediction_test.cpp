@@ -37,7 +37,7 @@ TEST(RestsPrediction, GyrosThatDoNotResolveEarthsRateAreNotAmongTheStaticOnes) {
 
 TEST(RestsPrediction, LimitsAreComparedAsThoseOfACalibration) {
   Calibration c;
-  c.estimated = select_coefficients("gyro.offset"), c.frame = "rig";
+  c.estimated = select_coefficients("gyro.offset"), c.frame = BodyFrame::rig;
   c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
   for (const int degrees : {1, 4, 50})
     for (const char* limit : {"gyro.offset <= 1 deg/s", "gyro.offset <= 0.25 deg/h"}) {

@@ -21,8 +21,6 @@ namespace {
 
 using coarse::RestStart;
 
-constexpr const char* gyros_change = "the gyros' output changes between the rests";
-
 /// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
 constexpr double resolvable_part = 0.1;
 
@@ -30,7 +28,7 @@ constexpr double resolvable_part = 0.1;
 struct GyroStart {
   std::optional<coarse::CoarseGyro> coarse;
   std::string reason;
-  std::string doubt = {};  ///< gyros that resolve it contradict it
+  Code doubt = Code::other;  ///< of gyros that resolve it and contradict it
 };
 
 /// The error of the rests' means from the samples' noise [rad/s], with a matrix of scaled readings.
@@ -80,11 +78,11 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
     return {{},
             fmt::format("the rests' means miss Earth's rate by {:.2g} deg/h, where their noise explains {:.2g}", error / unit::deg_per_h,
                         noise / unit::deg_per_h),
-            gyros_change};
+            Code::gyros_change};
   if (!counts && !coarse::near_identity(coarse->matrix))
     return {{},
             "their readings at rest do not agree with the Earth's rate in rad/s; check the latitude (and its sign), the axes and the unit",
-            resolve ? kernel::not_earth_rate : ""};
+            resolve ? Code::not_earth_rate : Code::other};
   return {coarse, {}};
 }
 
@@ -133,13 +131,14 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
   as_read.gyro.raw_unit = recording.gyro_unit;
   start.model.gyro = to_scaled(as_read, start.scaling).gyro;
   if (has_no_gyros(recording)) {
-    start.findings.note("the gyros were not calibrated: " + gyro.reason);
+    start.findings.add<Code::gyros_not_calibrated>(gyro.reason).severity = Severity::note;
     return false;
   }
   if (recording.gyro_unit == "count") gyro.reason += "; they stay in counts";
-  start.findings.warn("the gyros were not calibrated: " + gyro.reason);
-  if (gyro.doubt.empty() && unit && output_steps(start, *unit, expected_drift(start, recording, session))) gyro.doubt = gyros_change;
-  if (!gyro.doubt.empty()) start.findings.doubt(gyro.doubt);
+  start.findings.add<Code::gyros_not_calibrated>(gyro.reason);
+  if (gyro.doubt == Code::other && unit && output_steps(start, *unit, expected_drift(start, recording, session))) gyro.doubt = Code::gyros_change;
+  if (gyro.doubt == Code::gyros_change) start.findings.add<Code::gyros_change>();
+  if (gyro.doubt == Code::not_earth_rate) start.findings.add<Code::not_earth_rate>();
   return false;
 }
 
@@ -149,8 +148,7 @@ namespace {
 void check_axes(RestStart& start, const Recording& recording) {
   const auto in_motion = coarse::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0) || kernel::is_oblique(*in_motion)) return;
-  if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
-    start.findings.doubt(wrong + ", as gravity turns in the IMU; check the order and the signs of both triads' columns");
+  if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty()) start.findings.add<Code::axes_against_gravity>(wrong);
 }
 
 /// At rest gyros that are all reversed measure the Earth's rate of the other hemisphere. Between the rests they turn against gravity.
@@ -159,10 +157,10 @@ void check_turns(RestStart& start, const Recording& recording, const Matrix3d& g
   const auto explained = coarse::explained_turning(recording, start, gyro);
   if (!explained || *explained > least) return;
   const bool reversed = coarse::explained_turning(recording, start, -gyro).value_or(0) > least;
-  start.findings.warn(reversed
-                          ? "between the rests gravity turns against the calibrated gyros, as a latitude of the wrong sign makes it; check its sign"
-                          : "the calibrated gyros do not carry gravity from rest to rest; check the latitude, and the columns of both triads");
-  start.findings.doubt(reversed ? kernel::wrong_latitude : "the gyros do not turn as gravity does");
+  if (reversed)
+    start.findings.add<Code::latitude_by_turns>(), start.findings.add<Code::wrong_latitude>();
+  else
+    start.findings.add<Code::gyros_do_not_carry_gravity>(), start.findings.add<Code::gyros_against_gravity>();
 }
 
 }  // namespace
@@ -184,7 +182,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   CalibrationResult result{.calibration = calibration_of("static", problem, fit, session)};
   add_parts(result.calibration.quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   result.calibration.quality.term_tests = test_terms(problem, fit, options.significance);
-  start.findings.note(fmt::format("{} rests were used", problem.rests().size()));
+  start.findings.add<Code::parts_used>(fmt::format("{} rests", problem.rests().size())).numbers = {static_cast<double>(problem.rests().size())};
   add_findings(start.findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, start.rests.size());
   kernel::add_effects(result.calibration, start.findings, problem.effects(), fit.covariance(), 1e-3, problem.indices());
   kernel::conclude(result.calibration, start.findings);

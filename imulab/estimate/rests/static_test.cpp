@@ -49,10 +49,10 @@ TEST(Static, AccelerometersFromRestsAlone) {
   const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
   EXPECT_EQ(c.estimated.size(), 15u);
   expect_within(c, s.truth.model, 4.3);  // 15 coefficients: once in 4000
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
   EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity());
   EXPECT_EQ(c.model.gyro.offset, Vector3d::Zero());
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
@@ -119,7 +119,7 @@ TEST(Static, GyrosFromEarthRate) {
   nowhere.latitude.reset();
   const Calibration without = calibrated("static", s.recording, s.rests, {}, nowhere);
   EXPECT_EQ(without.estimated.size(), 15u);
-  EXPECT_THAT(without.quality.warnings, Contains(HasSubstr("the site gives no latitude")));
+  EXPECT_THAT(without.quality.findings.warnings(), Contains(HasSubstr("the site gives no latitude")));
 }
 
 TEST(Static, ABadRestIsDroppedAndNamed) {
@@ -130,8 +130,8 @@ TEST(Static, ABadRestIsDroppedAndNamed) {
     for (std::size_t j = 0; j < 3; ++j) s.recording.accel[j][i] *= 1.005;  // in gravity's direction: across it a rest alone cannot tell
   const Calibration c = calibrated("static", s.recording, s.rests, s.session.imu, s.site());
   expect_within(c, s.truth.model, 4.3);
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rest at")));
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("dropped as an outlier: the rest at")));
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
@@ -156,7 +156,7 @@ TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
       if (kind > 0) {
         EXPECT_FALSE(c.quality.unobservable.empty());
       }
-      EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("dropped"))));
+      EXPECT_THAT(c.quality.findings.warnings(), testing::Not(Contains(HasSubstr("dropped"))));
     }
   }
 }
@@ -188,9 +188,9 @@ TEST(Static, TheOtherHemisphereIsNoticed) {
     for (double& v : column) v *= 1e9;
   for (const Recording& recording : {s.recording, counts}) {
     const Calibration c = calibrated("static", recording, s.rests, {}, south);
-    EXPECT_EQ(c.quality.verdict, "doubtful");
+    EXPECT_EQ(c.quality.verdict, Verdict::doubtful);
     EXPECT_EQ(c.quality.cause, "site.latitude");
-    EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("nothing contradicts the data; check its sign")));
+    EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("nothing contradicts the data; check its sign")));
     EXPECT_EQ(c.estimated.size(), 36u) << "calibrated where the gyros are";
     EXPECT_GT(c.model.gyro.matrix.diagonal().minCoeff(), 0);
   }
@@ -211,12 +211,12 @@ Calibration changed_midway(Change change) {
 TEST(Static, GyrosThatChangeMidwayAreDoubted) {
   const auto is_said = [](const Calibration& c) {
     EXPECT_THAT(verdict_text(c.quality), HasSubstr("the gyros' output changes between the rests"));
-    EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("do not resolve"))));
+    EXPECT_THAT(c.quality.findings.warnings(), testing::Not(Contains(HasSubstr("do not resolve"))));
   };
   is_said(changed_midway([](double rate) { return rate - 5 * unit::deg_per_h; }));  // set to zero again
   is_said(changed_midway([](double rate) { return -rate; }));
   is_said(changed_midway([](double rate) { return 2 * rate; }));
-  EXPECT_EQ(changed_midway([](double rate) { return rate; }).quality.verdict, "good");
+  EXPECT_EQ(changed_midway([](double rate) { return rate; }).quality.verdict, Verdict::good);
 }
 
 TEST(Static, GyrosThatDoNotResolveTheEarthAndChangeMidwayAreDoubted) {
@@ -250,8 +250,8 @@ TEST(Static, AReversedAxisIsDoubtedByTheMotion) {
     else
       for (double& reading : s.recording.accel[2]) reading = -reading;
     const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
-    EXPECT_EQ(c.quality.verdict, "doubtful");
-    EXPECT_THAT(c.quality.because, Contains(HasSubstr("as gravity turns in the IMU"))) << swapped;
+    EXPECT_EQ(c.quality.verdict, Verdict::doubtful);
+    EXPECT_THAT(c.quality.findings.reasons(), Contains(HasSubstr("as gravity turns in the IMU"))) << swapped;
   }
 }
 
@@ -260,11 +260,11 @@ TEST(Static, IncrementsOfAWrongRateAreDoubted) {
   SimulatedSession s = simulate_session(mems(20), 4);
   s.recording.accel_increment = true;
   const CalibrationInput input{s.session, {&s.recording, 1}, s.rests};
-  EXPECT_EQ(calibrate("static", input).calibration.quality.verdict, "good");
+  EXPECT_EQ(calibrate("static", input).calibration.quality.verdict, Verdict::good);
   for (std::vector<double>& axis : s.recording.accel)
     for (double& reading : axis) reading *= 1.019;
   s.recording.interval_s /= 1.019;
-  EXPECT_THAT(calibrate("static", input).calibration.quality.because, Contains(HasSubstr("the scales, are 1.9 % off")));
+  EXPECT_THAT(calibrate("static", input).calibration.quality.findings.reasons(), Contains(HasSubstr("the scales, are 1.9 % off")));
 }
 
 TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
@@ -287,7 +287,7 @@ TEST(Static, CombinationsThatBendAreTrueOrDoubted) {
     s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
     s.rests = rests_of(s.recording, s.session).ranges;
     const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
-    if (c.quality.verdict == "good") {
+    if (c.quality.verdict == Verdict::good) {
       const Eigen::VectorXd error = coefficient_values(c.model, c.estimated) - coefficient_values(s.truth.model, c.estimated);
       EXPECT_GT(chi_square_tail(squared_norm_in(c.covariance, error), static_cast<int>(c.estimated.size())), 1e-4) << seed;
     } else {

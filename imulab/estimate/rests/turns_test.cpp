@@ -135,7 +135,7 @@ TEST(DeclaredTurns, AgreeWithTheRotationsBetweenTheFaces) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const SimulatedSession s = ferraris(seed);
     const Calibration c = calibrated(s);
-    EXPECT_THAT(c.quality.notes, Contains(HasSubstr("3 of 3 turns were used with their declared angle, each with u = 1.4 deg"))) << seed;
+    EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("3 of 3 turns were used with their declared angle, each with u = 1.4 deg"))) << seed;
     EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << seed << ": 1200 coefficients in all";
     for (const CoefficientIndex index : c.estimated) {
       if (is_optional(coefficient(index).term)) continue;
@@ -168,17 +168,17 @@ TEST(DeclaredTurns, ThatWereNotDoneAreRefused) {
 
 TEST(DeclaredTurns, OffByMoreThanDeclaredAreDoubtful) {
   SimulatedSession s = ferraris(2);
-  EXPECT_EQ(calibrated(s).quality.verdict, "good") << verdict_text(calibrated(s).quality);
+  EXPECT_EQ(calibrated(s).quality.verdict, Verdict::good) << verdict_text(calibrated(s).quality);
   turn(s, 0).angle = 345 * unit::deg;  // eleven sigmas; the rotations between the faces show the scale to a tenth of that
   const Calibration c = calibrated(s);
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("a turn does not fit its declared angle"));
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rotation between")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("dropped as an outlier: the rotation between")));
 }
 
 TEST(DeclaredTurns, WithoutASigmaAreNotUsed) {
   SimulatedSession s = ferraris(3);
   s.session.rigs.front().kind = RigKind::none, s.session.rigs.front().angle = {};
-  EXPECT_THAT(calibrated(s).quality.warnings, Contains(HasSubstr("turns are declared, but not how well their angles are known")));
+  EXPECT_THAT(calibrated(s).quality.findings.warnings(), Contains(HasSubstr("turns are declared, but not how well their angles are known")));
 }
 
 TEST(DeclaredTurns, NeedARestBeforeAndAfter) {
@@ -187,11 +187,12 @@ TEST(DeclaredTurns, NeedARestBeforeAndAfter) {
   const auto first = std::find_if(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::rotate; });
   steps.erase(first + 1);  // the hand goes on to the next face
   const Calibration c = calibrated(s);
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("2 of 3 turns were used"))) << "its angle is not that of the whole rotation";
+  EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("2 of 3 turns were used"))) << "its angle is not that of the whole rotation";
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
   s = ferraris(3);
   s.recording.gaps = {s.recording.samples_in(turn(s, 0).start + 1, turn(s, 0).end).begin};
-  EXPECT_THAT(calibrated(s).quality.warnings, Contains(HasSubstr("1 of 3 turns have no rest of their own before and after them, or a gap")));
+  EXPECT_THAT(calibrated(s).quality.findings.warnings(),
+              Contains(HasSubstr("1 of 3 turns have no rest of their own before and after them, or a gap")));
 }
 
 TEST(DeclaredTurns, RestsAreFoundWhereNoneIsDeclared) {
@@ -223,8 +224,8 @@ TEST(DeclaredTurns, RestsAreFoundWhereNoneIsDeclared) {
   const RigAxis axes[] = {RigAxis::inner, RigAxis::middle, RigAxis::outer};
   for (std::size_t k = 0; k < 3; ++k) s.session.steps[k].axis = axes[k], s.session.steps[k].angles = {};
   const Calibration c = calibrated(s);
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("12 rests and 11 rotations between them were used")));
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("3 of 3 turns were used")));
+  EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("12 rests and 11 rotations between them were used")));
+  EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("3 of 3 turns were used")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
 }
 

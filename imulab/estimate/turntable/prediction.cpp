@@ -169,7 +169,7 @@ Prediction predict(const Plan& plan) {
   const Estimator estimator = estimator_of(plan, motion);
   const auto uncertainty = estimator.uncertainty({});
   Prediction out;
-  out.frame = "rig";
+  out.frame = BodyFrame::rig;
   out.coefficients = uncertainty.stated;
   out.undetermined = uncertainty.undetermined;
   out.considered = uncertainty.considered;

@@ -114,8 +114,7 @@ void doubt_many_dropped(Findings& findings, const Fit& fit) {
   constexpr std::size_t least = 3;
   for (const std::size_t kind : {1u, 0u})
     if (dropped[kind] >= least && 10 * dropped[kind] > all[kind])
-      findings.doubt(fmt::format("{} of {} {} were dropped as outliers: the IMU or the table may have changed during the session", dropped[kind],
-                                 all[kind], kind == 1 ? "holds" : "turns"));
+      findings.add<Code::unit_changed>(dropped[kind], all[kind], kind == 1 ? "holds" : "turns");
 }
 
 /// Residuals against the declared noise and table.
@@ -124,22 +123,13 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
   if (degrees_of_freedom < 1) return;
   const double ratio = std::sqrt(fit.chi2 / degrees_of_freedom);
   if (by_size || fit.log_probability() < std::log(unlikely)) {
-    findings.warn(fmt::format(
-        "the residuals are {:.3g} times what the noise and the declared table errors explain; the uncertainties are enlarged for {:.3g} times "
-        "the accelerometers' noise, {:.3g} times the gyros' and {:.3g} times the table's errors{}",
-        ratio, enlarged.options.enlarged.accel, enlarged.options.enlarged.gyro, enlarged.options.enlarged.table,
-        worst.empty() ? "" : "; most of all " + worst));
-    findings.doubt("the residuals exceed the declared noise and table errors");
+    findings.add<Code::residuals_enlarge>(ratio, enlarged.options.enlarged.accel, enlarged.options.enlarged.gyro, enlarged.options.enlarged.table,
+                                          worst.empty() ? "" : "; most of all " + worst);
+    findings.add<Code::residuals_exceed>();
   } else if (chi_square_tail(fit.chi2, degrees_of_freedom) > 1 - unlikely) {
-    findings.warn(
-        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain; the table is better than "
-                    "declared, or the samples' noise is not white (quantization averages out faster); declare the noise densities",
-                    ratio));
+    findings.add<Code::residuals_below_declaration>(ratio);
   } else if (const Enlargement& by = enlarged.options.enlarged; std::max({by.accel, by.gyro, by.table}) > 1.2) {
-    findings.note(
-        fmt::format("though chance explains the residuals, {:.3g} times the accelerometers' noise, {:.3g} times the gyros' and {:.3g} times the "
-                    "table's errors are more likely; the uncertainties are for these",
-                    by.accel, by.gyro, by.table));
+    findings.add<Code::likelier_noise>(by.accel, by.gyro, by.table);
   }
 }
 
@@ -165,10 +155,9 @@ void add_effects(Calibration& calibration, Findings& findings, const Fit& last) 
     VectorXd by = VectorXd::Zero(3);
     for (const kernel::EffectGroup& g : effects.groups())
       if (g.effect == &effect) by = effects.value().segment(g.first, g.size) / effect.unit;
-    findings.doubt(fmt::format("{} after {:.0f} s", effect.words, steps[change->step - 1].end));
-    findings.warn(fmt::format("{} by ({:.3g}, {:.3g}, {:.3g}) {} along (or about) its axes between {} and {}; the coefficients are those before it; {}",
-                              effect.words, by[0], by[1], by[2], effect.unit_name, step_name(steps[change->step - 1], change->step - 1),
-                              step_name(steps[change->step], change->step), effect.advice));
+    findings.add<Code::changed_on_table>(effect.words, steps[change->step - 1].end);
+    findings.add<Code::change_on_table>(effect.words, by[0], by[1], by[2], effect.unit_name, step_name(steps[change->step - 1], change->step - 1),
+                                        step_name(steps[change->step], change->step), effect.advice);
   }
 }
 
@@ -198,7 +187,7 @@ Calibration calibration_of(const Fit& fit) {
   Calibration calibration;
   calibration.imu = problem.imu.name;
   calibration.method = "turntable";
-  calibration.frame = "rig";
+  calibration.frame = BodyFrame::rig;
   calibration.model = fit.model;
   calibration.model.accel.raw_unit = problem.seen.accel_unit;
   calibration.model.gyro.raw_unit = problem.seen.gyro_unit;
@@ -264,13 +253,14 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   Calibration calibration = calibration_of(last);
   calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // against what is declared
   if (options.terms.empty()) calibration.quality.term_tests = tests_of_terms(last, options.significance);
-  Findings findings{seen.notes, seen.warnings, {}};
-  if (!site.latitude)
-    findings.note("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h), which the gyros' uncertainties contain");
+  Findings findings;
+  for (const std::string& note : seen.notes) findings.add<Code::table_note>(note);
+  for (const std::string& warning : seen.warnings) findings.add<Code::table_warning>(warning);
+  if (!site.latitude) findings.add<Code::no_latitude>("was taken as unknown up to its size (15 deg/h), which the gyros' uncertainties contain");
   check_noise(findings, problem, calibration.model);
   if (!reversal.empty()) {
-    findings.warn(reversal);
-    findings.doubt("the sign of an axis seems to be wrong");
+    findings.add<Code::reversed_axis>(reversal);
+    findings.add<Code::wrong_sign_of_axis>();
   }
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   doubt_many_dropped(findings, cleaned.fit);
@@ -291,9 +281,9 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   const TableObservations seen = observe(recording, session);
   CalibrationResult result{.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
   if (options.effects) expect_scales(result.calibration, recording);
-  Findings steps;
-  kernel::check_gyro_steps(steps, measure_mean_noise(recording, summarize_rests(recording, kernel::rests_of(input, recording).ranges)));
-  for (const std::string& doubt : steps.doubts) kernel::add_doubt(result.calibration.quality, doubt);
+  kernel::check_gyro_steps(result.calibration.quality.findings,
+                           measure_mean_noise(recording, summarize_rests(recording, kernel::rests_of(input, recording).ranges)));
+  kernel::judge(result.calibration.quality);
   return result;
 }
 

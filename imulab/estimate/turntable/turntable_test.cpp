@@ -36,7 +36,7 @@ TEST(Turntable, KnownTableErrorsAreTakenOut) {
     // Without noise and with known errors the truth comes back, to the rounding of sums of 31 rad in weights over eight orders.
     EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(run.truth, index), 1e-10) << coefficient(index).name;
   }
-  EXPECT_EQ(c.frame, "rig");
+  EXPECT_EQ(c.frame, BodyFrame::rig);
 }
 
 // Errors of the table of an arcminute are not linear within noise of a thousandth of a navigation-grade unit's.
@@ -50,7 +50,7 @@ TEST(Turntable, NoiseFarBelowTheTablesErrorsConverges) {
   const TableRun run = run_of(zhang_steps(), rig, 3, less, errors);
   const Calibration c = calibrate(run.seen, rig, imu, table_site());
   EXPECT_TRUE(c.quality.converged);
-  EXPECT_EQ(c.quality.verdict, "good") << testing::PrintToString(c.quality.because);
+  EXPECT_EQ(c.quality.verdict, Verdict::good) << testing::PrintToString(c.quality.findings.reasons());
 }
 
 TEST(Turntable, RoundedReadingsAreNoDifferent) {
@@ -89,7 +89,7 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
   EXPECT_LT((1e5 * centered.accel.matrix - si.model.accel.matrix).norm(), 1e-7);
   EXPECT_LT((1e7 * centered.gyro.matrix - si.model.gyro.matrix).norm(), 1e-7);
   EXPECT_EQ(counts.quality.unobservable, si.quality.unobservable);
-  EXPECT_EQ(counts.quality.verdict, "good");
+  EXPECT_EQ(counts.quality.verdict, Verdict::good);
   EXPECT_EQ(counts.model.gyro.raw_unit, "count");
 }
 
@@ -133,20 +133,20 @@ TEST(Turntable, AWrongStepIsNamed) {
   const RigDeclaration rig = table_of(2 * unit::arcsec);
   TableRun run = run_of(zhang_steps(), rig, 10, 1);
   const Calibration good = calibrate(run.seen, rig, table_imu(), table_site());
-  EXPECT_THAT(good.quality.warnings, IsEmpty());
-  EXPECT_EQ(good.quality.verdict, "good");
+  EXPECT_THAT(good.quality.findings.warnings(), IsEmpty());
+  EXPECT_EQ(good.quality.verdict, Verdict::good);
   const auto name_of = [&](const TablePart& part) { return step_name(run.seen.parts.steps[part.step], part.step); };
   TableRun bad = run;
   bad.seen.readings[6 * 20 + 1] += 1e-3;  // ten times what 2 arcsec of the table explain
   const Calibration c = calibrate(bad.seen, rig, table_imu(), table_site());
   const std::string name = name_of(run.seen.parts.holds[20]);
-  EXPECT_THAT(c.quality.warnings, ElementsAre("dropped as an outlier: " + name));
+  EXPECT_THAT(c.quality.findings.warnings(), ElementsAre("dropped as an outlier: " + name));
   for (const CoefficientIndex index : c.estimated)
     EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(good.model, index)), *standard_uncertainty(c, index));
   // A turn by half of what the step says.
   bad = run;
   bad.seen.readings.segment<3>(static_cast<Eigen::Index>(6 * run.seen.parts.holds.size() + 3 * 3)) *= 0.5;
-  EXPECT_THAT(calibrate(bad.seen, rig, table_imu(), table_site()).quality.warnings,
+  EXPECT_THAT(calibrate(bad.seen, rig, table_imu(), table_site()).quality.findings.warnings(),
               ElementsAre("dropped as an outlier: " + name_of(run.seen.parts.turns[3])));
 }
 
@@ -156,7 +156,8 @@ TEST(Turntable, AWorseTableThanDeclaredIsSaid) {
   const VectorXd errors = motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), 11, "table"));
   const TableRun run = run_of(zhang_steps(), declared, 11, 1, errors);
   const Calibration c = calibrate(run.seen, declared, table_imu(), table_site());
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("times what the noise and the declared table errors explain; the uncertainties are enlarged")));
+  EXPECT_THAT(c.quality.findings.warnings(),
+              Contains(HasSubstr("times what the noise and the declared table errors explain; the uncertainties are enlarged")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the residuals exceed the declared noise and table errors"));
 }
 
@@ -169,7 +170,9 @@ TEST(Turntable, AReversedAxisIsNamed) {
       if (step.kind == StepKind::rotate && static_cast<std::size_t>(step.axis) == axis) step.angle *= -1;
     }
     const Calibration c = calibrate(run.seen, rig, table_imu(), table_site());
-    EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(std::string(to_string(static_cast<RigAxis>(axis))) + " axis seems to turn against"))) << axis;
+    EXPECT_THAT(c.quality.findings.warnings(),
+                Contains(HasSubstr(std::string(to_string(static_cast<RigAxis>(axis))) + " axis seems to turn against")))
+        << axis;
     EXPECT_THAT(verdict_text(c.quality), HasSubstr("sign of an axis"));
   }
 }
@@ -180,8 +183,8 @@ TEST(Turntable, AReversedSensorIsNoReversedAxisOfTheTable) {
     TableRun run = run_of(zhang_steps(), rig, 12, 1);
     for (Eigen::Index k = 0; k < std::ssize(run.seen.parts.holds); ++k) run.seen.readings[6 * k + axis] *= -1;
     const Calibration c = calibrate(run.seen, rig, table_imu(), table_site());
-    EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(fmt::format("accelerometer {} (or the gyros", "xyz"[axis]))));
-    EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("axis seems to turn against"))));
+    EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr(fmt::format("accelerometer {} (or the gyros", "xyz"[axis]))));
+    EXPECT_THAT(c.quality.findings.warnings(), testing::Not(Contains(HasSubstr("axis seems to turn against"))));
     EXPECT_THAT(verdict_text(c.quality), HasSubstr("sign of an axis"));
   }
 }
@@ -230,7 +233,7 @@ TEST(Turntable, AWrongHemisphereIsNamed) {
   declared.latitude = -*declared.latitude;
   const Calibration c = calibrate(run.seen, rig, table_imu(), declared);
   const std::string right = fmt::format("as a latitude of {:.0f}.", *table_site().latitude / unit::deg);
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(right)));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr(right)));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }
 

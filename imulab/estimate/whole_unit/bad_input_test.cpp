@@ -55,8 +55,8 @@ void at_mount(Session& session, const std::string& file, const std::string& moun
 
 TEST(WholeUnitBadInput, AGoodSessionHasNoWarnings) {
   const Calibration c = calibration_from(good().recordings, good().session);
-  EXPECT_THAT(c.quality.warnings, IsEmpty());
-  EXPECT_EQ(c.quality.verdict, "good");
+  EXPECT_THAT(c.quality.findings.warnings(), IsEmpty());
+  EXPECT_EQ(c.quality.verdict, Verdict::good);
 }
 
 TEST(WholeUnitBadInput, AWrongMountContradictsGravity) {
@@ -85,7 +85,8 @@ TEST(WholeUnitBadInput, ARadiusThatContradictsTheRateIsFound) {
         for (double& r : step.radius) r += 0.02;
   });
   const Calibration c = calibration_from(good().recordings, session);
-  EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("centrifuge: every radius"), AnyOf(HasSubstr("-19"), HasSubstr("-20")), HasSubstr("mm"))));
+  EXPECT_THAT(c.quality.findings.warnings(),
+              Contains(AllOf(HasSubstr("centrifuge: every radius"), AnyOf(HasSubstr("-19"), HasSubstr("-20")), HasSubstr("mm"))));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because"));
 }
 
@@ -108,7 +109,7 @@ TEST(WholeUnitBadInput, AnUnsettledChamberIsReportedWithItsDrift) {
       if (step.recording == "chamber.csv") step.start = time + 60, step.end = time += 70;
   });
   const Calibration c = calibration_from(s.recordings, s.session);
-  EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("of the chamber's points had not settled"), HasSubstr("K/min"))));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(AllOf(HasSubstr("of the chamber's points had not settled"), HasSubstr("K/min"))));
 }
 
 TEST(WholeUnitBadInput, HysteresisShowsWhereTheChamberGoesBothWays) {
@@ -119,7 +120,7 @@ TEST(WholeUnitBadInput, HysteresisShowsWhereTheChamberGoesBothWays) {
     const WholeUnitSession s = whole_unit_session(13, options, [&](Session& session) { session.rigs[0].hysteresis = hysteresis; });
     CalibrationOptions without;
     without.effects = false;  // drifts would take it up
-    return calibration_from(s.recordings, s.session, without).quality.warnings;
+    return calibration_from(s.recordings, s.session, without).quality.findings.warnings();
   };
   EXPECT_THAT(calibrated(0), Not(Contains(HasSubstr("hysteresis"))));
   EXPECT_THAT(calibrated(3), Contains(HasSubstr("between warming and cooling: hysteresis")));
@@ -134,22 +135,23 @@ TEST(WholeUnitBadInput, TooFewRatesForTheOrderAreCounted) {
   s.session.recordings.pop_back(), s.recordings.pop_back();
   const Calibration c = calibration_from(s.recordings, s.session, full_whole_unit());
   EXPECT_THAT(c.quality.unobservable, Contains("gyro.cubic.x"));
-  EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("gyro.cubic.x is not determined"), HasSubstr("different rates along x, at least 5"))));
+  EXPECT_THAT(c.quality.findings.warnings(),
+              Contains(AllOf(HasSubstr("gyro.cubic.x is not determined"), HasSubstr("different rates along x, at least 5"))));
 }
 
 TEST(WholeUnitBadInput, ASaturatedPointIsLeftOutWithAWarning) {
   WholeUnitSession s = good();
   s.recordings[1].saturated = {25};
   const Calibration c = calibration_from(s.recordings, s.session);
-  EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("rate_table.csv, step 1 "), HasSubstr("saturated, left out"))));
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("302 points")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(AllOf(HasSubstr("rate_table.csv, step 1 "), HasSubstr("saturated, left out"))));
+  EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("302 points")));
 }
 
 TEST(WholeUnitBadInput, AnOutlierIsDroppedByName) {
   WholeUnitSession s = good();
   for (std::size_t k = 0; k < 50; ++k) s.recordings[2].accel[0][100 + k] += 0.05;  // the third point, by 5 mg
   const Calibration c = calibration_from(s.recordings, s.session);
-  EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("dropped as an outlier: centrifuge.csv, step 3"))));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(AllOf(HasSubstr("dropped as an outlier: centrifuge.csv, step 3"))));
 }
 
 TEST(WholeUnitBadInput, RepeatedPointsAreMorePoints) {
@@ -157,14 +159,14 @@ TEST(WholeUnitBadInput, RepeatedPointsAreMorePoints) {
   const Step first = s.session.steps.front();  // again, on the same samples: nothing new, but nothing breaks
   s.session.steps.insert(s.session.steps.begin(), first);
   const Calibration c = calibration_from(s.recordings, s.session);
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("twice")));
+  EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("twice")));
 }
 
 TEST(WholeUnitBadInput, OtherRigsAndMissingSamplesAreNamed) {
   EXPECT_THAT(error_of({}, good().session), HasSubstr("got 0 recordings; expected one for each of the 3 declared"));
   EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.rigs[1].kind = RigKind::turntable; })), HasSubstr("rig of kind \"turntable\""));
   const Session late = changed([](Session& s) { s.steps.back().start += 1e5, s.steps.back().end += 1e5; });
-  EXPECT_THAT(calibration_from(good().recordings, late).quality.warnings, Contains(HasSubstr("0 samples in it, left out")));
+  EXPECT_THAT(calibration_from(good().recordings, late).quality.findings.warnings(), Contains(HasSubstr("0 samples in it, left out")));
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ TEST(WholeUnitEffects, AnotherZeroInOneRecordingIsATurnOn) {
   for (Index k = 0; k < errors.size(); ++k) EXPECT_LT(std::abs(errors[k]), 5 * std::sqrt(named.covariance(k, k)));
   s.session.imu.accel_noise = NoiseModel{.turn_on = {200 * unit::ug}};
   const Calibration declared = calibrate(s.input(), with_effects()).calibration;
-  EXPECT_EQ(declared.quality.verdict, "good");
+  EXPECT_EQ(declared.quality.verdict, Verdict::good);
   const EffectEstimate& found = effect_of(declared, "accel.turn_on");
   ASSERT_EQ(found.values.size(), 6u);
   for (std::size_t axis = 0; axis < 3; ++axis)  // Helmert's second contrast: the first two against the third
@@ -133,7 +133,7 @@ TEST(WholeUnitEffects, ALatitudeOfTheWrongSignIsNamed) {
   WholeUnitSession s = navigation_session(4);
   s.session.site.latitude = -*s.session.site.latitude;
   const Calibration c = calibrate(s.input(), with_effects()).calibration;
-  EXPECT_NE(c.quality.verdict, "good");
+  EXPECT_NE(c.quality.verdict, Verdict::good);
   EXPECT_EQ(c.quality.cause.value_or(""), "site.latitude");
   const VectorXd e = errors_of(c, s.truth.model);  // of the latitude that the gyros show
   for (Index k = 0; k < e.size(); ++k) EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(c.covariance(k, k)));

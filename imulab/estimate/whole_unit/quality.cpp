@@ -65,17 +65,15 @@ void note_points(Quality& quality, const PointProblem& problem) {
   const auto many = [&](RigKind kind) {
     return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const MachinePoint& p) { return p.machine == kind; });
   };
-  quality.notes.push_back(fmt::format("{} points were used: {} in the chamber, {} on the rate table, {} on the centrifuge", problem.points.all.size(),
-                                      many(RigKind::chamber), many(RigKind::rate_table), many(RigKind::centrifuge)));
+  quality.findings.add<Code::points_used>(problem.points.all.size(), many(RigKind::chamber), many(RigKind::rate_table), many(RigKind::centrifuge));
 }
 
 void note_residuals(Quality& quality) {
   if (quality.fit_residuals.size() != 6) return;
   const auto note = [&](const FitResidual* r, double unit, const char* unit_name) {
     const auto percent = [&](double value) { return 100 * value / r->full_scale; };
-    quality.notes.push_back(fmt::format("fit residual, x y z: {:.2g}, {:.2g}, {:.2g} % RMS of the full scale of {:.4g} {} (largest {:.2g} %)",
-                                        percent(r[0].rms), percent(r[1].rms), percent(r[2].rms), r->full_scale / unit, unit_name,
-                                        percent(std::max({r[0].largest, r[1].largest, r[2].largest}))));
+    quality.findings.add<Code::fit_residual>(percent(r[0].rms), percent(r[1].rms), percent(r[2].rms), r->full_scale / unit, unit_name,
+                                             percent(std::max({r[0].largest, r[1].largest, r[2].largest})));
   };
   note(&quality.fit_residuals[0], unit::g, "g"), note(&quality.fit_residuals[3], unit::deg, "deg/s");
 }
@@ -92,12 +90,9 @@ void note_rig_errors(Quality& quality) {
       continue;
     }
     const double unit = radius ? 1e-3 : unit::ppm;
-    quality.notes.push_back(fmt::format("{}: {:+.3g} {} (u = {:.2g}) from its declaration (sigma {:.3g})", e.name, e.value / unit,
-                                        radius ? "mm" : "ppm", e.uncertainty / unit, e.declared_sigma / unit));
+    quality.findings.add<Code::rig_error>(Subject{e.name}, e.value / unit, radius ? "mm" : "ppm", e.uncertainty / unit, e.declared_sigma / unit);
   }
-  if (angles > 0)
-    quality.notes.push_back(fmt::format("{} errors of mounting and leveling were estimated jointly, {:.3g} arcsec RMS", angles,
-                                        std::sqrt(square / static_cast<double>(angles)) / unit::arcsec));
+  if (angles > 0) quality.findings.add<Code::rig_angles>(angles, std::sqrt(square / static_cast<double>(angles)) / unit::arcsec);
 }
 
 /// Probability of a warning in a good session, shared among all tests of a kind.
@@ -140,8 +135,8 @@ bool warn_hysteresis(kernel::Findings& findings, const PointProblem& problem) {
     const double mean = difference[k] / n, sigma = std::sqrt(std::max(square[k] / n - mean * mean, 1e-300) / (n - 1));
     if (std::abs(mean) < normal_quantile(1 - level / 12) * sigma * (1 + 4 / n)) continue;  // a little more for Student's few degrees
     found = true;
-    findings.warn(fmt::format("{} {} differs by {:.2g} {} between warming and cooling: hysteresis, which the model does not have",
-                              k < 3 ? "accel" : "gyro", "xyz"[k % 3], k < 3 ? mean / unit::ug : mean / unit::deg_per_h, k < 3 ? "ug" : "deg/h"));
+    findings.add<Code::hysteresis>(Subject{k < 3 ? "accel" : "gyro"}, "xyz"[k % 3], k < 3 ? mean / unit::ug : mean / unit::deg_per_h,
+                                   k < 3 ? "ug" : "deg/h");
   }
   return found;
 }
@@ -182,12 +177,12 @@ Quality quality_of(const PointProblem& problem, const JointEstimate& estimate) {
   quality.condition = estimate.condition;
   quality.converged = estimate.converged;
   for (const std::size_t k : estimate.left_out) quality.considered.emplace_back(coefficient(problem.coefficients[k]).name);
-  quality.warnings = problem.points.warnings;
+  for (const std::string& warning : problem.points.warnings) quality.findings.add<Code::point_warning>(warning);
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     if (problem.role[k] != kernel::Role::considered) continue;
     const Coefficient& c = coefficient(problem.coefficients[k]);
     quality.unobservable.emplace_back(c.name);
-    if (std::string reason = count_of_levels(problem, c); !reason.empty()) quality.warnings.push_back(std::move(reason));
+    if (const std::string reason = count_of_levels(problem, c); !reason.empty()) quality.findings.add<Code::too_few_levels>(reason).subject = c.name;
   }
   quality.fit_residuals = fit_residuals(problem);
   quality.sources.push_back(kernel::gravity_source(problem.session->site));
@@ -198,7 +193,7 @@ Quality quality_of(const PointProblem& problem, const JointEstimate& estimate) {
   return quality;
 }
 
-std::string wrong_machine(const PointProblem& problem) {
+Findings wrong_machine(const PointProblem& problem) {
   const kernel::Information data = problem.information();
   const kernel::Solution s = kernel::solve(data, problem.parameters(), "the points");
   const VectorXd slope = data.g + data.N * s.x;  // half of that of the sum of squares, at the solution
@@ -215,22 +210,20 @@ std::string wrong_machine(const PointProblem& problem) {
     if (std::abs(gradient / curvature) > h.error.largest) continue;
     if (saved > most) most = saved, by = -gradient / curvature, worst = &h;
   }
-  if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return "";
+  if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return {};
   // In points that scatter more than they should, the one thing to name is what explains a good part of that.
   const double excess = s.chi2 - s.degrees_of_freedom / (problem.noise_factor * problem.noise_factor);
-  if (most < 0.3 * excess) return "";
-  return fmt::format(
-      "{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is biased beyond the stated uncertainties",
-      worst->error.name, by / worst->error.unit, worst->error.unit_name, most);
+  if (most < 0.3 * excess) return {};
+  Findings out;
+  out.add<Code::machine_fit>(Subject{worst->error.name}, by / worst->error.unit, worst->error.unit_name, most);
+  out.add<Code::machine_not_as_declared>();
+  return out;
 }
 
 void check_chamber(kernel::Findings& findings, const PointProblem& problem) {
   const std::string unsettled = unsettled_points(problem.points, *problem.session);
-  if (!unsettled.empty())
-    findings.warn(unsettled +
-                  ": the sensors lag behind their thermal readings, and the thermal coefficients are biased beyond the stated "
-                  "uncertainties; wait longer at each temperature");
-  if (warn_hysteresis(findings, problem) || !unsettled.empty()) findings.doubt("the chamber's points do not settle or do not repeat");
+  if (!unsettled.empty()) findings.add<Code::not_settled>(unsettled);
+  if (warn_hysteresis(findings, problem) || !unsettled.empty()) findings.add<Code::chamber_not_repeated>();
 }
 
 }  // namespace imulab::whole_unit

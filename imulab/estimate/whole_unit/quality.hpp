@@ -25,7 +25,7 @@ struct JointEstimate {
 Quality quality_of(const PointProblem& problem, const JointEstimate& estimate);
 
 /// The one error of a machine that explains most of the points' excess scatter, with its consequence; empty where there is none.
-std::string wrong_machine(const PointProblem& problem);
+kernel::Findings wrong_machine(const PointProblem& problem);
 
 /// Warns of chamber points that had not settled, and of hysteresis.
 void check_chamber(kernel::Findings& findings, const PointProblem& problem);

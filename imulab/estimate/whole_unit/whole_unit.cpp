@@ -138,8 +138,8 @@ void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
   infer_sizes(here), infer_sizes(there);
   if (!(by_more(std::move(here), std::move(there)) > more_likely)) return;
   problem = std::move(mirrored);
-  findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
-  findings.doubt(kernel::wrong_latitude);
+  findings.add<Code::latitude_of_other_sign>(", which is used");
+  findings.add<Code::wrong_latitude>();
 }
 
 /// Drops outliers, named in the findings. An effect may explain what would be outliers without it.
@@ -183,7 +183,7 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   fit_determined(problem);
   mirror_wrong_latitude(problem, out.findings);
   check_noise(out.findings, problem);
-  std::string machine = wrong_machine(problem);  // before its points are dropped
+  Findings machine = wrong_machine(problem);  // before its points are dropped
   fit_good_points(problem, options.outlier_level, out.findings);
   out.scatter = enlarge_noise(problem);
   // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
@@ -201,12 +201,8 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   out.solution.covariance = kernel::solve(last.data, counted, "the points").covariance;
   out.solution.chi2 *= out.scatter * out.scatter;
   out.condition = kernel::condition_number(last.data, parameters);
-  if (out.scatter > 1) {
-    const std::string what = fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain", out.scatter);
-    out.findings.warn(what + "; the uncertainties are enlarged by this factor");
-    out.findings.doubt(what);
-  }
-  if (!machine.empty()) out.findings.warn(machine), out.findings.doubt("a machine is not as declared");
+  if (out.scatter > 1) out.findings.add<Code::points_scatter>(out.scatter);
+  out.findings.append(machine);
   return out;
 }
 
@@ -277,7 +273,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   Calibration& calibration = result.calibration;
   calibration.imu = session.imu.name;
   calibration.method = options.whole_unit.stepwise ? "whole-unit stepwise" : "whole-unit";
-  calibration.frame = "rig";
+  calibration.frame = BodyFrame::rig;
   if (options.whole_unit.stepwise) {  // residuals and rig errors stay those of the joint fit: they are the data's, not the estimate's
     const StepwiseEstimate steps = stepwise_estimate(problem, true);
     set_estimate(calibration, problem, {}, steps.model, steps.covariance * (joint.scatter * joint.scatter));
@@ -290,7 +286,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   check_chamber(joint.findings, problem);
   if (problem.effects.size() > 0)
     kernel::add_effects(calibration, joint.findings, problem.effects, joint.solution.covariance, 1e-3, problem.coefficients);
-  if (options.effects && options.whole_unit.stepwise) joint.findings.note("the stepwise estimate takes the effects as absent");
+  if (options.effects && options.whole_unit.stepwise) joint.findings.add<Code::stepwise>();
   kernel::add_common_doubts(joint.findings, calibration, session.site);
   kernel::conclude(calibration, joint.findings);
   return result;
@@ -317,7 +313,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& asked) {
   options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;
-  calibration.frame = "rig";
+  calibration.frame = BodyFrame::rig;
   set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance);
   calibration.quality = quality_of(problem, joint);
   Prediction out = prediction_of(calibration);

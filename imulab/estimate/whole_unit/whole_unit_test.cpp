@@ -36,8 +36,8 @@ TEST(WholeUnit, ErrorsAreAsLargeAsStated) {  // ctest: long
     const WholeUnitSession s = whole_unit_session(seed);
     const Calibration c = calibration_of(s, full());
     ASSERT_EQ(c.estimated.size(), 57u);
-    EXPECT_EQ(c.quality.verdict, "good") << c.quality.warnings.size();
-    EXPECT_EQ(c.frame, "rig");
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << c.quality.findings.warnings().size();
+    EXPECT_EQ(c.frame, BodyFrame::rig);
     sum += squared_distance(c, s.truth.model);
     degrees += 57;
     const Calibration steps = calibration_of(s, full_whole_unit(true));
@@ -192,7 +192,7 @@ TEST(WholeUnit, InsignificantIsNotZero) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const WholeUnitSession s = without(whole_unit_session(seed), "rate_table");
     const Calibration c = calibration_of(s);
-    EXPECT_EQ(c.quality.verdict, "good");
+    EXPECT_EQ(c.quality.verdict, Verdict::good);
     sum += squared_distance(c, s.truth.model);
     degrees += static_cast<double>(c.estimated.size());
   }

@@ -161,7 +161,7 @@ bool FleetStore::add_calibration(const Calibration& c, const FleetOccasion& o, c
                 "INSERT INTO calibrations (key, unit, session, method, options, operator, station, time, time_from, created, software, verdict, "
                 "added) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) RETURNING id");
   row.with(key, unit, of_session, c.method, request != nullptr ? request->options : options, o.operated_by, o.station, o.time, o.time_from, c.created,
-           c.software, c.quality.verdict, fleet::now());
+           c.software, std::string(to_string(c.quality.verdict)), fleet::now());
   add_numbers(database_, row.run_for_id(), numbers, text);
   if (session != nullptr && request != nullptr)
     Statement(database_, "DELETE FROM failures WHERE key = ?").with(failure_key(*session, *request)).run();

@@ -188,10 +188,6 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   problems.none_in([&] {
     if (c.recorded_gyro) check_recorded(root["recorded"]["gyro"], *c.recorded_gyro, Quantity::gyro, c.model.gyro.raw_unit);
   });
-  problems.none_in([&] {
-    if (const std::string& verdict = c.quality.verdict; !verdict.empty() && verdict != "good" && verdict != "doubtful")
-      root["quality"]["verdict"].expected("good or doubtful");
-  });
   problems.expect_none();
   return c;
 }

@@ -2,6 +2,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/model/finding_table.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -29,7 +30,7 @@ Calibration any_calibration() {
   c.software = "imulab 0.1.0";
   c.session_file = "session.toml";
   c.session_sha256 = std::string(64, 'a');
-  c.frame = "rig";
+  c.frame = BodyFrame::rig;
   const RandomStream random(1, "calibration file");
   for (const CoefficientIndex i : coefficient_indices()) {
     const auto k = static_cast<std::uint64_t>(i);
@@ -46,20 +47,21 @@ Calibration any_calibration() {
                .degrees_of_freedom = 123,
                .condition = 812.7,
                .unobservable = {"accel.matrix.xy"},
-               .warnings = {"a warning"},
-               .verdict = "doubtful",
-               .because = {"few rests", "a large residual"},
+               .verdict = Verdict::doubtful,
                .considered = {"accel.quadratic.x"},
                .rotation_residual_deg = 0.071,
                .term_tests = {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true, 1.02, 17.7}},
                .fit_residuals = {{"gyro.x", 1e-5, 3e-5, 6.98}},
                .rig_errors = {{"centrifuge: radius.+z+x", 1e-4, -2.5e-5, 3e-6}},
                .sources = {{"gravity", 3e-5, "scales accel.matrix"}},
-               .notes = {"24 rests"},
                .rests = {{0.5, 31.25, 0.98, true}, {40, 71, 12.5, false}},
                .rotations = {{31.25, 40, 1.7, true}},
                .requirements = {{"accel.offset <= 20 ug", "accel.offset.y", 2e-4, 1.5e-4, true},
                                 {"gyro.offset <= 1 deg/h", "gyro.offset.x", 5e-6, std::numeric_limits<double>::infinity(), false}}};
+  c.quality.findings.add<Code::uncertain_scale>(Subject{"gyro.matrix.xx"}, 2.5);
+  c.quality.findings.add<Code::scatter>(Subject{"residuals"}, 3.1).severity = Severity::doubt;
+  c.quality.findings.add<Code::larger_term>(Subject{"accel.cubic"});
+  c.quality.findings.append(Severity::note, {"24 rests"});
   c.constant_covariance = 0.5 * c.covariance;
   c.serial = "012";
   c.operated_by = "A. N. Other";
@@ -98,6 +100,28 @@ TEST(CalibrationFile, ReadsBackBitForBit) {
   const Calibration back = parse_calibration(text, "calibration.json");
   expect_equal(back, c);
   EXPECT_EQ(calibration_text(back), text);
+}
+
+TEST(CalibrationFile, HasTheCodesOfItsFindings) {
+  const Calibration c = any_calibration();
+  Json json = Json::parse(calibration_text(c));
+  Json& quality = json["quality"];
+  EXPECT_EQ(quality["findings"][0]["code"], "uncertain-scale");
+  EXPECT_EQ(quality["findings"][0]["severity"], "doubt");
+  EXPECT_EQ(quality["findings"][0]["subject"], "gyro.matrix.xx");
+  EXPECT_EQ(quality["findings"][0]["numbers"], Json::array({2.5}));
+  EXPECT_EQ(quality["because"].size(), 2u);
+  EXPECT_EQ(quality["notes"], Json::array({"24 rests"}));
+  // A file of an earlier version has their sentences alone, and people add some.
+  quality.erase("findings");
+  quality["because"].push_back("a reason of its own");
+  const Findings back = parse_calibration(json.dump(), "c.json").quality.findings;
+  std::vector<std::string> reasons = c.quality.findings.reasons();
+  reasons.emplace_back("a reason of its own");
+  EXPECT_EQ(back.reasons(), reasons);
+  EXPECT_EQ(back.warnings(), c.quality.findings.warnings());
+  EXPECT_EQ(back.notes(), c.quality.findings.notes());
+  EXPECT_FALSE(back.has(Code::uncertain_scale));
 }
 
 TEST(CalibrationFile, OfADefaultCalibrationReadsBack) { expect_equal(parse_calibration(calibration_text({}), "calibration.json"), {}); }
@@ -236,7 +260,7 @@ TEST(CalibrationFile, WrittenByHandNeedsTheMatricesAlone) {
       "accel": {"matrix": [[1.01, 0, 0], [0.002, 0.99, 0], [0, 0, 1]]}, "gyro": {"matrix": [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}}})",
                                           "hand.json");
   Calibration expected;
-  expected.frame = "rig";
+  expected.frame = BodyFrame::rig;
   expected.covariance.resize(0, 0);
   expected.model.accel.matrix << 1.01, 0, 0, 0.002, 0.99, 0, 0, 0, 1;
   expected.model.gyro.matrix = 2 * Matrix3d::Identity();

@@ -6,6 +6,7 @@
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/recording/origin.hpp"
 
 #include <fmt/format.h>
@@ -135,16 +136,15 @@ Imported import_calibration_text(std::string_view text, const std::string& name,
   c.method = "import";
   c.software = software();
   c.options = {{"file", printable(name)}, {"format", std::string(format.name)}, {"sha256", sha256(text)}};
-  c.frame = is_accelerometers_frame(c.model.accel.matrix) ? "accelerometers" : "rig";
+  c.frame = is_accelerometers_frame(c.model.accel.matrix) ? BodyFrame::accelerometers : BodyFrame::rig;
   c.covariance.resize(0, 0);
   c.recorded_accel = model.recorded_accel;
   c.recorded_gyro = model.recorded_gyro;
   c.quality.unobservable = model.not_determined;
-  c.quality.verdict = "doubtful";
-  c.quality.because = {"imported: its uncertainties are not known"};
-  if (!model.not_determined.empty())
-    c.quality.because.push_back(fmt::format("{} coefficients are not determined by the data", model.not_determined.size()));
-  c.quality.warnings = out.warnings;
+  c.quality.verdict = Verdict::doubtful;
+  c.quality.findings.add<Code::imported>();
+  if (!model.not_determined.empty()) c.quality.findings.add<Code::import_undetermined>(model.not_determined.size());
+  c.quality.findings.append(Severity::warning, out.warnings);
   return out;
 }
 

@@ -203,7 +203,7 @@ TEST(Import, PsinsFilesAreReadByItsEquation) {
   const Imported imported = import(psins_text);
   EXPECT_EQ(imported.format, "PSINS");
   EXPECT_THAT(imported.warnings, IsEmpty());
-  EXPECT_EQ(imported.calibration.frame, "accelerometers");
+  EXPECT_EQ(imported.calibration.frame, BodyFrame::accelerometers);
   Matrix3d Kg, Ka, gSens;
   Kg << 1.01, 2e-3, -1e-3, 3e-3, 0.99, 4e-3, -5e-3, 6e-3, 1.02;
   Ka << 0.99, 0, 0, 1e-3, 1.01, 0, 2e-3, 3e-3, 1.005;
@@ -221,7 +221,7 @@ TEST(Import, PsinsFilesAreReadByItsEquation) {
 TEST(Import, AMatrixAndABiasAreTakenAsTheyStand) {
   const Imported one = import("# C, then b\n1.01 0 0\n0.002, 0.99, 0\n0 0 1;\n0.1 -0.2 +0.3\n");
   EXPECT_EQ(one.format, "matrix and bias");
-  EXPECT_EQ(one.calibration.frame, "accelerometers");
+  EXPECT_EQ(one.calibration.frame, BodyFrame::accelerometers);
   EXPECT_EQ(one.calibration.model.accel.raw_unit, "m/s^2");
   EXPECT_LT((compensate(one.calibration.model, {.accel = {1.1, 0.8, 9}}).force - Vector3d(1.01, 0.992, 8.7)).norm(), 1e-14);
   const Imported two = import("1 0 0 0 1 0 0 0 1 0 0 0\n2e-4 1e-6 0 0 2e-4 0 0 0 2e-4 10 20 30\n");
@@ -251,7 +251,7 @@ TEST(Import, TheCalibrationIsOneWithoutUncertainties) {
   const Calibration back = parse_calibration(calibration_text(imported.calibration), "calibration.json");
   EXPECT_THAT(back.estimated, IsEmpty());
   EXPECT_THAT(unusable(back), IsEmpty());
-  EXPECT_EQ(back.quality.verdict, "doubtful");
+  EXPECT_EQ(back.quality.verdict, Verdict::doubtful);
   EXPECT_EQ(back.options.at("format"), "PSINS");
   EXPECT_LT(difference(imported.calibration.model, back.model), 1e-300);
 }

@@ -2,6 +2,7 @@
 
 #include "imulab/compensate.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/clock_search.hpp"
 #include "imulab/navigation/aided/factor_search.hpp"
 #include "imulab/navigation/aided/filter.hpp"
@@ -137,7 +138,7 @@ void add_states(const Problem& p, const EpochStates& epochs, const AidedOptions&
 }
 
 /// Where no aid tells the position, a curved Earth is not linear in it, and no map needs it.
-void judge_positions(AidedNavigation& out, const std::string& name) {
+void judge_positions(AidedNavigation& out) {
   constexpr double lost = 1000;  // m
   std::vector<double> all;
   const auto sigma = [](const AidedCovariance& c) {
@@ -148,34 +149,23 @@ void judge_positions(AidedNavigation& out, const std::string& name) {
   const AidedCovariance& worst = *std::ranges::max_element(out.covariance, {}, sigma);
   if (sigma(worst) <= lost) return;
   const double typical = median(std::move(all));
-  std::string text = fmt::format("the position is lost: a sigma of {:.2g} m at {:.6g} s, {:.2g} m in the median; expected positions by an aid",
-                                 sigma(worst), worst.time, typical);
-  out.warnings.push_back(name + ": " + text);
-  if (typical > lost) out.doubts.push_back(std::move(text));
+  Finding& found = out.findings.add<Code::position_lost>(sigma(worst), worst.time, typical);
+  if (typical > lost) found.severity = Severity::doubt;
 }
 
-void judge(AidedNavigation& out, const std::string& name) {
-  const auto doubt = [&](std::string text) {
-    out.warnings.push_back(name + ": " + text);
-    out.doubts.push_back(std::move(text));
-  };
-  judge_positions(out, name);
-  if (const std::string text = hidden_heading(out); !text.empty()) doubt(text);
-  if (out.innovation_rms > 1.5)
-    doubt(fmt::format("innovations are {:.1f} times their stated size; the aids contradict each other or the recording", out.innovation_rms));
-  if (out.suspects > 0.1) doubt(fmt::format("{:.0f} % of the aids' values are suspects", 100 * out.suspects));
-  for (const std::string& text : runs_of_suspects(out)) out.warnings.push_back(name + ": " + text);
+void judge(AidedNavigation& out) {
+  judge_positions(out);
+  judge_heading(out);
+  if (out.innovation_rms > 1.5) out.findings.add<Code::large_innovations>(out.innovation_rms);
+  if (out.suspects > 0.1) out.findings.add<Code::many_suspects>(100 * out.suspects);
+  find_runs_of_suspects(out);
   for (const AidedFactor& f : out.factors)
-    if (f.lasting > 1)
-      out.warnings.push_back(
-          fmt::format("{}: errors of {} last: in the long run its values tell as much as with {:.2g} times the sigma, and are so taken", name, f.name,
-                      f.lasting));
-  if (const std::string text = lasting_errors(out); !text.empty()) doubt(text);
+    if (f.lasting > 1) out.findings.add<Code::long_errors>(Subject{f.name}, f.lasting);
+  judge_lasting(out);
   double squares = 0;
   for (const OutageResult& o : out.outages) squares += o.smoothed.ratio * o.smoothed.ratio / static_cast<double>(out.outages.size());
-  if (out.outages.size() >= 3 && std::sqrt(squares) > 2)
-    doubt(fmt::format("errors in withheld times are {:.1f} times their stated sigma", std::sqrt(squares)));
-  if (!out.converged) doubt(fmt::format("the estimates of the noise still change after {} passes", out.passes));
+  if (out.outages.size() >= 3 && std::sqrt(squares) > 2) out.findings.add<Code::outages_off>(std::sqrt(squares));
+  if (!out.converged) out.findings.add<Code::noise_still_changes>(out.passes);
 }
 
 }  // namespace
@@ -190,7 +180,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   add_first_rest(p, recording, session);
   set_first_factors(p);
   const FoundStart start = find_start(p, session);
-  if (!start.said.empty()) out.warnings.push_back(recording.name + ": " + start.said);
+  if (start.late_by > 0) out.findings.add<Code::late_start>(start.late_by).place = recording.name;
   for (const Channel& c : p.channels) out.aids.push_back(c.name);
   out.causal = options.causal, out.headings = start.candidates;
   SmootherPass smoothed;
@@ -233,12 +223,16 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   known->finish(out);
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
-  judge(out, recording.name);
+  const auto of_recording = [&](std::size_t first) {
+    for (; first < out.findings.size(); ++first) out.findings[first].place = recording.name;
+  };
+  const std::size_t before = out.findings.size();
+  judge(out);
+  of_recording(before);
   widen_by_levels(p, smoothed, out);
-  for (std::string& doubt : implausible_estimates(p, smoothed.nodes.back(), out)) {
-    out.warnings.push_back(recording.name + ": " + doubt);
-    out.doubts.push_back(std::move(doubt));
-  }
+  const std::size_t after = out.findings.size();
+  judge_estimates(p, smoothed.nodes.back(), out);
+  of_recording(after);
   add_states(p, options.causal ? known->epochs : epochs_of(smoothed), options, out);
   return out;
 }

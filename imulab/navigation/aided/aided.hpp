@@ -7,6 +7,7 @@
 
 #include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
+#include "imulab/finding.hpp"
 #include "imulab/navigate.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/session.hpp"
@@ -81,9 +82,7 @@ struct AidedNavigation {
   double suspects = 0;                       // part of the rows that the kernel weighs by less than a third
   int passes = 0, headings = 1;              // of the smoother; candidates at the start
   bool converged = false, causal = false;
-  std::vector<std::string> warnings;
-  std::vector<std::string> doubts;  // among the warnings
-  bool doubtful() const { return !doubts.empty(); }
+  Findings findings;
 };
 
 struct AidedOptions {

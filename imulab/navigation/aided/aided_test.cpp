@@ -137,7 +137,7 @@ TEST(Aided, StatedSigmasHoldTheErrors) {
   for (int k = 0; k < drives; ++k) {
     const Drive d = drive_of(100 + static_cast<std::uint64_t>(k), std::pow(2., k % 3 - 1));
     const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-    EXPECT_FALSE(n.doubtful()) << testing::PrintToString(n.warnings);
+    EXPECT_FALSE(n.findings.doubtful()) << testing::PrintToString(n.findings.all());
     for (int part = 1; part <= 10; ++part) {
       const auto& at = n.covariance[static_cast<std::size_t>(part) * (n.covariance.size() - 1) / 10];
       const auto i =
@@ -222,9 +222,9 @@ TEST(Aided, AParkedCarShowsLittle) {
     for (auto& column : *columns) column.resize(static_cast<std::size_t>(9 / sample_interval));
   d.recording.time_ns.resize(static_cast<std::size_t>(9 / sample_interval));  // at rest all of the time
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-  EXPECT_TRUE(n.doubtful());
-  ASSERT_FALSE(n.warnings.empty());
-  EXPECT_THAT(n.warnings.front(), HasSubstr("does not show the heading"));
+  EXPECT_TRUE(n.findings.doubtful());
+  ASSERT_FALSE(n.findings.all().empty());
+  EXPECT_THAT(n.findings.all().front(), HasSubstr("does not show the heading"));
   EXPECT_GT(std::sqrt(n.covariance.back().value(2, 2)), 40 * unit::deg);  // any heading is possible: 104 deg where the likelihoods are equal
   const auto unseen = [](const AidedConstant& c) {
     return c.name == "gnss.delay" || c.name == "gyro.matrix.zz" || c.name == "gnss.lever_arm.forward";
@@ -262,7 +262,7 @@ TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
   AidRecord& r = d.aids[0].record;
   for (std::size_t i = 40; i < 60; ++i) r.position[i] = r.position[39], r.velocity[i] = r.velocity[39];
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-  EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("20 of ")));
+  EXPECT_THAT(n.findings.all(), testing::Contains(HasSubstr("20 of ")));
   EXPECT_LT(worst_ratio(d, n), falsely_sure);
 }
 
@@ -271,7 +271,7 @@ TEST(Aided, ASteadyMotionIsNoRest) {
   Drive d = drive_of(3);
   d.aids.push_back({.kind = AidKind::zero_velocity});
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-  EXPECT_FALSE(n.doubtful()) << testing::PrintToString(n.warnings);
+  EXPECT_FALSE(n.findings.doubtful()) << testing::PrintToString(n.findings.all());
   EXPECT_LT(worst_ratio(d, n), falsely_sure);
 }
 
@@ -281,7 +281,7 @@ TEST(Aided, AnotherDatumHalfwayIsNamed) {
     AidRecord& r = d.aids[0].record;
     for (std::size_t i = r.position.size() / 2; i < r.position.size(); ++i) r.position[i].z() += by;
     const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
-    EXPECT_THAT(n.doubts, testing::Contains(HasSubstr("another datum or geoid"))) << by;
+    EXPECT_THAT(n.findings.reasons(), testing::Contains(HasSubstr("another datum or geoid"))) << by;
     EXPECT_LT(worst_ratio(d, n), falsely_sure) << by;
   }
 }

@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/recording/aid_clock.hpp"
@@ -173,8 +174,7 @@ void find_clock(Aid& aid, const Recording& recording, const std::vector<Outage>&
   if (std::abs(best.by) <= guessed_offset_sigma) return;
   const double by = aid.other_scale_s > 0 && std::abs(best.by - aid.other_scale_s) <= guessed_offset_sigma ? aid.other_scale_s : best.by;
   for (std::int64_t& stamp : aid.record.time) stamp += std::llround(1e9 * by);
-  out.warnings.push_back(fmt::format("{}: its stamps were moved by {:.2f} s: turns and changes of speed fit there alone{}", aid.file, by,
-                                     scale_text(by, aid.other_scale_s)));
+  out.findings.add<Code::stamps_moved>(Subject{aid.file}, by, scale_text(by, aid.other_scale_s));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ Searched searched(Clocked c) {
   std::vector<Aid> aids{c.aid};
   AidedNavigation out;
   find_clocks(aids, c.recording, {}, out);
-  return {1e-9 * static_cast<double>(aids[0].record.time[0] - c.truth[0]), out.warnings};
+  return {1e-9 * static_cast<double>(aids[0].record.time[0] - c.truth[0]), out.findings.all()};
 }
 
 // A GPS clock without its scale is taken for UTC: the receiver's stamps are 18 s too small. What remains is a delay, and not moved.

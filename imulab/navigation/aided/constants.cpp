@@ -1,3 +1,4 @@
+#include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/aided.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 
@@ -91,9 +92,8 @@ void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start,
   p.joint = joint, p.size = size, p.sensors_end = sensors_end, p.terms = nullptr;
 }
 
-std::string hidden_heading(const AidedNavigation& n) {
-  if (n.covariance.back().value(2, 2) <= largest_heading_sigma * largest_heading_sigma) return "";
-  return "the motion does not show the heading; expected accelerations or turns while the aids measure";
+void judge_heading(AidedNavigation& n) {
+  if (n.covariance.back().value(2, 2) > largest_heading_sigma * largest_heading_sigma) n.findings.add<Code::heading_not_shown>();
 }
 
 }  // namespace aided

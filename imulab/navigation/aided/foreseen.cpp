@@ -80,7 +80,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
       if (!std::isfinite(b.time) && b.prior[k] > 0) out.constants[at++].value = prior.mean[b.first + k];
   for (; at < out.constants.size(); ++at) out.constants[at].value = 0;
   for (const SmoothedNode& node : smoothed.nodes) out.covariance.push_back({p.time_after(node.samples), node.covariance});
-  if (std::string text = hidden_heading(out); !text.empty()) out.doubts.push_back(std::move(text));
+  judge_heading(out);
   return out;
 }
 

@@ -57,7 +57,7 @@ TEST(AidedHonesty, SigmasStatedFarTooSmallAreFound) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const Drive d = drive_of(seed, 1e-4);
     const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {});
-    EXPECT_FALSE(n.doubtful()) << testing::PrintToString(n.warnings);
+    EXPECT_FALSE(n.findings.doubtful()) << testing::PrintToString(n.findings.all());
     EXPECT_TRUE(n.converged);
     const double noise = std::sqrt(std::ranges::find(n.factors, "gnss.position", &AidedFactor::name)->factor) * 1e-4;
     EXPECT_NEAR(noise, 1.5, 0.4);  // 200 values: 5 %, less what a slow error takes
@@ -70,10 +70,10 @@ TEST(AidedHonesty, SigmasStatedFarTooSmallAreFound) {
 TEST(AidedHonesty, APositionThatNothingTellsIsLost) {
   const Drive d = drive_of(1, 1);
   AidedOptions options{.causal = true, .outages = {{12, 1000}}};
-  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).doubts,
+  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).findings.reasons(),
               testing::Contains(testing::HasSubstr("the position is lost")));
   options.outages = {{12, 22}};
-  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).warnings,
+  EXPECT_THAT(navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, options).findings.all(),
               testing::Not(testing::Contains(testing::HasSubstr("the position is lost"))));
 }
 
@@ -81,10 +81,10 @@ TEST(AidedHonesty, NoiseThatStillChangesIsDoubtful) {
   const Drive d = drive_of(1, 1e-4);
   const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {.passes = 2});
   EXPECT_FALSE(n.converged);
-  EXPECT_THAT(n.doubts, testing::Contains("the estimates of the noise still change after 2 passes"));
+  EXPECT_THAT(n.findings.reasons(), testing::Contains("the estimates of the noise still change after 2 passes"));
 }
 
-std::vector<std::string> doubts_of(const Drive& d) { return navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {}).doubts; }
+std::vector<std::string> doubts_of(const Drive& d) { return navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {}).findings.reasons(); }
 
 TEST(AidedHonesty, ACopyOfAReceiverIsNamed) {
   Drive d = drive_of(1, 1.5);
@@ -109,7 +109,7 @@ TEST(AidedHonesty, ValuesThatContradictInARowAreNamed) {
   Drive d = drive_of(1, 1.5);
   for (std::size_t i = 20; i < 35; ++i) d.aids[0].record.position[i].z() += 100;
   const AidedNavigation n = navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {});
-  EXPECT_THAT(n.warnings, testing::Contains(testing::HasSubstr("the values of gnss.position from 20 s to 34 s contradict all else")));
+  EXPECT_THAT(n.findings.all(), testing::Contains(testing::HasSubstr("the values of gnss.position from 20 s to 34 s contradict all else")));
 }
 
 }  // namespace

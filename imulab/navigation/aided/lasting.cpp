@@ -1,6 +1,7 @@
 #include "imulab/navigation/aided/lasting.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/finding_table.hpp"
 
 #include <fmt/format.h>
 
@@ -102,12 +103,11 @@ bool widen_lasting(const Problem& p, AidedNavigation& n) {
   return true;
 }
 
-std::string lasting_errors(const AidedNavigation& n) {
+void judge_lasting(AidedNavigation& n) {
   const std::vector<SerialCorrelation> found = serial_correlations(n);
   const auto worst = std::ranges::max_element(found, {}, &SerialCorrelation::times);
-  if (worst == found.end() || worst->times <= much) return "";
-  return fmt::format("innovations of {} are alike over {} in a row: its errors last, and uncertainties may be {:.2g} times too small",
-                     n.factors[static_cast<std::size_t>(worst - found.begin())].name, worst->values, worst->times);
+  if (worst == found.end() || worst->times <= much) return;
+  n.findings.add<Code::lasting_errors>(Subject{n.factors[static_cast<std::size_t>(worst - found.begin())].name}, worst->values, worst->times);
 }
 
 }  // namespace imulab::aided

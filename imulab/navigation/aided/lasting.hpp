@@ -26,6 +26,6 @@ std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& naviga
 /// of its own is left as it is. False where there is none.
 bool widen_lasting(const Problem& problem, AidedNavigation& navigation);
 /// The doubt in words where innovations have much in common; otherwise empty.
-std::string lasting_errors(const AidedNavigation& navigation);
+void judge_lasting(AidedNavigation& navigation);
 
 }  // namespace imulab::aided

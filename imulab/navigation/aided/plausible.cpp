@@ -1,6 +1,7 @@
 #include "imulab/navigation/aided/plausible.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/observation.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 
@@ -27,7 +28,7 @@ std::string place_of(const Channel& c) { return c.aid.file.empty() ? c.name : fm
 
 }  // namespace
 
-std::vector<std::string> runs_of_suspects(const AidedNavigation& n) {
+void find_runs_of_suspects(AidedNavigation& n) {
   struct Run {
     double begin = 0, end = -INFINITY, last = -INFINITY;  // of suspects; the last value
     std::size_t values = 0;
@@ -44,12 +45,8 @@ std::vector<std::string> runs_of_suspects(const AidedNavigation& n) {
     run.end = i.time;
     if (run.values > longest[i.source].values) longest[i.source] = run;
   }
-  std::vector<std::string> out;
   for (std::size_t k = 0; k < longest.size(); ++k)
-    if (const Run& run = longest[k]; run.values >= many)
-      out.push_back(fmt::format("the values of {} from {:.6g} s to {:.6g} s contradict all else: suspects, which hardly count", n.factors[k].name,
-                                run.begin, run.end));
-  return out;
+    if (const Run& run = longest[k]; run.values >= many) n.findings.add<Code::suspects_in_a_row>(Subject{n.factors[k].name}, run.begin, run.end);
 }
 
 namespace {
@@ -71,20 +68,24 @@ LevelStep largest_step(const std::vector<double>& times, const std::function<dou
   return out;
 }
 
-/// What the law of a slow error forbids of its level; empty: nothing. `size`: its stationary sigma.
-std::string contradiction_of(const Channel& c, const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size,
-                             double time_constant, Index axis) {
+/// Adds what the law of a slow error forbids of its level, and returns true if it forbids it. `size`: its stationary sigma.
+bool contradicts(const Channel& c, const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size,
+                 double time_constant, Index axis, AidedNavigation& out) {
   std::size_t worst = 0;
   for (std::size_t k = 1; k < times.size(); ++k)
     if (std::abs(level(k)) > std::abs(level(worst))) worst = k;
   const LevelStep step = largest_step(times, level, size, time_constant);
   const bool far = std::abs(level(worst)) > far_level * size;
-  if (!far && !(step.sigmas > far_level)) return "";
+  if (!far && !(step.sigmas > far_level)) return false;
   const double by = far ? level(worst) : step.change;
-  return fmt::format(
-      "{}: its {} {} at {:.6g} s by the other data, {:.2g} times what its slow error lets expect: ", place_of(c),
-      c.aid.kind == AidKind::gnss ? fmt::format("positions are {:.3g} m {}", std::abs(by), axis_names[static_cast<std::size_t>(axis)]) : "values are",
-      far ? "off" : "more than before", far ? times[worst] : step.time, far ? std::abs(by) / size : step.sigmas);
+  const std::string place = place_of(c);
+  const char* const kind = far ? "off" : "more than before";
+  const double time = far ? times[worst] : step.time, sizes = far ? std::abs(by) / size : step.sigmas;
+  if (c.aid.kind == AidKind::gnss)
+    out.findings.add<Code::position_level>(Subject{place}, std::abs(by), axis_names[static_cast<std::size_t>(axis)], kind, time, sizes);
+  else
+    out.findings.add<Code::aid_level>(Subject{place}, kind, time, sizes);
+  return true;
 }
 
 }  // namespace
@@ -98,14 +99,7 @@ void widen_by_levels(const Problem& p, const SmootherPass& smoothed, AidedNaviga
     const double size = slow.sigma * std::sqrt(p.sources[*slow.noise].factor);
     for (Index axis = 0; axis < slow.size; ++axis) {
       const auto level = [&](std::size_t k) { return smoothed.nodes[k].state.x[c.slow + axis]; };
-      const std::string contradiction = contradiction_of(c, times, level, size, slow.time, axis);
-      if (contradiction.empty()) continue;
-      const bool places = c.aid.kind == AidKind::gnss;
-      out.doubts.push_back(contradiction +
-                           (places ? "another datum or geoid, a jump, or aids that contradict each other; the sigmas of the position contain it"
-                                   : "another zero, unit or sign, or aids that contradict each other"));
-      out.warnings.push_back(out.doubts.back());
-      if (!places) continue;
+      if (!contradicts(c, times, level, size, slow.time, axis, out) || c.aid.kind != AidKind::gnss) continue;
       // It lasts as the slow error does: a jump passes through zero.
       std::vector<double> around(times.size());
       for (std::size_t k = 0; k < around.size(); ++k)
@@ -160,21 +154,18 @@ double times_usual(const Problem& p, const Channel& c) {
 
 }  // namespace
 
-std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedNode& last, const AidedNavigation& out) {
-  std::vector<std::string> doubts;
-  if (std::ranges::none_of(p.observations, [&](const Observation& o) { return !o.withheld && has_record(p.channels[o.channel].aid.kind); }))
-    doubts.emplace_back(std::ranges::any_of(p.observations, &Observation::withheld)
-                            ? "all values of the aids are withheld: nothing corrects the solution"
-                            : "no aid measures the position; expected an [[aid]] of kind = \"gnss\" with its file");
+void judge_estimates(const Problem& p, const SmoothedNode& last, AidedNavigation& out) {
+  const auto is_used = [&](const Observation& o) { return !o.withheld && has_record(p.channels[o.channel].aid.kind); };
+  if (const bool none = std::ranges::none_of(p.observations, is_used); none && std::ranges::any_of(p.observations, &Observation::withheld))
+    out.findings.add<Code::all_withheld>();
+  else if (none)
+    out.findings.add<Code::no_position_aid>();
   const Prior prior = prior_of(p);
   for (const Channel& c : p.channels) {
     for (const Channel& before : p.channels)
       if (&before < &c && same_positions(before.aid.record, c.aid.record))
-        doubts.push_back(
-            fmt::format("{}: has the positions of {}: one receiver, whose errors count once; leave one out", place_of(c), place_of(before)));
-    if (const double times = times_usual(p, c); times > wrong)
-      doubts.push_back(fmt::format("{}: its error comes out {:.3g} times what a {} usually has: another unit, sign or frame", place_of(c), times,
-                                   aid_law(c.aid.kind).name));
+        out.findings.add<Code::same_receiver>(Subject{place_of(c)}, place_of(before));
+    if (const double times = times_usual(p, c); times > wrong) out.findings.add<Code::aid_off>(Subject{place_of(c)}, times, aid_law(c.aid.kind).name);
     for (const StateBlock& b : p.blocks) {
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
       for (Index k = b.first; own && k < b.first + b.size; ++k) {
@@ -183,17 +174,13 @@ std::vector<std::string> implausible_estimates(const Problem& p, const SmoothedN
         const double off = std::abs(last.state.x[k] - prior.mean[k]), declared = b.prior[k - b.first] * b.prior[k - b.first];
         const double added = declared - last.variance[k];
         if (added > learned * declared && off > far_constant * std::sqrt(added))
-          doubts.push_back(fmt::format("{}: comes out {:.3g} from what is declared, {:.3g} times what its sigma lets expect", in_words(b.name), off,
-                                       off / std::sqrt(added)));
+          out.findings.add<Code::constant_off>(Subject{in_words(b.name)}, off, off / std::sqrt(added));
       }
     }
   }
   for (const std::size_t source : {p.gyro_source, p.accel_source})
     if (const double times = std::sqrt(out.factors[source].factor); times > shaking)
-      doubts.push_back(
-          fmt::format("the noise of the {} comes out {:.3g} times its declared size: the recording in other axes or units, or positions that jump",
-                      source == p.gyro_source ? "gyros" : "accelerometers", times));
-  return doubts;
+      out.findings.add<Code::imu_noise_off>(Subject{source == p.gyro_source ? "gyros" : "accelerometers"}, times);
 }
 
 }  // namespace imulab::aided

@@ -10,7 +10,7 @@
 namespace imulab::aided {
 
 /// Where many values of a source in a row are suspects.
-std::vector<std::string> runs_of_suspects(const AidedNavigation& navigation);
+void find_runs_of_suspects(AidedNavigation& navigation);
 
 /// Levels that a receiver's slow error reaches though its law forbids them: another datum or geoid, a permanent jump, a second receiver that
 /// contradicts. Which level is right is not known: the covariance of the positions gets its square.
@@ -18,6 +18,6 @@ void widen_by_levels(const Problem& problem, const SmootherPass& smoothed, Aided
 
 /// Doubts about a navigation without observations, and about estimates that the declarations exclude: constants far from their priors, noise of the
 /// IMU far above its declaration.
-std::vector<std::string> implausible_estimates(const Problem& problem, const SmoothedNode& last, const AidedNavigation& out);
+void judge_estimates(const Problem& problem, const SmoothedNode& last, AidedNavigation& out);
 
 }  // namespace imulab::aided

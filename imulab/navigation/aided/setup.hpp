@@ -68,7 +68,7 @@ void add_constants(const Problem& problem, const SmootherPass& smoothed, AidedNa
 void add_constants_with(const OutputTerms& terms, Problem& problem, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out);
 
 /// Why the heading at the end is not known; empty: it is.
-std::string hidden_heading(const AidedNavigation& navigation);
+void judge_heading(AidedNavigation& navigation);
 
 /// The navigation of a recording in SI whose sensors' errors have these priors; `terms`, where given, are constants beside them. Throws Error as
 /// navigate_aided does.

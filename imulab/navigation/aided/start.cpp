@@ -100,7 +100,7 @@ struct Known {
   double velocity_sigma = velocity_sigma_at_start, tilt = tilt_sigma;
   Vector3d acceleration = Vector3d::Zero();
   bool late = false;  // the first fix is of another time
-  std::string said = {};
+  double late_by = 0;
 };
 Known known_start(const Problem& p, const Session& session, std::size_t sample, const InitialState* given) {
   Known out{.state = {}, .sample = sample};
@@ -110,8 +110,7 @@ Known known_start(const Problem& p, const Session& session, std::size_t sample, 
   const bool rests = resting(p, begin, fixes), any = std::isfinite(fixes.time);
   if (any && !given && !rests && fixes.time - begin > prompt) {
     out.sample = sample_after(p, fixes.time), begin = time_before(p, out.sample);
-    out.said = fmt::format("the solution begins with the first fix, {:.6g} s after the recording; an initial state would give an earlier start",
-                           begin - p.begin);
+    out.late_by = begin - p.begin;
   }
   out.late = any && given && !rests && fixes.time - begin > prompt;
   if (out.late) fixes = {};
@@ -159,7 +158,7 @@ FoundStart best_heading(const Problem& p, const Known& known) {
   };
   std::vector<Candidate> left;
   for (int k = 0; k < headings; ++k) left.push_back({candidate(p, known, 2 * std::numbers::pi * k / headings)});
-  FoundStart out{.start = left.front().start, .candidates = headings, .said = known.said};
+  FoundStart out{.start = left.front().start, .candidates = headings, .late_by = known.late_by};
   const double begin = time_before(p, known.sample);
   for (double span = 20; left.size() > 1; span *= 2) {
     const auto end = static_cast<std::size_t>(std::upper_bound(p.time.begin(), p.time.end(), begin + span) - p.time.begin());

@@ -15,7 +15,7 @@ struct FoundStart {
   int candidates = 1;                      // headings that were tried
   double seconds = 0;                      // of data that decided
   double spread = 0;                       // rad: of the headings that the data leave, by their likelihoods; about the best one
-  std::string said = {};                   // of a start later than the recording's
+  double late_by = 0;                      // s: the start after the recording's, at the first fix
 };
 /// Before any data, near a state: all else by its prior, the heading as uncertain as a candidate's.
 FilterStart start_near(const Problem& problem, const NavigationState& state);

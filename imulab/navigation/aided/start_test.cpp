@@ -99,7 +99,7 @@ TEST(AidedStart, ALateFixIsNotTheStart) {
     if (!c.initial) d.session.initial.reset();
     const AidedNavigation n = navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {});
     EXPECT_NEAR(n.solution.time.front(), c.begin, 0.03) << c.rest << ", " << c.first_fix;
-    EXPECT_EQ(std::ranges::count_if(n.warnings, [](const std::string& w) { return w.find("begins with the first fix") != std::string::npos; }),
+    EXPECT_EQ(std::ranges::count_if(n.findings.all(), [](const std::string& w) { return w.find("begins with the first fix") != std::string::npos; }),
               c.begin > 0);
     EXPECT_LT(worst_error(n, d.motion), 4.5) << c.rest << ", " << c.first_fix;  // sigmas: once in 1e5
     EXPECT_LT(n.innovation_rms, 1.5) << c.rest << ", " << c.first_fix;

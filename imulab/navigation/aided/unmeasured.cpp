@@ -3,6 +3,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/observation.hpp"
 #include "imulab/navigation/aided/start.hpp"
 #include "imulab/units.hpp"
@@ -109,11 +110,8 @@ class FixJoiner {
   std::vector<JoinedFixes> all_;
 };
 
-/// The first fixes are the start, about which all is linear: wrong ones elsewhere are suspects. Text of what was taken, and of a doubt.
-struct BeginText {
-  std::string taken = {}, doubt = {};
-};
-BeginText take_lost_begin(Aid& aid, double begin) {
+/// The first fixes are the start, about which all is linear: wrong ones elsewhere are suspects.
+void take_lost_begin(Aid& aid, double begin, Subject name, Findings& findings) {
   constexpr double before = 1;     // s: of late stamps
   constexpr std::size_t part = 4;  // more than one in four is a matter of opinion
   AidRecord& r = aid.record;
@@ -121,18 +119,16 @@ BeginText take_lost_begin(Aid& aid, double begin) {
   std::vector<std::size_t> rows;
   for (std::size_t i = 0; i < r.position.size(); ++i)
     if (has_place(r, i) && time(i) > begin - before) rows.push_back(i);
-  if (rows.empty()) return {};
+  if (rows.empty()) return;
   const std::vector<JoinedFixes> joined = FixJoiner(aid, rows).joined();
   const std::size_t first = joined.front().first;
   if (joined.size() > 1 && part * joined[1].count > rows.size())
-    return {.doubt = fmt::format("no motion joins {} of its positions, from {:.6g} s on, and {} from {:.6g} s on: which are right is not known",
-                                 joined[0].count, time(first), joined[1].count, time(joined[1].first))};
+    return void(findings.add<Code::positions_not_joined>(name, joined[0].count, time(first), joined[1].count, time(joined[1].first)));
   const auto lost = static_cast<std::size_t>(std::ranges::find(rows, first) - rows.begin());
-  if (lost == 0 || part * lost > rows.size()) return {};
+  if (lost == 0 || part * lost > rows.size()) return;
   const double way = way_between(r.position[first], r.position[rows.front()]);
   for (std::size_t k = 0; k < lost; ++k) r.position[rows[k]].setConstant(NAN);
-  return {.taken = fmt::format("{} of {} positions, until {:.6g} s, are left out: {:.3g} m from where the others begin, which no motion explains",
-                               lost, rows.size(), time(rows[lost - 1]), way)};
+  findings.add<Code::begin_left_out>(name, lost, rows.size(), time(rows[lost - 1]), way);
 }
 
 /// Squares of displacements over ten seconds and more less those that the velocities give: as they stand, with latitude and longitude swapped, and of
@@ -166,22 +162,21 @@ Agreement agreement_of(const AidRecord& r) {
 }
 
 /// Where the session's initial state or site is nowhere near.
-std::string far_from_declared(const AidRecord& r, const Session& session) {
+void judge_place(const AidRecord& r, const Session& session, Subject name, Findings& findings) {
   constexpr double far = 1e6, mean_radius = 6.371e6;  // m
   const std::optional<InitialState>& initial = session.initial;
   const std::optional<double> latitude = initial ? std::optional(initial->latitude) : session.site.latitude;
   const std::optional<double> longitude = initial ? std::optional(initial->longitude) : session.site.longitude;
-  if (!latitude) return "";
+  if (!latitude) return;
   const auto direction = [](double lat, double lon) { return Vector3d(std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)); };
   double nearest = INFINITY;
   for (const Vector3d& place : r.position) {
     const Vector3d here = direction(place.x(), place.y()), there = direction(*latitude, longitude.value_or(place.y()));
     if (place.allFinite()) nearest = std::min(nearest, mean_radius * std::atan2(here.cross(there).norm(), here.dot(there)));
   }
-  if (!std::isfinite(nearest) || nearest < far) return "";
-  return fmt::format("its positions are {:.0f} km and more from {}, latitude {:.6g} deg{}; expected one of them corrected", nearest / 1e3,
-                     initial ? "[initial]" : "[site]", *latitude / unit::deg,
-                     longitude ? fmt::format(", longitude {:.6g} deg", *longitude / unit::deg) : "");
+  if (!std::isfinite(nearest) || nearest < far) return;
+  findings.add<Code::far_from_site>(name, nearest / 1e3, initial ? "[initial]" : "[site]", *latitude / unit::deg,
+                                    longitude ? fmt::format(", longitude {:.6g} deg", *longitude / unit::deg) : "");
 }
 
 }  // namespace
@@ -190,28 +185,19 @@ void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recor
   constexpr double few = 1e-3;  // of the samples, as of a bump
   const auto size = static_cast<double>(recording.size()), clipped = static_cast<double>(recording.saturated.size());
   if (clipped > few * size) {
-    out.doubts.push_back(fmt::format("{:.2g} % of the samples are at a limit: what moved in them is not known", 100 * clipped / size));
-    out.warnings.push_back(recording.name + ": " + out.doubts.back());
+    out.findings.add<Code::samples_at_a_limit>(100 * clipped / size).place = recording.name;
   }
   for (std::size_t k = 0; k < aids.size(); ++k) {
     AidRecord& r = aids[k].record;
     if (aids[k].kind != AidKind::gnss || r.position.empty()) continue;
     const std::string name = aids[k].file.empty() ? fmt::format("aid {} (gnss)", k + 1) : aids[k].file;
-    const auto warn = [&](const std::string& text) {
-      if (!text.empty()) out.warnings.push_back(name + ": " + text);
-    };
-    const auto doubt = [&](const std::string& text) { warn(text), out.doubts.push_back(name + ": " + text); };
     const std::size_t count = r.position.size(), null = take_null_rows(r);
     const auto [repeats, held] = take_repeats(r);
-    if (null > 0) warn(fmt::format("{} of {} positions are at latitude 0 and longitude 0: no fixes, and they are left out", null, count));
-    if (repeats > 0)
-      warn(fmt::format("{} of {} positions repeat the one before exactly: the receiver holds its last one, and they are left out", repeats, count));
-    if (2 * (null + held) > count)
-      doubt(fmt::format("{} of {} positions are zeros, or held while it moves: the aid hardly measures the position", null + held, count));
-    const BeginText begin = take_lost_begin(aids[k], session.initial ? session.initial->time : recording.time_s(0));
-    warn(begin.taken);
-    for (const std::string& text : {begin.doubt, far_from_declared(r, session)})
-      if (!text.empty()) doubt(text);
+    if (null > 0) out.findings.add<Code::null_positions>(Subject{name}, null, count);
+    if (repeats > 0) out.findings.add<Code::held_positions>(Subject{name}, repeats, count);
+    if (2 * (null + held) > count) out.findings.add<Code::no_positions>(Subject{name}, null + held, count);
+    take_lost_begin(aids[k], session.initial ? session.initial->time : recording.time_s(0), Subject{name}, out.findings);
+    judge_place(r, session, Subject{name}, out.findings);
     if (r.velocity.empty()) continue;
     const Agreement a = agreement_of(r);
     if (a.plain > 0.5 * a.moved && a.swapped < 0.02 * a.moved && a.swapped > 0)

@@ -50,7 +50,7 @@ Checked checked(Aid aid, const Session& session = {}) {
   const Recording recording = make_recording({0.1, 0.2}, {zero, zero, zero}, {zero, zero, zero});
   AidedNavigation out;
   take_unmeasured(aids, session, recording, out);
-  return {aids[0].record, out.warnings, out.doubts};
+  return {aids[0].record, out.findings.all(), out.findings.reasons()};
 }
 
 constexpr double far_off = 50e3 / 6.37e6;  // rad
@@ -83,7 +83,7 @@ TEST(AidedUnmeasured, ReadingsAtALimitAreDoubtful) {
   std::vector<Aid> none;
   AidedNavigation out;
   take_unmeasured(none, {}, recording, out);
-  EXPECT_THAT(out.doubts, ElementsAre(HasSubstr("50 % of the samples are at a limit")));
+  EXPECT_THAT(out.findings.reasons(), ElementsAre(HasSubstr("50 % of the samples are at a limit")));
 }
 
 TEST(AidedUnmeasured, ZerosAreNoFixes) {
@@ -127,7 +127,7 @@ TEST(AidedUnmeasured, ConstraintsAloneMeasureNoPosition) {
   Session session;
   session.site.latitude = 48 * unit::deg;
   const AidedNavigation n = navigate_under(sensor_priors({}, {}), session, ideal_readings(motion), {Aid{.kind = AidKind::vehicle}}, {});
-  EXPECT_THAT(n.doubts, testing::Contains(HasSubstr("no aid measures the position; expected an [[aid]]")));
+  EXPECT_THAT(n.findings.reasons(), testing::Contains(HasSubstr("no aid measures the position; expected an [[aid]]")));
 }
 
 // Heights above an unknown geoid, 45 m off: the rest is as good as without.

@@ -44,20 +44,6 @@ void check(const NavigationState& start, const StrapdownOptions& options) {
 
 }  // namespace
 
-std::string_view to_string(VerticalChannel vertical) {
-  switch (vertical) {
-    case VerticalChannel::free:
-      return "free";
-    case VerticalChannel::fixed:
-      return "fixed";
-    case VerticalChannel::aided:
-      return "aided";
-    case VerticalChannel::held:
-      break;
-  }
-  return "held";
-}
-
 Strapdown::Strapdown(const NavigationState& start, const StrapdownOptions& options) : state_(start), options_(options) {
   check(start, options);
   state_.q_nb.normalize();
