@@ -230,8 +230,9 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   }
   if (const auto late = !last.doubtful() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
-    instead.add<Code::late_axis>("xyz"[late->axis % 3], late -> axis<3 ? "gyro" : "accelerometer", late->samples> 0 ? "later" : "earlier",
-                                 late->before, late->scatter);
+    const char* const triad = late->axis < 3 ? "gyro" : "accelerometer";
+    const char* const when = late->samples > 0 ? "later" : "earlier";
+    instead.add<Code::late_axis>("xyz"[late->axis % 3], triad, when, late->before, late->scatter);
     return calibrated(shift_by_one_sample(recording, *late), rests, session, options, std::move(findings), instead);
   }
   findings.append(start.findings);
