@@ -8,9 +8,9 @@
 //     if (d.sigmas().value_or(0) > significant_sigmas(c.coefficients.size())) std::puts(coefficient(d.index).name.data());
 //
 // Both are brought to the accelerometers' frame and to the reference temperatures of the first. Lever arms are compared about their mean point, where
-// both calibrations have all nine: the same IMU mounted elsewhere on its table has others. What one IMU brings again in each calibration by one method
-// cancels (Calibration::constant_covariance; one IMU: of the same name and serial number). Other errors are taken as independent: those of the same
-// declared g or the same table are not removed. Throws Error where thermal terms belong to readings in different units. Safe on any thread.
+// both calibrations have all nine: the same IMU mounted elsewhere on its table has others. What one IMU brings again in each calibration by one
+// method cancels (Calibration::constant_covariance; one IMU: of the same name and serial number). Other errors are taken as independent: those of the
+// same declared g or the same table are not removed. Throws Error where thermal terms belong to readings in different units. Safe on any thread.
 #pragma once
 
 #include "imulab/calibration.hpp"

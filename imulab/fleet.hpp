@@ -197,8 +197,8 @@ struct UnitDrift {
   double uncertainty = 0;               ///< standard, of the slope
   double since_middle = 0;              ///< years from the calibrations' weighted middle to the last; there level and slope have independent errors
   double level = 0, level_uncertainty = 0;  ///< without what is the same in each calibration of the unit
-  double p_value = 1;  ///< of so large a slope without a drift
-  double last = 0;     ///< the line's value at the last calibration
+  double p_value = 1;                       ///< of so large a slope without a drift
+  double last = 0;                          ///< the line's value at the last calibration
 };
 
 struct FleetDrift {

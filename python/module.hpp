@@ -4,10 +4,10 @@
 #include "imulab/calibrate.hpp"
 #include "imulab/core/part_file.hpp"
 #include "imulab/core/shared_work.hpp"
-#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/parallel.hpp"
 #include "imulab/recording.hpp"
+#include "imulab/stop.hpp"
 #include "imulab/tasks/calibrate.hpp"
 
 #include "python/arrays.hpp"

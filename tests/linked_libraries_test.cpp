@@ -40,8 +40,7 @@ long newest(const std::string& program, const std::string& name) {
   long most = 0;
   for (std::sregex_iterator i(symbols.begin(), symbols.end(), version), end; i != end; ++i) {
     long number = 0;
-    for (int k = 1; k <= 3; ++k)
-      number = 1000 * number + std::atol((*i)[k].str().c_str());
+    for (int k = 1; k <= 3; ++k) number = 1000 * number + std::atol((*i)[k].str().c_str());
     most = std::max(most, number);
   }
   return most;

@@ -211,9 +211,10 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
 
   const CommandResult never = run_imulab(folder, "predict p.toml --runs 0 --require 'accel.matrix.diagonal <= 1 ppm'");
   EXPECT_EQ(never.exit_code, 1);
-  EXPECT_THAT(on_one_line(never.output),
-              ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 3[12][.0-9]* "
-                            "ppm, most of it from gravity "));
+  EXPECT_THAT(
+      on_one_line(never.output),
+      ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 3[12][.0-9]* "
+                    "ppm, most of it from gravity "));
   EXPECT_THAT(never.errors, HasSubstr("imulab: the requirements are not met with this procedure, not even with a hundredth of "));
 }
 

@@ -1,8 +1,8 @@
 #include "imulab/core/parallel.hpp"
 
-#include "imulab/stop.hpp"
 #include "imulab/error.hpp"
 #include "imulab/parallel.hpp"
+#include "imulab/stop.hpp"
 
 #ifdef IMULAB_WITH_TBB
 #include <oneapi/tbb/global_control.h>

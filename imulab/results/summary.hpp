@@ -32,7 +32,7 @@ struct PredictedCoefficient {
   double degrees_of_freedom = INFINITY;  ///< effective
   std::optional<double> first_order = {}, second_order = {}, bias = {}, monte_carlo = {};
   std::optional<double> sigma_of_half = {}, sigma_of_twice = {};  ///< as Prediction has them
-  std::vector<std::pair<std::string, double>> budget = {};  ///< sigma by source, to first order
+  std::vector<std::pair<std::string, double>> budget = {};        ///< sigma by source, to first order
 };
 
 /// What a plan added to a drive.

@@ -95,7 +95,7 @@ class RestHeading {
   Index state_, heading_;
   double sigma_;
   bool at_rest_ = false, begins_ = false, whole_ = false;
-  double turned_ = 0;  // rad, in the rest so far
+  double turned_ = 0;      // rad, in the rest so far
   std::vector<Index> at_;  // places of those among what tells of the effects; -1: none
 };
 

@@ -230,9 +230,10 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   }
   if (const auto late = !last.doubtful() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
-    const char* const triad = late->axis < 3 ? "gyro" : "accelerometer";
-    const char* const when = late->samples > 0 ? "later" : "earlier";
-    instead.add<Code::late_axis>("xyz"[late->axis % 3], triad, when, late->before, late->scatter);
+    const LateAxis& axis = *late;
+    const char* const triad = axis.axis < 3 ? "gyro" : "accelerometer";
+    const char* const when = axis.samples > 0 ? "later" : "earlier";
+    instead.add<Code::late_axis>("xyz"[axis.axis % 3], triad, when, axis.before, axis.scatter);
     return calibrated(shift_by_one_sample(recording, *late), rests, session, options, std::move(findings), instead);
   }
   findings.append(start.findings);

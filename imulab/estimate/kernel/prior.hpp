@@ -64,7 +64,8 @@ struct LikelyGrade {
   double log_weight = 0;
 };
 const LikelyGrade& likeliest(const std::vector<LikelyGrade>& grades);
-/// The declared grade alone unless what is seen contradicts it; otherwise each, by what is seen or, where no grade is declared, by the declared noise.
+/// The declared grade alone unless what is seen contradicts it; otherwise each, by what is seen or, where no grade is declared, by the declared
+/// noise.
 std::vector<LikelyGrade> likely_grades(const ImuDeclaration& imu, const SeenOfUnit& seen);
 /// With the likeliest of these.
 ImuDeclaration of_likeliest_grade(ImuDeclaration imu, const SeenOfUnit& seen);

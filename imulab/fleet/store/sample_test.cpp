@@ -103,7 +103,8 @@ TEST_F(DrawnStore, AsJsonAndTextOnAnyNumberOfThreads) {
 
 /// What no calibration knows of a unit is the same in the next one by the same method: it hides no drift and no scatter, and counts between units.
 TEST(FleetStatistics, WhatAUnitBringsAgainHidesNoDrift) {
-  constexpr double constant = 5e-3 * unit::g, drift = 1.5e-3 * unit::g;  // m/s^2, per year; the calibrations repeat to 0.6 mg, the units differ by 2 mg
+  constexpr double constant = 5e-3 * unit::g,
+                   drift = 1.5e-3 * unit::g;  // m/s^2, per year; the calibrations repeat to 0.6 mg, the units differ by 2 mg
   const TemporaryFolder folder;
   FleetStore store(folder / "fleet.db", Access::write);
   store.database().run("PRAGMA synchronous = OFF");

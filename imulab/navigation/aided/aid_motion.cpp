@@ -35,7 +35,8 @@ bool any_moves(const std::vector<Aid>& aids, const std::string& recording, doubl
 
 std::vector<Range> rests_in_place(const Recording& recording, const Session& session) {
   std::vector<Range> rests = rests_of(recording, session).ranges;
-  std::erase_if(rests, [&](const Range& r) { return any_moves(session.aids, recording.name, recording.time_s(r.begin), recording.time_s(r.end - 1)); });
+  std::erase_if(rests,
+                [&](const Range& r) { return any_moves(session.aids, recording.name, recording.time_s(r.begin), recording.time_s(r.end - 1)); });
   return rests;
 }
 
