@@ -66,12 +66,7 @@ py::array_t<std::int64_t> indices_of(const std::vector<std::size_t>& indices) {
 }
 
 Array array_of(const Columns3& columns) {
-  const auto size = static_cast<py::ssize_t>(columns[0].size());
-  Array array({size, py::ssize_t{3}});
-  auto values = array.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < size; ++i)
-    for (py::ssize_t axis = 0; axis < 3; ++axis) values(i, axis) = columns[static_cast<std::size_t>(axis)][static_cast<std::size_t>(i)];
-  return array;
+  return table_of(columns[0].size(), [&](std::size_t i) { return std::array{columns[0][i], columns[1][i], columns[2][i]}; });
 }
 
 Array array_of(const Eigen::MatrixXd& matrix) {

@@ -4,11 +4,11 @@
 #include "imulab/compensate.hpp"
 #include "imulab/error.hpp"
 #include "imulab/exchange.hpp"
-#include "imulab/export/c_header_parts.hpp"
 #include "imulab/files.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/tasks/export.hpp"
 #include "imulab/tasks/usable.hpp"
 #include "imulab/tasks/verify.hpp"
 
@@ -100,19 +100,17 @@ void apply(const CalibrationObject& calibration, const Array& gyro, const Array&
   }
 }
 
-/// The file that `imulab export` writes, with what it leaves out and warns of.
-std::tuple<std::string, std::vector<std::string>> exported(const CalibrationObject& c, const std::string& target, const std::string& noise,
-                                                           const ExportOptions& options) {
+/// The file that `imulab export` writes, with what it leaves out, warns of and assumes.
+std::tuple<std::string, std::vector<std::string>> exported(const CalibrationObject& c, const std::string& noise, const py::dict& keywords) {
+  ExportVerbOptions o;
+  Verb command("imulab", "");
+  take_keywords(declare(command, o), keywords);
+  expect_options_of_target(o);
   std::optional<ImuNoise> sizes;
   if (!noise.empty()) sizes = parse_noise(noise, "noise");
-  const ExportInput input{c.calibration(), sizes ? &*sizes : nullptr, options};
-  const ExportTarget& chosen = export_target(target);
-  std::vector<std::string> notes = chosen.left_out(input);
-  if (chosen.warnings != nullptr) {
-    const std::vector<std::string> warnings = chosen.warnings(input);
-    notes.insert(notes.end(), warnings.begin(), warnings.end());
-  }
-  return {chosen.text(input), std::move(notes)};
+  ExportedText out = exported_text(export_target(o.target), {c.calibration(), sizes ? &*sizes : nullptr, o.options()}, o);
+  for (std::vector<std::string>* more : {&out.warnings, &out.assumed}) out.left_out.insert(out.left_out.end(), more->begin(), more->end());
+  return {std::move(out.text), std::move(out.left_out)};
 }
 
 std::string page(const CalibrationObject& c) {
@@ -183,16 +181,7 @@ void bind_calibration(py::module_& module) {
       .def("page", [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
       .def("apply", &apply, py::arg("gyro"), py::arg("accel"), py::arg("gyro_temperature"), py::arg("accel_temperature"), py::arg("rate"),
            py::arg("force"))
-      .def("exported", [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes,
-                          std::optional<double> rate_hz, const std::string& imu_model, bool variance_matched, int instance, const std::string& prefix,
-                          const std::string& topic) {
-        ExportOptions options{
-            .variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance, .prefix = prefix, .topic = topic};
-        errors_at("prefix", [&] { firmware::expect_prefix(prefix); });
-        if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
-        options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
-        return exported(c, target, noise, options);
-      });
+      .def("exported", &exported);
   module.def("verify", [](const std::string& path, const py::dict& keywords) {
     auto o = options_from<VerifyOptions>(keywords);
     o.calibration = path;

@@ -86,14 +86,10 @@ Array deviation_of(const Array& rate, double interval_s, const std::string& kind
     const py::gil_scoped_release unlocked;
     points = deviation(column, interval_s, factors ? *factors : averaging_factors(column.size()), deviation_named(kind));
   }
-  Array rows({static_cast<py::ssize_t>(points.size()), py::ssize_t{7}});
-  auto values = rows.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-    const DeviationPoint& p = points[static_cast<std::size_t>(i)];
-    const double row[] = {p.tau, p.deviation, p.edf, p.lower_68, p.upper_68, p.lower_95, p.upper_95};
-    for (py::ssize_t k = 0; k < 7; ++k) values(i, k) = row[k];
-  }
-  return rows;
+  return table_of(points.size(), [&](std::size_t i) {
+    const DeviationPoint& p = points[i];
+    return std::array{p.tau, p.deviation, p.edf, p.lower_68, p.upper_68, p.lower_95, p.upper_95};
+  });
 }
 
 py::tuple simulated(std::shared_ptr<Session> procedure, const py::dict& keywords, const std::shared_ptr<CalibrationObject>& unit,

@@ -19,36 +19,32 @@ namespace {
 
 /// Each row: t [s], latitude, longitude [deg], height [m], velocity east, north, up [m/s], roll, pitch, heading [deg].
 Array rows_of(const Solution& solution) {
-  Array rows({static_cast<py::ssize_t>(solution.size()), py::ssize_t{10}});
-  auto values = rows.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-    const NavigationState& s = solution.states[static_cast<std::size_t>(i)];
-    const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
-    const double row[] = {solution.time[static_cast<std::size_t>(i)],
-                          s.latitude / unit::deg,
-                          s.longitude / unit::deg,
-                          s.height,
-                          s.velocity.x(),
-                          s.velocity.y(),
-                          s.velocity.z(),
-                          angles.roll / unit::deg,
-                          angles.pitch / unit::deg,
-                          angles.heading / unit::deg};
-    for (py::ssize_t k = 0; k < 10; ++k) values(i, k) = row[k];
-  }
-  return rows;
+  return table_of(solution.size(), [&](std::size_t i) {
+    const NavigationState& s = solution.states[i];
+    const EulerAngles a = euler_angles(s.q_nb.toRotationMatrix());
+    return std::array{solution.time[i],   s.latitude / unit::deg, s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(),
+                      a.roll / unit::deg, a.pitch / unit::deg,    a.heading / unit::deg};
+  });
+}
+
+std::array<double, 10> row_of(double time, const Eigen::Vector3d& position, const Eigen::Vector3d& velocity, const Eigen::Vector3d& attitude) {
+  return {time, position[0], position[1], position[2], velocity[0], velocity[1], velocity[2], attitude[0], attitude[1], attitude[2]};
 }
 
 /// Each row: t [s], position east, north, up [m], velocity [m/s], attitude [rad].
 Array rows_of(const NavigationErrors& errors) {
-  Array rows({static_cast<py::ssize_t>(errors.history.size()), py::ssize_t{10}});
-  auto values = rows.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-    const NavigationError& e = errors.history[static_cast<std::size_t>(i)];
-    values(i, 0) = e.time;
-    for (py::ssize_t k = 0; k < 3; ++k) values(i, 1 + k) = e.position[k], values(i, 4 + k) = e.velocity[k], values(i, 7 + k) = e.attitude[k];
-  }
-  return rows;
+  return table_of(errors.history.size(), [&](std::size_t i) {
+    const NavigationError& e = errors.history[i];
+    return row_of(e.time, e.position, e.velocity, e.attitude);
+  });
+}
+
+/// Each row: t [s], then one sigma of the position east, north, up [m], of the velocity [m/s], of phi about east, north, up [rad].
+Array sigma_rows_of(const AidedNavigation& n) {
+  return table_of(n.solution.size(), [&](std::size_t i) {
+    const Eigen::Matrix<double, 9, 1> sigma = sigmas_at(n, n.solution.time[i]);
+    return row_of(n.solution.time[i], sigma.tail<3>(), sigma.segment<3>(3), sigma.head<3>());
+  });
 }
 
 py::tuple flown(const std::string& mission, const py::dict& keywords, const std::shared_ptr<CalibrationObject>& unit, const std::string& folder,
@@ -67,19 +63,6 @@ py::tuple flown(const std::string& mission, const py::dict& keywords, const std:
     warnings.emplace_back("the heights of the mission's barometer are a file: name a folder, or give navigate a barometer");
   }
   return py::make_tuple(session, std::make_shared<Recording>(answer.data->recording), std::make_shared<Solution>(answer.data->truth), warnings);
-}
-
-/// Each row: t [s], then one sigma of the position east, north, up [m], of the velocity [m/s], of phi about east, north, up [rad].
-Array sigma_rows_of(const AidedNavigation& n) {
-  Array rows({static_cast<py::ssize_t>(n.solution.size()), py::ssize_t{10}});
-  auto values = rows.mutable_unchecked<2>();
-  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
-    const double time = n.solution.time[static_cast<std::size_t>(i)];
-    const Eigen::Matrix<double, 9, 1> sigma = sigmas_at(n, time);
-    values(i, 0) = time;
-    for (py::ssize_t k = 0; k < 3; ++k) values(i, 1 + k) = sigma[6 + k], values(i, 4 + k) = sigma[3 + k], values(i, 7 + k) = sigma[k];
-  }
-  return rows;
 }
 
 std::pair<Outcome, std::shared_ptr<Solution>> navigated_with_aids(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,

@@ -15,7 +15,7 @@ from . import _arrays, _imulab, _plots, _tables
 from ._arrays import FloatArray, own
 from ._imulab import Error
 from ._results import Answer
-from ._text import PathLike, optional_package, path, warn
+from ._text import PathLike, optional_package, options, path, warn
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import]
@@ -228,31 +228,16 @@ class Calibration(Answer):
 
     # Where it goes
 
-    def to(
-        self,
-        target: str,
-        *,
-        noise: Noise | None = None,
-        axes: str = "worst",
-        rate_hz: float | None = None,
-        model: str = "kalibr",
-        variance_matched: bool = False,
-        instance: int = 0,
-        prefix: str = "imulab",
-        topic: str = "",
-        allow_undetermined: bool = False,
-    ) -> str:
-        """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`).
+    @options("export")
+    def to(self, target: str, *, noise: Noise | None = None, allow_undetermined: bool = False, **options: Any) -> str:
+        """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`). What it cannot hold is warned of.
 
-        noise: for targets that hold noise; without it they have the white noise of the calibration's rests, and a warning says what that means. Further arguments as the options of `imulab export`. What the target cannot hold is warned of.
+        noise: for targets that hold noise; without it they have the white noise of the calibration's rests, and a warning says what that means.
         """
         self._expect_usable(allow_undetermined)
         if noise is not None and not hasattr(noise, "json"):
             raise TypeError(f"noise: expected the answer of imulab.noise, got {type(noise).__name__}")
-        if prefix != "imulab" and target != "c-header":
-            raise Error(f"prefix: {target} has none; expected the target c-header")
-        given = "" if noise is None else noise.json
-        text, notes = self._answer.exported(target, given, axes, rate_hz, model, variance_matched, instance, prefix, topic)
+        text, notes = self._answer.exported("" if noise is None else noise.json, {**options, "target": target})
         warn(notes)
         return text
 

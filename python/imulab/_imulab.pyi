@@ -153,19 +153,7 @@ class Calibration:
         rate: _FloatArray,
         force: _FloatArray,
     ) -> None: ...
-    def exported(
-        self,
-        target: str,
-        noise: str,
-        axes: str,
-        rate_hz: float | None,
-        model: str,
-        variance_matched: bool,
-        instance: int,
-        prefix: str,
-        topic: str,
-        /,
-    ) -> tuple[str, list[str]]: ...
+    def exported(self, noise: str, options: _Options, /) -> tuple[str, list[str]]: ...
 
 class Live:
     def __init__(

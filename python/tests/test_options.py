@@ -37,6 +37,16 @@ def test_keywords_are_options_of_the_command(verb, environment):
         assert option in flat and meaning in flat
 
 
+def test_an_export_has_the_options_of_its_target(calibration):
+    assert "q15" in calibration.to("c-header", q15=True, input_accel="g")
+    with pytest.raises(imulab.Error, match="^to csv: has none of the options of c-header"):
+        calibration.to("csv", fixed_point=True)
+    with pytest.raises(imulab.Error, match="^target: nowhere; expected .*kalibr"):
+        calibration.to("nowhere")
+    with pytest.raises(TypeError, match="unexpected keyword argument 'force'"):
+        calibration.to("csv", force=True)
+
+
 def test_wrong_keywords(by_hand):
     with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
         imulab.calibrate(by_hand, method="handheld", colour="red")
