@@ -83,13 +83,40 @@ std::vector<Shares> in_columns(const Shares& all) {
 }
 
 std::array<std::string, 2> column_head(const std::string& source) {
-  static const std::map<std::string, std::string> narrow{
-      {"accel", "acc."},        {"accelerometer", "acc."},  {"asymmetry", "asym."},   {"centrifuge", "cent."},        {"change", "move"},
-      {"coefficients", "det."}, {"determined", "det."},     {"others", "oth."},       {"cross_terms", "cross"},       {"earth", "Earth"},
-      {"effects", "eff."},      {"elastic", "elas"},        {"fourth_order", "4th"},  {"g_sensitivity", "g"},         {"g_squared", "g^2"},
-      {"gravity", "g"},         {"higher_orders", "5th"},   {"hysteresis", "hyst."},  {"latitude", "lat."},           {"orthogonality", "orth."},
-      {"quadratic", "quad."},   {"rectification", "rect."}, {"scale_drift", "sc.d."}, {"scale_temperature", "sc./K"}, {"terms", "term"},
-      {"timing", "time"},       {"turn-on", "on"},          {"turn_on", "on"},        {"offset_temperature", "b./K"}, {"undetermined", "not"}};
+  static const std::map<std::string, std::string> narrow{{"accel", "acc."},
+                                                         {"accelerometer", "acc."},
+                                                         {"asymmetry", "asym."},
+                                                         {"centrifuge", "cent."},
+                                                         {"change", "chg."},
+                                                         {"coefficients", "det."},
+                                                         {"determined", "det."},
+                                                         {"others", "oth."},
+                                                         {"cross_terms", "cross"},
+                                                         {"earth", "Earth"},
+                                                         {"effects", "eff."},
+                                                         {"elastic", "elas"},
+                                                         {"fourth_order", "4th"},
+                                                         {"g_sensitivity", "g"},
+                                                         {"g_squared", "g^2"},
+                                                         {"gravity", "g"},
+                                                         {"heading", "head."},
+                                                         {"scale_change", "sc.c."},
+                                                         {"scale_force", "sc.f."},
+                                                         {"thermometer", "ther."},
+                                                         {"higher_orders", "5th"},
+                                                         {"hysteresis", "hyst."},
+                                                         {"latitude", "lat."},
+                                                         {"orthogonality", "orth."},
+                                                         {"quadratic", "quad."},
+                                                         {"rectification", "rect."},
+                                                         {"scale_drift", "sc.d."},
+                                                         {"scale_temperature", "sc./K"},
+                                                         {"terms", "term"},
+                                                         {"timing", "time"},
+                                                         {"turn-on", "on"},
+                                                         {"turn_on", "on"},
+                                                         {"offset_temperature", "b./K"},
+                                                         {"undetermined", "not"}};
   const auto short_for = [](const std::string& word) {
     const auto found = narrow.find(word);
     return found == narrow.end() ? word : found->second;

@@ -246,10 +246,12 @@ AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const Sessi
 std::string shortcomings(const CalibrationResult& result) {
   const Quality& quality = result.calibration.quality;
   const std::string missing = result.missing_turns.empty() ? "" : "\n  what helps most: " + turns_text(result.missing_turns);
-  if (!quality.converged) return "the fit did not converge: neither its values nor its uncertainties can be relied on";
+  const std::string unreliable = quality.converged ? "" : "the fit did not converge: neither its values nor its uncertainties can be relied on";
+  if (!quality.converged && quality.unobservable.empty()) return unreliable;
   if (const std::string far = kernel::scale_far_from_unit(result.calibration.model); !far.empty()) return far;
   if (!quality.unobservable.empty())
-    return fmt::format("the data do not determine: {}; they keep their starting values{}", fmt::join(quality.unobservable, " "), missing);
+    return fmt::format("the data do not determine: {}; they keep their starting values{}{}", fmt::join(quality.unobservable, " "),
+                       unreliable.empty() ? "" : "; " + unreliable, missing);
   std::vector<std::string> unmet, doubted;
   for (const RequirementResult& r : quality.requirements) {
     if (r.met) continue;
