@@ -17,7 +17,7 @@ struct FindingRow {
   Code code;
   std::string_view name;
   Severity severity;
-  std::string_view words, advice = "";
+  std::string_view words, advice = {};
 };
 
 inline constexpr auto finding_table = [] {
