@@ -2,7 +2,7 @@
 //
 // Example:
 //   const CalibrationResult result = calibrate("handheld", {session, {&recording, 1}});
-//   if (result.calibration.quality.verdict == "good") write_calibration("calibration.json", result.calibration);
+//   if (result.calibration.quality.verdict == Verdict::good) write_calibration("calibration.json", result.calibration);
 //
 // Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/reference/references.md, and a page in
 // docs/ on each method. Every uncertainty is one sigma of what the data and the declared errors leave open. Throws Error for input that is wrong (an
