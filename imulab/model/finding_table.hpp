@@ -277,11 +277,12 @@ inline constexpr auto finding_table = [] {
 }();
 
 constexpr const FindingRow& finding_row(Code code) { return finding_table[static_cast<std::size_t>(code)]; }
-static_assert([] {
+constexpr bool every_code_has_its_row() {
   for (std::size_t k = 0; k < finding_table.size(); ++k)
     if (finding_table[k].code != static_cast<Code>(k)) return false;
   return finding_table.back().code == Code::simulated;
-}());
+}
+static_assert(every_code_has_its_row());
 
 namespace finding_io {
 

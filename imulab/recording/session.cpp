@@ -44,7 +44,8 @@ constexpr std::array<std::string_view, 4> vertical_channels{"free", "fixed", "ai
 
 std::string_view to_string(VerticalChannel vertical) {
   const auto at = static_cast<std::size_t>(vertical);
-  return at < vertical_channels.size() ? vertical_channels[at] : "none";
+  if (at < vertical_channels.size()) return vertical_channels[at];
+  return "none";
 }
 
 VerticalChannel vertical_channel(std::string_view name) {
