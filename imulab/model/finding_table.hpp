@@ -306,7 +306,8 @@ template <Code code, class... Values>
 Finding& Findings::add(const Values&... values) {
   using finding_io::shown;
   constexpr const FindingRow& row = finding_row(code);
-  Finding& out = emplace_back(Finding{.code = code, .severity = row.severity});
+  push_back(Finding{.code = code, .severity = row.severity});
+  Finding& out = back();
   (finding_io::take(out, values), ...);
   out.text = fmt::format(fmt::format_string<decltype(shown(values))...>(row.words), shown(values)...);
   out.advice = fmt::format(fmt::format_string<decltype(shown(values))...>(row.advice), shown(values)...);
