@@ -19,6 +19,18 @@ std::size_t place_of(std::string_view name) {
   return std::min<std::size_t>(static_cast<std::size_t>(at - graded.begin()), graded.size() - 1);
 }
 
+/// By the names: the name, what stands between, and the unit: gyro_g_squared, _sigma_, deg_per_h_per_g2.
+std::map<std::string_view, std::string> keys_of_effects(std::string_view between) {
+  std::map<std::string_view, std::string> out;
+  for (const Effect& effect : effects()) {
+    std::string& key = out[effect.name];
+    for (const char c : effect.name) key += c == '.' ? '_' : c;
+    key += between;
+    for (const char c : effect.unit_name) key += c == '/' ? "_per_" : c == '^' ? "" : std::string(1, c);
+  }
+  return out;
+}
+
 }  // namespace
 
 int Effect::columns(const EffectSetting& setting) const {
@@ -32,13 +44,13 @@ int Effect::columns(const EffectSetting& setting) const {
   return basis * (each == Each::recording ? setting.recordings : each == Each::machine ? setting.machines : 1);
 }
 
+std::string_view Effect::declared() const {
+  static const std::map<std::string_view, std::string> keys = keys_of_effects("_sigma_");
+  return keys.at(name);
+}
+
 std::string_view Effect::simulated() const {
-  static const std::map<std::string_view, std::string> keys = [] {
-    constexpr std::string_view sigma = "_sigma";
-    std::map<std::string_view, std::string> out;
-    for (const Effect& effect : effects()) out[effect.name] = std::string(effect.declared).erase(effect.declared.find(sigma), sigma.size());
-    return out;
-  }();
+  static const std::map<std::string_view, std::string> keys = keys_of_effects("_");
   return keys.at(name);
 }
 

@@ -83,7 +83,6 @@ struct Effect {
   double unit;                                                ///< SI of the unit of c
   std::string_view unit_name;                                 ///< "ppm"
   std::array<double, 4> prior;                                ///< one sigma in that unit: strategic, navigation, tactical, mems
-  std::string_view declared;                                  ///< key of [imu]: "accel_asymmetry_sigma_ppm"
   std::string_view words;                                     ///< of a cause: "the accelerometers' scale differs between the two directions"
   std::string_view advice;                                    ///< the observation that would tell
   /// Of which there is one in each recording, or of each machine, with columns of its own.
@@ -91,7 +90,8 @@ struct Effect {
 
   /// 0: the setting has not what the effect needs.
   int columns(const EffectSetting& setting) const;
-  /// Key of [imu.effects], a size to simulate: that of [imu] without "_sigma".
+  /// Keys: of [imu], "accel_asymmetry_sigma_ppm", and of [imu.effects], a size to simulate, "accel_asymmetry_ppm".
+  std::string_view declared() const;
   std::string_view simulated() const;
   /// A property of the unit: the same in its next calibration.
   bool constant() const { return each == Each::session && (needs & ~(of_accel | of_gyro)) == 0; }

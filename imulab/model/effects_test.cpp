@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/effect_setting.hpp"
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -15,16 +16,6 @@ namespace imulab {
 namespace {
 
 constexpr double gravity = 9.81;
-const EffectSetting everything{.accel = true,
-                               .gyro = true,
-                               .thermometer = true,
-                               .mount = true,
-                               .changed = true,
-                               .centrifuge = true,
-                               .latitude = true,
-                               .heading = true,
-                               .thermal = true,
-                               .recordings = 4};
 
 /// A function's mean over the directions of gravity, evenly in the height and around.
 template <class Function>
@@ -123,12 +114,12 @@ TEST(Effects, HaveNamesAndKeysOfTheirOwn) {
   std::set<std::string, std::less<>> names;
   for (const Effect& effect : effects()) {
     EXPECT_TRUE(names.emplace(effect.name).second);
-    EXPECT_TRUE(names.emplace(effect.declared).second);
-    EXPECT_THAT(effect.declared, ::testing::HasSubstr("_sigma_"));
+    EXPECT_TRUE(names.emplace(effect.declared()).second);
     EXPECT_EQ(find_effect(effect.name), &effect);
     for (const double sigma : effect.prior) EXPECT_GT(sigma, 0);
   }
   EXPECT_EQ(find_effect("accel.asymmetry")->simulated(), "accel_asymmetry_ppm");
+  EXPECT_EQ(find_effect("gyro.g_squared")->declared(), "gyro_g_squared_sigma_deg_per_h_per_g2");
 }
 
 TEST(Effects, ADeclaredSizeComesBeforeThatOfTheGrade) {

@@ -38,13 +38,13 @@ Recording with_even_stamps(Recording r, const EvenClock& clock, bool interval_de
 
 namespace {
 
-constexpr std::size_t longest = 2;     // samples of a gap
-constexpr double largest_share = 0.1;  // of the recording
+constexpr std::size_t longest_gap = 2;  // samples of a gap
+constexpr double largest_share = 0.1;   // of the recording
 
 /// The number of samples that are missing before sample i; 0: none, or not a whole number of few.
 std::size_t missing_before(const RecordingView& r, std::size_t i) {
   const double intervals = (r.time_s(i) - r.time_s(i - 1)) / r.interval_s, whole = std::round(intervals);
-  const bool few = whole >= 2 && whole <= static_cast<double>(longest) + 1 && std::abs(intervals - whole) < 0.25;
+  const bool few = whole >= 2 && whole <= static_cast<double>(longest_gap) + 1 && std::abs(intervals - whole) < 0.25;
   return few ? static_cast<std::size_t>(whole) - 1 : 0;
 }
 

@@ -111,7 +111,7 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.number("g_sensitivity_sigma_deg_per_h_per_g", sigmas.g_sensitivity, size(unit::deg_per_h / unit::g));
   f.number("lever_arm_sigma_mm", sigmas.lever_arm, size(1e-3));
   f.number("delay_sigma_ms", sigmas.delay, size(1e-3));
-  for (const Effect& effect : effects()) transfer_effect(f, effect.declared, effect, imu.effect_sigmas);
+  for (const Effect& effect : effects()) transfer_effect(f, effect.declared(), effect, imu.effect_sigmas);
   transfer_noise(f, imu);
   f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
   f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });

@@ -2,6 +2,7 @@
 
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/results/over_time.hpp"
+#include "imulab/results/thinned.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +21,8 @@ void describe(Fields& f, Overview& o) {
       fields::check(f, list.size() == o.time.size() || (presence == Presence::optional && list.empty()), key,
                     "expected lists of " + std::to_string(o.time.size()) + " numbers");
   };
-  constexpr int stamp_digits = 16;  // of a clock that counts from 1970 to the microsecond
-  f("samples_per_interval", o.samples_per_interval), f("first_s", o.first_s, fields::optional), f("time_s", o.time, {.digits = stamp_digits});
+  f("samples_per_interval", o.samples_per_interval), f("first_s", o.first_s, fields::optional),
+      f("time_s", o.time, {.digits = result_io::stamp_digits});
   if constexpr (Fields::reads)
     if (!f.at().has("first_s") && !o.time.empty()) o.first_s = o.time.front();
   columns("rate_deg_per_s", o.rate, unit::deg, Presence::required), columns("force_mps2", o.force, 1, Presence::required);

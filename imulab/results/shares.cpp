@@ -23,9 +23,9 @@ Shares part_of(const Shares& all, const std::vector<std::size_t>& columns) {
 Shares all_shares(const Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
 
 std::size_t source_group(std::string_view source) {
-  enum : std::size_t { rig, site, noise, terms, effects, undetermined };
+  enum : std::size_t { rig, site, noise, terms, of_effects, undetermined };
   if (source == undetermined_source) return undetermined;
-  if (find_effect(source) != nullptr) return effects;
+  if (find_effect(source) != nullptr) return of_effects;
   for (const std::string_view of_rig : {"orthogonality", "angle", "zero", "timing"})
     if (source == of_rig) return rig;
   for (const std::string_view of_site : {"gravity", "latitude", "earth rate"})
@@ -87,7 +87,6 @@ std::array<std::string, 2> column_head(const std::string& source) {
                                                          {"accelerometer", "acc."},
                                                          {"asymmetry", "asym."},
                                                          {"centrifuge", "cent."},
-                                                         {"change", "chg."},
                                                          {"coefficients", "det."},
                                                          {"determined", "det."},
                                                          {"others", "oth."},
@@ -100,9 +99,6 @@ std::array<std::string, 2> column_head(const std::string& source) {
                                                          {"g_squared", "g^2"},
                                                          {"gravity", "g"},
                                                          {"heading", "head."},
-                                                         {"scale_change", "sc.c."},
-                                                         {"scale_force", "sc.f."},
-                                                         {"thermometer", "ther."},
                                                          {"higher_orders", "5th"},
                                                          {"hysteresis", "hyst."},
                                                          {"latitude", "lat."},
@@ -110,8 +106,10 @@ std::array<std::string, 2> column_head(const std::string& source) {
                                                          {"quadratic", "quad."},
                                                          {"rectification", "rect."},
                                                          {"scale_drift", "sc.d."},
+                                                         {"scale_force", "sc.f."},
                                                          {"scale_temperature", "sc./K"},
                                                          {"terms", "term"},
+                                                         {"thermometer", "ther."},
                                                          {"timing", "time"},
                                                          {"turn-on", "on"},
                                                          {"turn_on", "on"},

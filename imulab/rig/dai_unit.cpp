@@ -13,12 +13,12 @@ namespace imulab {
 namespace {
 
 constexpr double soak = 1800;                                // s, before each temperature
-constexpr double change = 10, remount = 60;                  // s, to another rate of the table; to another mount or rate of the arm
+constexpr double rate_change = 10, remount = 60;             // s, to another rate of the table; to another mount or rate of the arm
 constexpr double arm = 6.1;                                  // m: 30 g below 400 deg/s
 constexpr double resonance = 5000, resonance_per_K = -0.15;  // Hz, Hz/K: a silicon resonator's -30 ppm/K
 
 /// Positions of the accelerometers in the IMU, m from its center, which is at the arm's end: row i, accelerometer i.
-constexpr double place[3][3] = {{4e-3, -2e-3, 1e-3}, {-3e-3, 5e-3, 1e-3}, {1e-3, -1e-3, 6e-3}};
+constexpr double accel_place[3][3] = {{4e-3, -2e-3, 1e-3}, {-3e-3, 5e-3, 1e-3}, {1e-3, -1e-3, 6e-3}};
 
 ThermalSource sensors(bool three, const std::string& name) {
   ThermalSource source;
@@ -102,7 +102,7 @@ void add_rate_table(Session& session, const DaiUnitOptions& options) {
   Points points(session, RigKind::rate_table, options);
   for (const Mount& mount : six_mounts(&Mount::up, &Mount::outward))
     for (int rate = -400; rate <= 400; rate += 20) {
-      Step& step = points.add(rate == 0 ? StepKind::hold : StepKind::spin, mount, rate == -400 ? remount : change);
+      Step& step = points.add(rate == 0 ? StepKind::hold : StepKind::spin, mount, rate == -400 ? remount : rate_change);
       step.rate = rate * unit::deg;
     }
 }
@@ -115,7 +115,7 @@ void add_centrifuge(Session& session, const DaiUnitOptions& options) {
       Step& step = points.add(g == 0 ? StepKind::hold : StepKind::spin, mount, first ? 0 : remount);
       if (g == 0) continue;
       step.rate = std::round(std::sqrt(g * unit::g / arm) / unit::deg * 100) / 100 * unit::deg;  // hundredths are easy to read in a file
-      for (std::size_t i = 0; i < 3; ++i) step.radius[i] = std::round((arm + mount.outward.sign * place[i][mount.outward.index]) * 1e4) / 1e4;
+      for (std::size_t i = 0; i < 3; ++i) step.radius[i] = std::round((arm + mount.outward.sign * accel_place[i][mount.outward.index]) * 1e4) / 1e4;
     }
 }
 

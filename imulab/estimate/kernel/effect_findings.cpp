@@ -60,7 +60,7 @@ double significance_of(const EffectTest& test, const std::vector<EffectTest>& al
 }
 
 /// Notes the effects that could be ten times as large as expected and neither show nor be covered: along the change of an effect by which a
-/// coefficient follows it most, the data tell less than a fifth of what the prior and they do, and ten sigmas of the prior shift the coefficient by
+/// coefficient follows it most, less than a fifth of what is known of it comes from the data, and ten sigmas of the prior shift the coefficient by
 /// more than three of its own. From a fifth on ten sigmas are seen to two, as surely more than the four that are a doubt.
 void name_assumed(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance,
                   const std::vector<CoefficientIndex>& coefficients) {
@@ -133,7 +133,8 @@ void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::s
     if (effect != nullptr) add(advice, std::string(effect->advice));
   }
   quality.cause = fmt::format("{}", fmt::join(causes, ", "));
-  const bool of_site = causes.front() == "site.latitude" || causes.front() == "site.north";
+  const Effect* const first = find_effect(causes.front());
+  const bool of_site = first != nullptr && (first->needs & Effect::by_latitude) != 0;
   Finding& doubt = findings.add<Code::unexpected_effect>(fmt::format("{}", fmt::join(words, ", or ")));
   doubt.subject = *quality.cause;
   if (of_site) doubt.code = Code::unexpected_site_effect;

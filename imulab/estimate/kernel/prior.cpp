@@ -28,10 +28,10 @@ Eigen::Vector4d log_probabilities(const Grade& of, const SeenOfUnit& seen) {
           offset(seen.gyro_offset, of.gyro_bias)};
 }
 
-/// Does more than one quantity speak for another grade? One alone may be a fault of the data. Of true declarations one in a hundred looks seven times
-/// as likely of another grade.
+/// Is another grade more likely by more than one quantity? One alone may be a fault of the data: the one that speaks most for the other does not
+/// count.
 bool contradicts(const SeenOfUnit& seen, std::string_view declared) {
-  constexpr double clearly = 1;
+  constexpr double clearly = 1;  // of the logarithm
   return std::ranges::any_of(graded_names(), [&](std::string_view other) {
     const Eigen::Vector4d for_other = log_probabilities(grade(other), seen) - log_probabilities(grade(declared), seen);
     return for_other.sum() - std::max(0.0, for_other.maxCoeff()) > clearly;

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "tests/effect_setting.hpp"
 #include "tests/session_text.hpp"
 #include <cmath>
 #include <string>
@@ -309,21 +310,11 @@ TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
 
 TEST(SessionFile, EveryEffectMayBeDeclaredAbsent) {
   std::string text = "format = \"imulab.session/1\"\n[imu]\nname = \"unit\"\n";
-  for (const Effect& effect : effects()) text += std::string(effect.declared) + " = 0\n";
+  for (const Effect& effect : effects()) text += std::string(effect.declared()) + " = 0\n";
   const Session session = parse_session(text + "[site]\ngravity_mps2 = 9.8\n", "session.toml");
   for (const Effect& effect : effects()) EXPECT_EQ(session.imu.effect_sigmas.at(std::string(effect.name)), 0) << effect.name;
   EXPECT_EQ(parse_session(session_text(session), "again.toml").imu.effect_sigmas, session.imu.effect_sigmas);
-  const EffectSetting all{.accel = true,
-                          .gyro = true,
-                          .thermometer = true,
-                          .mount = true,
-                          .changed = true,
-                          .centrifuge = true,
-                          .latitude = true,
-                          .heading = true,
-                          .thermal = true,
-                          .recordings = 3};
-  EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session), all).size(), 0) << "an absent effect has no column";
+  EXPECT_EQ(kernel::Effects(kernel::effect_sizes(session), everything).size(), 0) << "an absent effect has no column";
 }
 
 }  // namespace
