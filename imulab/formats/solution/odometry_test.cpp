@@ -2,6 +2,7 @@
 
 #include "imulab/earth.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
+#include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/units.hpp"
 
@@ -9,6 +10,7 @@
 
 #include "tests/temporary_folder.hpp"
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -66,6 +68,16 @@ void write_odometry(const std::filesystem::path& path, const AidedNavigation& n)
   OdometryFile file(path);
   for (std::size_t i = 0; i < n.solution.size(); ++i) file.add(n, n.solution.time[i], n.solution.states[i]);
   file.commit();
+}
+
+TEST(Odometry, IsCompressed) {
+  if (bag::compression_of_new_bags().empty()) GTEST_SKIP() << "a build without libzstd";
+  AidedNavigation n = short_drive();
+  for (int i = 3; i < 1000; ++i) n.solution.time.push_back(-1.25 + 0.5 * i), n.solution.states.push_back(n.solution.states.back());
+  const TemporaryFolder folder;
+  write_odometry(folder / "drive.mcap", n);
+  EXPECT_EQ(messages_of(folder / "drive.mcap").size(), 1000u);
+  EXPECT_LT(std::filesystem::file_size(folder / "drive.mcap"), 1000u * 720u / 4) << "covariances are mostly zeros";
 }
 
 TEST(Odometry, IsInTheAxesOfTheFirstPosition) {

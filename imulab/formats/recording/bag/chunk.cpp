@@ -179,6 +179,11 @@ std::string_view unpack(Compression compression, std::string_view packed, std::u
   return packed;
 }
 
+std::string_view compression_of_new_bags() {
+  const Codec& zstd = codec_of(Compression::zstd);
+  return zstd.pack != nullptr ? zstd.name : "";
+}
+
 std::string pack(Compression compression, std::string_view bytes) {
   return compression != Compression::none ? codec_of(compression).pack(bytes) : std::string(bytes);
 }

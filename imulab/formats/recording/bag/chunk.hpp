@@ -21,7 +21,10 @@ Compression compression_of(std::string_view name);
 /// Throws Damaged where it is not exactly `size` bytes, and MemoryError with `file` where that is more than may be taken.
 std::string_view unpack(Compression compression, std::string_view packed, std::uint64_t size, Buffer& buffer, const std::string& file = "a bag");
 
-/// The reverse. LZ4 is a frame of independent blocks with a checksum, which ROS 1 asks for.
+/// Zstandard, or none in a build without it.
+std::string_view compression_of_new_bags();
+
+/// The reverse of `unpack`. LZ4 is a frame of independent blocks with a checksum, which ROS 1 asks for.
 std::string pack(Compression compression, std::string_view bytes);
 
 /// Notes the parts of a bag that cannot be read: they are left out and reported.

@@ -40,7 +40,7 @@ struct SplitBags : testing::Test {
 
 TEST_F(SplitBags, AreReadInTheOrderOfTheirNumbers) {
   part("run/run_10.mcap", 50, 10), part("run/run_2.mcap", 20, 30), part("run/run_0.mcap", 0, 20);
-  for (const std::filesystem::path path : {folder / "run", folder / "run/run_0.mcap+run_2.mcap+run_10.mcap"}) {
+  for (const std::filesystem::path& path : {folder / "run", folder / "run/run_0.mcap+run_2.mcap+run_10.mcap"}) {
     const TableRows rows = read_columns(path, "/imu", {"header.stamp", "angular_velocity.x"});
     ASSERT_EQ(rows.size(), 60U) << path;
     for (std::size_t i = 0; i < 60; ++i) {

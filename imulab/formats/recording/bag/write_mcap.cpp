@@ -37,10 +37,8 @@ std::string channel_records(const NewTopic& topic) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& path, const NewTopic& topic) : file_(path), channel_(channel_records(topic)) {
-#ifdef IMULAB_WITH_ZSTD
-  compression_ = "zstd";
-#endif
+McapWriter::McapWriter(const std::filesystem::path& path, const NewTopic& topic)
+    : file_(path), channel_(channel_records(topic)), compression_(compression_of_new_bags()) {
   std::string head(mcap_magic), content;
   append_text(content, "ros2"), append_text(content, "imulab");
   append_record(head, header_op, content);
