@@ -1,6 +1,7 @@
 #include "imulab/simulate/effects.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
 
 #include <fmt/format.h>
 
@@ -11,10 +12,7 @@ namespace imulab::simulate {
 
 EffectSetting setting_of(const Session& procedure) {
   EffectSetting setting{.accel = true, .gyro = true, .thermometer = true, .recordings = static_cast<int>(procedure.recordings.size())};
-  for (const RigDeclaration& rig : procedure.rigs) {
-    setting.mount = setting.mount || rig.kind != RigKind::none;
-    setting.centrifuge = setting.centrifuge || rig.kind == RigKind::centrifuge;
-  }
+  for (const RigDeclaration& rig : procedure.rigs) setting.mount = setting.mount || rig.kind != RigKind::none;
   return setting;
 }
 
@@ -47,6 +45,9 @@ std::vector<EffectValue> drawn_effects(const Session& procedure, std::uint64_t s
   const EffectSigmas sizes = procedure.imu.simulated_effects.value_or(EffectSigmas{});
   for (const auto& [name, sigma] : sizes) {
     const Effect& effect = *find_effect(name);
+    if (sigma > 0 && effect.columns(setting) == 0)
+      throw Error(fmt::format("imu.effects.{}: is not simulated in this session, which lacks what it depends on; expected other effects",
+                              effect.simulated()));
     const RandomStream draws(seed, "truth effect " + name);
     for (int k = 0; k < effect.columns(setting); ++k) out.push_back({name, k, sigma * draws.normal(static_cast<std::uint64_t>(k))});
   }

@@ -15,7 +15,7 @@
 
 namespace imulab::simulate {
 
-/// What a session has, on which its unit's effects depend.
+/// What a simulation has of what effects depend on.
 EffectSetting setting_of(const Session& procedure);
 
 /// What is wrong with an effect's value; empty: nothing.

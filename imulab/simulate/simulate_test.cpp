@@ -256,6 +256,8 @@ TEST(Simulate, WhatIsMissingIsNamed) {
   Session effects = resting(1);
   effects.imu.grade = "mems", effects.imu.simulated_effects = EffectSigmas{{"accel.bogus", 1e-3}};
   EXPECT_THAT(message([&] { draw_truth(effects, 1); }), testing::HasSubstr("\"accel.bogus\" is no effect"));
+  effects.imu.simulated_effects = EffectSigmas{{"accel.heading", 1e-3}};
+  EXPECT_THAT(message([&] { draw_truth(effects, 1); }), testing::HasSubstr("imu.effects.accel_heading_ug: is not simulated in this session"));
   const Truth wrong{.latitude = 45, .effects = {{"accel.bogus", 0, 1e-3}, {"accel.asymmetry", 9, 1e-3}}};
   EXPECT_THAT(message([&] { simulate_recording(resting(1), {}, wrong, 1); }),
               testing::AllOf(testing::HasSubstr("latitude is 45 rad"), testing::HasSubstr("is no effect"),
