@@ -47,7 +47,8 @@ std::span<const CoefficientIndex> coefficient_indices();
 CoefficientIndex coefficient_index(Triad triad, Term term, int row, int column);
 /// Place of a name in the table; throws Error for an unknown one.
 CoefficientIndex coefficient_index(std::string_view name);
-/// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal").
+/// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal"). "bias" is
+/// another word for "offset", which has the other sign.
 std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
 /// Places of several selectors, in their order.
 std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors);

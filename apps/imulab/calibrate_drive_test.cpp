@@ -107,7 +107,7 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   EXPECT_THAT(on_one_line(result.output), ContainsRegex("not determined, as uncertain as before the data: .*accel.matrix.zz.*gyro.matrix.xx"));
   EXPECT_THAT(page, AllOf(HasSubstr("Not determined, as uncertain as before the data: accel.matrix.z"), Not(HasSubstr("imulab export to firmware"))));
   EXPECT_THAT(on_one_line(result.output),
-              ContainsRegex("good: nothing contradicts the stated uncertainties; not determined: [0-9]+ of 21 offsets, scales and misalignments"));
+              ContainsRegex("good: nothing contradicts the stated uncertainties; not determined: [0-9]+ of 21 biases, scale factors and misalignments"));
   const CommandResult required = run_imulab(folder, "calibrate drive --method drive --require 'gyro.matrix.xx <= 50000 ppm' -o r.json");
   EXPECT_EQ(required.exit_code, 1);
   EXPECT_THAT(on_one_line(required.output), ContainsRegex("gyro.matrix.xx <= 50000 ppm: not met .*not determined"));

@@ -261,8 +261,10 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   verb.options.splice(verb.options.begin(), verb.options, inherit("-h,--help", o.help, "print this help and exit"));
   if (top) inherit("--version", o.version, "print the version, and what imulab was built with");
   inherit("--threads N", o.threads, "work on at most this many processors; the results do not depend on it");
-  const auto is_verbose = [](const VerbOption& row) { return row.names.ends_with("--verbose"); };
-  if (std::none_of(verb.options.begin(), verb.options.end(), is_verbose))
+  const auto has = [&](const char* flag) {
+    return std::ranges::any_of(verb.options, [&](const VerbOption& row) { return row.names.find(flag) != std::string::npos; });
+  };
+  if (has("--topic") && !has("--verbose"))  // it reads recordings
     inherit("-v,--verbose", o.verbose, "print also why a recording is taken as it is");
   inherit("--memory MB", o.memory_mb, "refuse recordings that would take more memory (default: physical memory)");
   for (Verb& own : verb.verbs) add_common(own, o, false);

@@ -211,8 +211,6 @@ void add_compensate(Verb& app) {
           "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
       .required()
       .reads();
-  topics_option(verb, options->topics);
-  declarations_option(verb, options->declarations);
   verb.option("-o,--output FILE", options->output,
               "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
       .required();
@@ -221,6 +219,8 @@ void add_compensate(Verb& app) {
   report_option(verb, options->report);
   verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input").reads();
   verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
+  topics_option(verb, options->topics);
+  declarations_option(verb, options->declarations);
   json_option(verb, options->json, "print what was written as JSON");
   verb.example("imulab compensate calibration.json session -o compensated.csv");
   verb.example("imulab compensate calibration.json session -o compensated.mcap");

@@ -314,13 +314,13 @@ void add_stats(Verb& fleet) {
   Verb& verb = fleet.verb("stats", "Spread, outliers, drift and stations of the units");
   store_option(verb, o->store);
   verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(offered_methods());
-  verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.offset <= 5 mg\": capability Cp and Cpk");
-  verb.option("--due LIMITS", o->due, "how far a calibration may be off, as in \"accel.offset <= 2 mg\": when each unit is to be calibrated again");
+  verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.bias <= 5 mg\": capability Cp and Cpk");
+  verb.option("--due LIMITS", o->due, "how far a calibration may be off, as in \"accel.bias <= 2 mg\": when each unit is to be calibrated again");
   verb.option("--false-alarm P", o->false_alarm, "probability of any outlier in a fleet without").in_range(1e-9, 0.5).show_default();
   report_option(verb, o->report);
   verb.option("--unit-pages DIR", o->pages, "a folder for the pages of the units that the report names, which it links");
   verb.option("--json", o->json, "print the statistics as JSON");
-  verb.example("imulab fleet stats --store fleet.db --require \"accel.offset <= 50 mg\"");
+  verb.example("imulab fleet stats --store fleet.db --require \"accel.bias <= 50 mg\"");
   verb.does = [o] { stats(*o); };
 }
 

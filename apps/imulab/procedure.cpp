@@ -127,7 +127,7 @@ void list_procedures() {
   print(standard_procedures_text() + "\n" +
         text::wrapped(
             "",
-            "Both triads: offsets, scale factors and misalignments of accelerometers and gyros. imulab procedure which says how well, for what "
+            "Both triads: biases, scale factors and misalignments of accelerometers and gyros. imulab procedure which says how well, for what "
             "you have; imulab procedure NAME -o FILE writes one, ready to edit."));
 }
 
@@ -161,7 +161,7 @@ void add_which(Verb& verb) {
       .one_of({std::begin(sensors_that_one_has), std::end(sensors_that_one_has)});
   own.option("--require REQUIREMENTS", a->require, "say which meet it; exit code 1 where none does");
   own.example("imulab procedure which --have hands --sensors mems");
-  own.example("imulab procedure which --sensors fog --require \"gyro.offset <= 0.1 deg/h\"");
+  own.example("imulab procedure which --sensors fog --require \"gyro.bias <= 0.1 deg/h\"");
   own.does = [a] { show_which(*a); };
 }
 

@@ -146,7 +146,20 @@ CoefficientIndex coefficient_index(std::string_view name) {
   return CoefficientIndex(static_cast<int>(found - table.begin()));
 }
 
-std::vector<CoefficientIndex> select_coefficients(std::string_view selector) {
+namespace {
+
+/// A bias is an offset with the other sign: "gyro.bias.x" selects gyro.offset.x.
+std::string without_bias(std::string_view selector) {
+  constexpr std::string_view bias = ".bias";
+  std::string out(selector);
+  if (const std::size_t at = out.find(bias); at != std::string::npos) out.replace(at, bias.size(), ".offset");
+  return out;
+}
+
+}  // namespace
+
+std::vector<CoefficientIndex> select_coefficients(std::string_view selected_by) {
+  const std::string selector = without_bias(selected_by);
   std::vector<CoefficientIndex> selected;
   for (const CoefficientIndex i : coefficient_indices()) {
     const Coefficient& c = coefficient(i);
@@ -154,7 +167,7 @@ std::vector<CoefficientIndex> select_coefficients(std::string_view selector) {
     const bool in_group = !is_vector(c.term) && c.term != Term::thermal && selector == term + (c.row == c.column ? ".diagonal" : ".off_diagonal");
     if (selector == c.name || selector == term || in_group) selected.push_back(i);
   }
-  if (selected.empty()) unknown(selector);
+  if (selected.empty()) unknown(selected_by);
   return selected;
 }
 

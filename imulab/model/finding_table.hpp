@@ -53,10 +53,10 @@ inline constexpr auto finding_table = [] {
        "noise and an IMU of grade {} explain the data with a probability of {:.1g}: something is wrong that is no known effect"},
       {unit_size, "unit-size", note, "the IMU's effects are {:.2g} times those of its grade, {}{}"},
       {grade_contradicted, "grade-contradicted", warning,
-       "the data contradict the declared grade, {}: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes "
+       "the data contradict the declared grade, {}: the noise, the biases and the effects are most probably those of grade {} ({:.0f} %); sizes "
        "are averaged over the grades"},
       {likely_grade, "likely-grade", note,
-       "no grade declared: the noise, the offsets and the effects are most probably those of grade {} ({:.0f} %); sizes are averaged over the "
+       "no grade declared: the noise, the biases and the effects are most probably those of grade {} ({:.0f} %); sizes are averaged over the "
        "grades"},
 
       {wrong_latitude, "wrong-latitude", doubt, "the latitude seems to be wrong"},
@@ -151,9 +151,9 @@ inline constexpr auto finding_table = [] {
        "the velocities' residuals are alike from one to the next (correlation {:.2f}): slow vibration, or something that the model lacks; the "
        "uncertainties may be too small"},
       {headings_scatter, "headings-scatter", warning, "the headings within the rests scatter {:.3g} times as much as the gyros' noise explains",
-       "a stand that moves does that, or offsets that drift; they count that much less"},
+       "a stand that moves does that, or biases that drift; they count that much less"},
       {forces_scatter, "forces-scatter", warning, "the rests' mean forces scatter {:.3g} times as much as the noise explains",
-       "offsets or scales that drift do that; the uncertainties are enlarged by this factor"},
+       "biases or scale factors that drift do that; the uncertainties are enlarged by this factor"},
       {motion_left_out, "motion-left-out", warning, "{}"},
       {iterations, "iterations", note, "{} iterations over {} blocks"},
       {triads_delayed, "triads-delayed", note, "the accelerometers' output is {:.3g} ms (u = {:.2g} ms) behind the gyros'"},

@@ -31,7 +31,7 @@ UserUnit required_unit(const Requirement& requirement, const std::string& stated
   throw Error(fmt::format("{}: \"{}\" is no unit of {}{}", stated, name, requirement.selector, expected_name(name, names)));
 }
 
-constexpr const char* cannot_be_required = "cannot be required; expected coefficients of offset, matrix or g_sensitivity";
+constexpr const char* cannot_be_required = "cannot be required; expected coefficients of offset (or bias), matrix or g_sensitivity";
 bool can_be_required(CoefficientIndex index) {
   const Term term = coefficient(index).term;
   return term == Term::offset || term == Term::matrix || term == Term::g_sensitivity;

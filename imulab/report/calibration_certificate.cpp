@@ -81,7 +81,7 @@ std::string not_covered_section(const CalibrationReport& report, const std::stri
                   ".");
   } else
     out.emplace_back("Temperatures outside the calibrated range, fast changes of temperature, and hysteresis.");
-  out.emplace_back("Repeatability: offsets and scales change from one power-on to the next, and age. One calibration does not show by how much.");
+  out.emplace_back("Repeatability: biases and scale factors change from one power-on to the next, and age. One calibration does not show by how much.");
   const std::string ranges = ranges_text(report);
   out.push_back(ranges.empty() ? "Rates and forces beyond those of the recording."
                                : "Rates and forces beyond those of the recording, " + ranges + ".");

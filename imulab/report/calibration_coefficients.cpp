@@ -26,13 +26,15 @@ struct Group {
   std::vector<CoefficientIndex> members;
 };
 
-std::string kind_of(const Coefficient& c) {
+std::string kind_of(const Coefficient& c, BodyFrame frame) {
   std::string triad = c.triad == Triad::accel ? "accelerometer" : "gyro";
   switch (c.term) {
     case Term::offset:
       return triad + " offset";
     case Term::matrix:
-      return triad + (c.row == c.column ? " scale" : " misalignment");
+      return triad + (c.row == c.column                                               ? " scale"
+                      : c.triad == Triad::accel && frame == BodyFrame::accelerometers ? " nonorthogonality"
+                                                                                      : " misalignment");
     case Term::quadratic:
       return triad + " quadratic term";
     case Term::cubic:
@@ -56,7 +58,7 @@ std::vector<Group> groups_of(const Calibration& calibration) {
   std::vector<Group> groups;
   for (const CoefficientIndex index : calibration.estimated) {
     if (!is_result(calibration, index)) continue;
-    const std::string kind = kind_of(coefficient(index)), unit = user_value(calibration, index).unit;
+    const std::string kind = kind_of(coefficient(index), calibration.frame), unit = user_value(calibration, index).unit;
     auto at = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == kind && g.unit == unit; });
     if (at == groups.end()) at = groups.insert(groups.end(), {kind, unit, {}});
     at->members.push_back(index);
@@ -239,7 +241,7 @@ std::string tests_section(const Calibration& calibration) {
   const std::string open =
       considered.empty() ? "" : paragraph("Hardly shown by the data; the uncertainty of their priors enters the others: " + names + ".");
   if (t.rows.empty() && open.empty()) return {};
-  return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
+  return section("tests", "Terms beyond biases and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
 }
 
 }  // namespace imulab::report

@@ -197,7 +197,7 @@ std::string before_and_after(const CalibrationReport& report) {
   const bool counts = m.accel.raw_unit == "count" || m.gyro.raw_unit == "count";
   return section(
       "before-after", "Before and after",
-      counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the offsets found here."
+      counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the biases found here."
              : "Before means the readings as they are in the recording.",
       figures);
 }
@@ -262,7 +262,7 @@ std::string coverage_section(const CalibrationReport& report) {
                   fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
                               gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
            figure(plot.svg() + key({{"checked by other rests", color::green}, {"checked by none", color::vermilion}}),
-                  fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
+                  fmt::format("What each rest contributes to the nine accelerometer parameters (biases, scale factors, misalignments), all rests counting "
                               "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
                               number_text(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
 }

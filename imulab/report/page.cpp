@@ -121,10 +121,10 @@ std::vector<KeyFigure> key_figures(const std::function<double(CoefficientIndex)>
   std::vector<KeyFigure> out;
   for (const auto& [selector, name] : {std::pair{"accel.matrix.diagonal", "accelerometer scale"},
                                        {"accel.matrix.off_diagonal", "accelerometer misalignment"},
-                                       {"accel.offset", "accelerometer offset"},
+                                       {"accel.offset", "accelerometer bias"},
                                        {"gyro.matrix.diagonal", "gyro scale"},
                                        {"gyro.matrix.off_diagonal", "gyro misalignment"},
-                                       {"gyro.offset", "gyro offset"}})
+                                       {"gyro.offset", "gyro bias"}})
     if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"u = " + readable_unit(worst), name});
   return out;
 }

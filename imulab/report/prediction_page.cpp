@@ -171,11 +171,11 @@ std::string turns_section(const TurnPath& path) {
 std::string required_in_words(const Requirement& r) {
   constexpr std::array<std::array<std::string_view, 2>, 8> words{{{"accel.matrix.diagonal", "accelerometer scale"},
                                                                   {"accel.matrix.off_diagonal", "accelerometer misalignment"},
-                                                                  {"accel.offset", "accelerometer offset"},
+                                                                  {"accel.offset", "accelerometer bias"},
                                                                   {"accel.matrix", "accelerometer matrix"},
                                                                   {"gyro.matrix.diagonal", "gyro scale"},
                                                                   {"gyro.matrix.off_diagonal", "gyro misalignment"},
-                                                                  {"gyro.offset", "gyro offset"},
+                                                                  {"gyro.offset", "gyro bias"},
                                                                   {"gyro.matrix", "gyro matrix"}}};
   std::string name = r.selector;
   for (const auto& [selector, word] : words)

@@ -2,6 +2,7 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/model/calibration_fields.hpp"
 #include "imulab/results/aided.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/results/thinned.hpp"
 #include "imulab/units.hpp"
 
@@ -133,7 +134,7 @@ std::string aided_json(const std::string& session, const AidedNavigation& n) {
   shown.converged = n.converged, shown.causal = n.causal;
   JsonWriter writer;
   describe(writer, s);
-  return json_text(writer.out, JsonLayout::long_lists);
+  return result_text("aided", writer.out, JsonLayout::long_lists);
 }
 
 AidedSummary result_io::aided_of(const Field& root) {

@@ -178,7 +178,7 @@ std::string undetermined_text(const Calibration& calibration) {
   std::size_t linear = 0, results = 0;
   for (const CoefficientIndex index : calibration.estimated)
     if (const Term term = coefficient(index).term; term == Term::offset || term == Term::matrix) ++linear, results += is_result(calibration, index);
-  return linear == results ? "" : fmt::format("; not determined: {} of {} offsets, scales and misalignments", linear - results, linear);
+  return linear == results ? "" : fmt::format("; not determined: {} of {} biases, scale factors and misalignments", linear - results, linear);
 }
 
 }  // namespace
@@ -243,13 +243,21 @@ std::string worst_text(std::string_view selector, const std::function<double(Coe
   return worst < 0 ? "" : fmt::format("{} {}", text::two_digits(worst / unit.size), unit.name);
 }
 
+std::string worst_terms(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma) {
+  // In the accelerometers' own frame three of their elements are zero by definition: what is left is within the triad.
+  const bool own_frame = !std::isfinite(sigma(coefficient_index(std::string(triad) + ".matrix.xy")));
+  std::string line;
+  for (const auto& [what, term] :
+       {std::pair{"scale", ".matrix.diagonal"}, {own_frame ? "nonorthogonality" : "misalignment", ".matrix.off_diagonal"}, {"bias", ".offset"}})
+    if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
+      line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
+  return line;
+}
+
 std::string worst_rows(const std::function<double(CoefficientIndex)>& sigma) {
   std::string lines;
   for (const auto& [name, triad] : {std::pair{"accelerometers", "accel"}, std::pair{"gyros", "gyro"}}) {
-    std::string line;
-    for (const auto& [what, term] : {std::pair{"scale", ".matrix.diagonal"}, {"misalignment", ".matrix.off_diagonal"}, {"offset", ".offset"}})
-      if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
-        line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
+    const std::string line = worst_terms(triad, sigma);
     if (!line.empty()) lines += text::wrapped(fmt::format("  {:<15} ", name), line);
   }
   return lines;

@@ -46,7 +46,10 @@ double judged_uncertainty(const Calibration& calibration, CoefficientIndex index
 /// finite where it is not known.
 std::string worst_text(std::string_view selector, const std::function<double(CoefficientIndex)>& sigma);
 
-/// The worst of scales, misalignments and offsets, a line a triad; empty where none is known.
+/// The worst of a triad's scales, misalignments (nonorthogonality, if the axes are its own) and biases, "scale 93 ppm, misalignment 12 arcsec, bias 38 ug";
+/// empty if none is known. `triad`: "accel" or "gyro".
+std::string worst_terms(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma);
+/// The same, a line a triad.
 std::string worst_rows(const std::function<double(CoefficientIndex)>& sigma);
 /// The same, and what it is.
 std::string reached_text(const std::function<double(CoefficientIndex)>& sigma);

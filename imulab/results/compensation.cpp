@@ -1,6 +1,7 @@
 #include "imulab/results/compensation.hpp"
 
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/results/over_time.hpp"
 #include "imulab/results/thinned.hpp"
 #include "imulab/units.hpp"
@@ -60,7 +61,7 @@ Conclusion conclusion_of(const CompensationSummary& summary) {
   return {reserved > 0 || summary.quality.verdict == Verdict::doubtful ? Verdict::doubtful : Verdict::good, std::move(headline)};
 }
 
-std::string compensation_json(const CompensationSummary& summary) { return json_text(written(summary), JsonLayout::long_lists); }
+std::string compensation_json(const CompensationSummary& summary) { return result_text("compensation", written(summary), JsonLayout::long_lists); }
 
 CompensationSummary result_io::compensation_of(const json_io::Field& root) {
   CompensationSummary out;

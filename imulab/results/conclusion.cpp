@@ -3,6 +3,8 @@
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/model/calibration_fields.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <string_view>
 #include <utility>
@@ -33,6 +35,12 @@ std::string with_conclusion(const std::string& json, const Conclusion& c, const 
   const bool one_line = json.find('\n') + 1 >= json.size();
   const std::string text = json_text(head, one_line ? JsonLayout::one_line : JsonLayout::indented);
   return place == ConclusionPlace::begin ? joined_objects(text, json) : joined_objects(json, text);
+}
+
+std::string result_text(std::string_view kind, JsonValue object, JsonLayout layout) {
+  auto& fields = std::get<JsonFields>(object.is).fields;
+  fields.emplace(fields.begin(), "format", fmt::format("imulab.{}/1", kind));
+  return json_text(object, layout);
 }
 
 Conclusion conclusion_of(const json_io::Field& root) {

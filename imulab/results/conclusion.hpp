@@ -5,6 +5,7 @@
 #include "imulab/model/conclusion.hpp"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -16,6 +17,9 @@ enum class ConclusionPlace { begin, end };
 /// any. Lists stay as they are.
 std::string with_conclusion(const std::string& json, const Conclusion& conclusion, const std::vector<std::string>& warnings,
                             ConclusionPlace place = ConclusionPlace::begin);
+
+/// The text of a saved result: "format": "imulab.KIND/1", then the fields of an object.
+std::string result_text(std::string_view kind, JsonValue object, JsonLayout layout = JsonLayout::indented);
 
 /// Of a saved result; empty where it is of an earlier version. Throws Error that names the key that is wrong.
 Conclusion conclusion_of(const json_io::Field& root);

@@ -44,13 +44,13 @@ TEST(ConclusionJson, ListsStayListsAndNothingIsStillAnObject) {
 }
 
 TEST(ConclusionJson, ComesBackWithItsResult) {
-  const std::string text = R"({"coefficients": {}, "undetermined": []})";
+  const std::string text = R"({"format": "imulab.prediction/1", "coefficients": {}, "undetermined": []})";
   const Conclusion back = parse_answer(with_conclusion(text, a_conclusion, {}), "p.json").conclusion;
   EXPECT_EQ(back.verdict, Verdict::not_met);
   EXPECT_EQ(back.headline, a_conclusion.headline);
   EXPECT_EQ(back.requirements, a_conclusion.requirements);
   EXPECT_EQ(parse_answer(text, "p.json").conclusion.verdict, Verdict::none) << "of an earlier version";
-  EXPECT_THROW(parse_answer(R"({"verdict": "perfect", "coefficients": {}, "undetermined": []})", "p.json"), Error);
+  EXPECT_THROW(parse_answer(R"({"verdict": "perfect", "format": "imulab.prediction/1", "coefficients": {}, "undetermined": []})", "p.json"), Error);
 }
 
 }  // namespace

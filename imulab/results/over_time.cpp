@@ -5,6 +5,7 @@
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/results/aid_loss.hpp"
 #include "imulab/results/budget.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/results/thinned.hpp"
 
 #include <algorithm>
@@ -165,7 +166,7 @@ std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribut
   BudgetSummary summary{b, monte_carlo, monte_carlo ? monte_carlo->runs : 0, thinned_rows(track, most_places), grade, noise};
   describe(writer, summary);
   describe_track(writer, summary.track);
-  return json_text(writer.out, JsonLayout::long_lists);
+  return result_text("budget", writer.out, JsonLayout::long_lists);
 }
 
 // ---- navigation
@@ -271,14 +272,14 @@ std::string navigation_json(const std::vector<NavigatedSession>& sessions) {
   if (sessions.size() == 1) {
     JsonValue one = written(sessions[0]);
     std::erase_if(std::get<JsonFields>(one.is).fields, [](const auto& field) { return field.first == "warnings"; });  // the answer's own have them
-    return json_text(one, JsonLayout::long_lists);
+    return result_text("navigation", one, JsonLayout::long_lists);
   }
   std::vector<double> rates;
   for (const auto& session : sessions)
     if (session.errors) rates.push_back(session.errors->rate / unit::nmi_per_h);
   JsonValue rate;
   if (!rates.empty()) rate = JsonFields{{{"rms", rate_summary(rates).rms}, {"cep", rate_summary(rates).cep}, {"sessions", rates.size()}}};
-  return json_text(JsonFields{{{"sessions", written(sessions)}, {"rate_nmi_per_h", rate}}}, JsonLayout::long_lists);
+  return result_text("navigation", JsonFields{{{"sessions", written(sessions)}, {"rate_nmi_per_h", rate}}}, JsonLayout::long_lists);
 }
 
 namespace result_io {

@@ -197,16 +197,18 @@ TEST(SavedResult, WhatIsNoResultIsNamed) {
   EXPECT_THAT(error("{\n\"a\": }"), HasSubstr("x.json:2: not JSON"));
   EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, noise.json, or what compare"));
   EXPECT_THAT(error("{\"format\": \"imulab.session/1\"}"), HasSubstr("x.json: format: expected \"imulab.calibration/1\""));
-  EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"),
+  EXPECT_THAT(error("{\"format\": \"imulab.prediction/1\", \"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"),
               HasSubstr("x.json: coefficients: unknown coefficient \"gyro.offset.w\""));
-  EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.x\": {\"closed_form\": \"1\"}}, \"undetermined\": []}"),
+  EXPECT_THAT(error("{\"format\": \"imulab.prediction/1\", \"coefficients\": {\"gyro.offset.x\": {\"closed_form\": \"1\"}}, \"undetermined\": []}"),
               HasSubstr("x.json: coefficients.gyro.offset.x.closed_form: expected a number"));
-  EXPECT_THAT(error("{\"coefficients\": 3, \"undetermined\": []}"), HasSubstr("x.json: coefficients: expected an object"));
-  EXPECT_THAT(error("{\"comparisons\": []}"), HasSubstr("x.json: comparisons: is empty"));
-  EXPECT_THAT(error("{\"sessions\": []}"), HasSubstr("x.json: sessions: is empty"));
-  EXPECT_THAT(error("{\"position_error\": null, \"session\": \"s\", \"time_s\": [0], \"vertical\": \"free\"}"),
+  EXPECT_THAT(error("{\"format\": \"imulab.prediction/1\", \"coefficients\": 3, \"undetermined\": []}"),
+              HasSubstr("x.json: coefficients: expected an object"));
+  EXPECT_THAT(error("{\"format\": \"imulab.comparison/1\", \"comparisons\": []}"), HasSubstr("x.json: comparisons: is empty"));
+  EXPECT_THAT(error("{\"format\": \"imulab.navigation/1\", \"sessions\": []}"), HasSubstr("x.json: sessions: is empty"));
+  EXPECT_THAT(error("{\"format\": \"imulab.navigation/1\", \"position_error\": null, \"session\": \"s\", \"time_s\": [0], \"vertical\": \"free\"}"),
               HasSubstr("x.json: time_s: expected 2 numbers"));
-  EXPECT_THAT(error("{\"total\": {}, \"sources\": {}, \"time_s\": 1, \"vertical\": \"free\"}"), HasSubstr("x.json: total.position_m: is missing"));
+  EXPECT_THAT(error("{\"format\": \"imulab.budget/1\", \"total\": {}, \"sources\": {}, \"time_s\": 1, \"vertical\": \"free\"}"),
+              HasSubstr("x.json: total.position_m: is missing"));
   EXPECT_THAT(error(std::string(200'000, '[')), HasSubstr("x.json: nested too deeply"));
 }
 

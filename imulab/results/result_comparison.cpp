@@ -2,6 +2,7 @@
 
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/results/result_fields.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ std::string change_text(const ComparedFigure& f, std::size_t k) {
   return f.values[0] * f.values[k] > 0 ? "x " + text::number(f.values[k] / f.values[0], 2) : "";
 }
 
-std::string result_comparison_json(const ResultComparison& c) { return json_text(written(c), JsonLayout::long_lists); }
+std::string result_comparison_json(const ResultComparison& c) { return result_text("result-comparison", written(c), JsonLayout::long_lists); }
 
 ResultComparison result_comparison_of(const json_io::Field& root) {
   ResultComparison out;

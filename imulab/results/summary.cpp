@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -54,11 +55,11 @@ std::string comparison_json(const ComparisonSummary& summary) {
   std::vector<ComparedCalibration> calibrations = summary.calibrations;
   std::vector<RequirementResult> requirements = summary.requirements;
   writer("calibrations", calibrations, fields::if_any), writer("requirements", requirements, fields::if_any);
-  return json_text(writer.out);
+  return result_text("comparison", writer.out);
 }
 
-std::string prediction_json(const PredictionSummary& prediction) { return json_text(written(prediction)); }
-std::string plan_json(const PlanSummary& plan) { return json_text(written(plan)); }
+std::string prediction_json(const PredictionSummary& prediction) { return result_text("prediction", written(prediction)); }
+std::string plan_json(const PlanSummary& plan) { return result_text("plan", written(plan)); }
 
 // ---- predictions
 
@@ -145,29 +146,53 @@ Summary read_summary(const Field& root) {
 
 namespace {
 
-SavedResult result_of(const Field& root, std::string_view text, const std::string& file) {
-  if (root.has("format") && root["format"].text() == "imulab.noise/1") {
-    if (root.has("logs")) return read_summary<NoiseBatch>(root);
-    return read_summary<NoiseAnalysis>(root);
-  }
-  if (root.has("format")) return parse_calibration(text, file);
-  if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
-  if (root.has("budgets")) {
-    if (root["budgets"].size() < 2) root["budgets"].fail("has less than two budgets; expected several");
-    return compare_grades(root["budgets"].list(result_io::budget_of));
-  }
-  if (root.has("figures") && root.has("results")) return result_comparison_of(root);
-  if (root.has("sessions") || root.has("position_error")) return result_io::navigation_of(root);
-  if (root.has("total") && root.has("sources")) return result_io::budget_of(root);
-  if (root.has("files") && root.has("calibration")) return result_io::compensation_of(root);
-  if (root.has("turns") && root.has("first_rest_s")) {
-    auto plan = read_summary<PlanSummary>(root);
-    plan.prediction = checked(std::move(plan.prediction), root);
-    return plan;
-  }
-  if (root.has("coefficients") && root.has("undetermined")) return checked(read_summary<PredictionSummary>(root), root);
-  if (root.has("innovation_rms") && root.has("aids")) return result_io::aided_of(root);
-  throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
+SavedResult noise_of(const Field& root) {
+  if (root.has("logs")) return read_summary<NoiseBatch>(root);
+  return read_summary<NoiseAnalysis>(root);
+}
+
+SavedResult one_or_several_budgets(const Field& root) {
+  if (!root.has("budgets")) return result_io::budget_of(root);
+  if (root["budgets"].size() < 2) root["budgets"].fail("has less than two budgets; expected several");
+  return compare_grades(root["budgets"].list(result_io::budget_of));
+}
+
+SavedResult plan_of(const Field& root) {
+  auto plan = read_summary<PlanSummary>(root);
+  plan.prediction = checked(std::move(plan.prediction), root);
+  return plan;
+}
+
+struct ResultFormat {
+  std::string_view name;
+  SavedResult (*read)(const Field& root);
+};
+
+template <auto read>
+SavedResult result_of(const Field& root) {
+  return read(root);
+}
+
+SavedResult prediction_of(const Field& root) { return checked(read_summary<PredictionSummary>(root), root); }
+
+constexpr std::array result_formats{
+    ResultFormat{"imulab.noise/1", noise_of},
+    ResultFormat{"imulab.comparison/1", result_of<comparison_of>},
+    ResultFormat{"imulab.prediction/1", prediction_of},
+    ResultFormat{"imulab.plan/1", plan_of},
+    ResultFormat{"imulab.budget/1", one_or_several_budgets},
+    ResultFormat{"imulab.navigation/1", result_of<result_io::navigation_of>},
+    ResultFormat{"imulab.aided/1", result_of<result_io::aided_of>},
+    ResultFormat{"imulab.compensation/1", result_of<result_io::compensation_of>},
+    ResultFormat{"imulab.result-comparison/1", result_of<result_comparison_of>},
+};
+
+SavedResult read_result(const Field& root, std::string_view text, const std::string& file) {
+  if (!root.has("format")) throw Error(fmt::format("{}: not a result; expected {}, with their \"format\"", file, expected_result));
+  const std::string format = root["format"].text();
+  for (const ResultFormat& known : result_formats)
+    if (known.name == format) return known.read(root);
+  return parse_calibration(text, file);
 }
 
 }  // namespace
@@ -176,8 +201,10 @@ SavedAnswer parse_answer(std::string_view text, const std::string& file) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
   const JsonValue json = json_io::parse_json(text, file, expected_result);
   const Field root(json, file, "");
-  SavedAnswer out{result_of(root, text, file), conclusion_of(root), {}};
-  if (!root.has("format") && root.has("warnings")) out.warnings = root["warnings"].texts();
+  SavedAnswer out{read_result(root, text, file), conclusion_of(root), {}};
+  const bool has_them = std::holds_alternative<Calibration>(out.result) || std::holds_alternative<NoiseAnalysis>(out.result) ||
+                        std::holds_alternative<NoiseBatch>(out.result);  // among its own fields
+  if (!has_them && root.has("warnings")) out.warnings = root["warnings"].texts();
   return out;
 }
 

@@ -19,7 +19,7 @@
 namespace imulab {
 namespace {
 
-/// Objects of budgets as one object.
+/// Objects of budgets as one object, of the same format.
 std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
   std::string out;
   for (const auto& each : budgets) {
@@ -27,7 +27,7 @@ std::string budgets_text(const std::vector<AnswerOf<MissionBudget>>& budgets) {
     text.erase(text.find_last_not_of(" \n") + 1);
     out += (out.empty() ? "" : ",\n") + text;
   }
-  return "{\n\"budgets\": [\n" + out + "\n]\n}\n";
+  return "{\n\"format\": \"imulab.budget/1\",\n\"budgets\": [\n" + out + "\n]\n}\n";
 }
 
 /// The worst of all, with its grades first; the headline says which grade is good enough.

@@ -80,8 +80,6 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
       .takes_several(0)
       .reads()
       .of_command();
-  topics_option(verb, o.topics).of_command();
-  declarations_option(verb, o.declarations);
   std::string summaries;
   for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
   verb.option("--method METHOD", o.method, summaries).required().one_of(offered_methods());
@@ -99,14 +97,16 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
       .writes()
       .of_command();
   verb.option("--require LIMITS", o.require,
-              "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
+              "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.bias <= 200 ug\"; exit code 1 where it is not reached");
   prior_option(verb, o.prior);
   report_option(verb, o.report);
+  topics_option(verb, o.topics).of_command();
+  declarations_option(verb, o.declarations);
   verb.option("--force", o.force, "replace the calibration file if there is one").of_command();
   json_option(verb, o.json, "print the calibration file instead of the table");
   verb.option("-v,--verbose", o.verbose, "print also values in SI, what was used, and the tests of optional terms").of_command();
   verb.example("imulab calibrate session --method handheld -o calibration.json");
-  verb.example("imulab calibrate session --method hybrid --require \"gyro.offset <= 1 deg/h\"");
+  verb.example("imulab calibrate session --method hybrid --require \"gyro.bias <= 1 deg/h\"");
   return verb;
 }
 

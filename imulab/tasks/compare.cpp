@@ -56,14 +56,14 @@ Verb& declare(Verb& command, CompareOptions& o) {
       .takes_several(2)
       .reads();
   verb.option("--tolerance LIMITS", o.tolerance,
-              "by how much calibrations may differ: \"gyro.offset <= 0.01 deg/h, accel.matrix.diagonal <= 50 ppm\"; exit code 1 where one differs "
+              "by how much calibrations may differ: \"gyro.bias <= 0.01 deg/h, accel.matrix.diagonal <= 50 ppm\"; exit code 1 where one differs "
               "by more");
   verb.option("--different-imus", o.different_imus, "compare calibrations of different serial numbers");
   report_option(verb, o.report);
   json_option(verb, o.json);
   verb.option("-v,--verbose", o.verbose, "print all coefficients, and the values in SI").of_command();
   verb.example("imulab compare calibration.json session/truth.json");
-  verb.example("imulab compare spring.json autumn.json --tolerance \"gyro.offset <= 0.01 deg/h\"");
+  verb.example("imulab compare spring.json autumn.json --tolerance \"gyro.bias <= 0.01 deg/h\"");
   return verb;
 }
 

@@ -24,8 +24,6 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
       .required()
       .takes_several(1)
       .reads();
-  topics_option(verb, o.topics).of_command();
-  declarations_option(verb, o.declarations);
   verb.option("--vertical CHANNEL", o.vertical,
               "treatment of the vertical channel; aided and held need a barometer. Absent: as the session declares ([navigation]), else free")
       .one_of({"free", "fixed", "aided", "held"});
@@ -51,6 +49,8 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
               "write the whole solution to this CSV file; - for standard output in place of the table; with --aided also .geojson, .kml, .pos, .mcap")
       .writes()
       .of_command();
+  topics_option(verb, o.topics).of_command();
+  declarations_option(verb, o.declarations);
   report_option(verb, o.report);
   allow_undetermined_option(verb, o.allow_undetermined);
   json_option(verb, o.json);

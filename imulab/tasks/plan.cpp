@@ -198,8 +198,9 @@ PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.pa
 
 Verb& declare(Verb& command, PlanOptions& o) {
   Verb& verb = command.verb(
-      "plan", fmt::format("Find the shortest sequence of turns and rests with which the {} method meets requirements", planning_method().name));
-  verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
+      "plan", fmt::format("Find the shortest path that meets requirements: rotations and rests on a table or by hand ({}), or maneuvers of a drive",
+                          planning_method().name));
+  verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.bias <= 1 ug\"").required();
   verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
   verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its white noise, flicker and walk in place of the grade's").reads();
   verb.option("--margin", o.margin, "the path reaches this part of each limit: an IMU is seldom as good as its data")

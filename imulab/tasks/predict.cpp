@@ -55,7 +55,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
       .show_default();
   effects_option(verb, o.effects);
   verb.option("--require LIMITS", o.require,
-              "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
+              "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.bias <= 20 ug\"; finds which table, "
               "timing and noise meet them");
   verb.option("--runs", o.runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   seed_option(verb, o.seed);
@@ -72,7 +72,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
 
 PredictionOptions task_of(const PredictOptions& o) {
   if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
-  if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
+  if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of biases and matrices");
   if (o.shared.is_divided() && !method(o.method).takes_runs)
     throw OptionError("part", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.shared.is_divided() && o.runs == 0) throw OptionError("part", "divides a Monte Carlo; expected --runs");
@@ -113,10 +113,9 @@ std::string prediction_headline(const Prediction& p) {
   const auto sigma = [&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); };
   std::string out;
   for (const auto& [name, triad] : {std::pair{"gyro", "gyro"}, std::pair{"accelerometer", "accel"}})
-    for (const auto& [what, term] : {std::pair{"scale", ".matrix.diagonal"}, {"misalignment", ".matrix.off_diagonal"}, {"offset", ".offset"}})
-      if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
-        out += fmt::format("{}{} {} {}", out.empty() ? "worst axes: " : ", ", name, what, worst);
-  return out.empty() ? "no offset or matrix is predicted" : out;
+    if (const std::string worst = worst_terms(triad, sigma); !worst.empty())
+      out += fmt::format("{}{} {}", out.empty() ? "worst axes: " : "; ", name, worst);
+  return out.empty() ? "no bias or matrix is predicted" : out;
 }
 
 Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& requirements) {

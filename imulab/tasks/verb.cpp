@@ -124,7 +124,7 @@ VerbOption& prior_option(Verb& verb, std::string& store) {
 }
 
 VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {
-  return verb.option("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its offsets or matrices");
+  return verb.option("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its biases or matrices");
 }
 
 void sharing_options(Verb& verb, SharingOptions& o) {

@@ -69,11 +69,11 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
   if (coarse && !counts && !near_identity(coarse->matrix)) coarse.reset();  // fitted to the noise of rests that are too similar
   if (!coarse && counts)
     throw Unsupported(
-        fmt::format("{}: {} rests do not determine the accelerometers' offsets and scales: at least six rests with each axis up and down, or nine in "
+        fmt::format("{}: {} rests do not determine the accelerometers' biases and scale factors: at least six rests with each axis up and down, or nine in "
                     "different directions, are needed",
                     recording.name, start.rests.size()));
   if (!coarse) {
-    start.findings.add<Code::start_of_fit>("the rests alone do not give offsets and scales: the fit started from the declared units");
+    start.findings.add<Code::start_of_fit>("the rests alone do not give biases and scale factors: the fit started from the declared units");
     return;
   }
   start.model.accel.offset = coarse->offset;

@@ -142,7 +142,7 @@ std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, cons
     const Coefficient& c = coefficient(index);
     const bool counts = triad_model(start.prior, c.triad).raw_unit == "count";
     if (counts && (c.term == Term::offset || is_scale(c)))
-      throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
+      throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no bias and scale factor to start from", c.name));
     set_coefficient(start.model, index, coefficient_value(start.prior, index));
   }
   return chosen;

@@ -89,7 +89,7 @@ FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd
     columns.push_back(s.common[k]);
     among_common.push_back(static_cast<Index>(k));
   }
-  if (columns.empty()) throw Error("most units' calibrations have no offset and no matrix in common; expected some, for a prior of them");
+  if (columns.empty()) throw Error("most units' calibrations have no bias and no matrix in common; expected some, for a prior of them");
   OutlierInput input{.values = s.values(s.last, columns), .mean_covariance = s.mean_covariance(among_common, among_common), .covariance = {}};
   input.covariance = [&](Index unit) -> Eigen::MatrixXd { return covariance(s.last[static_cast<std::size_t>(unit)])(among_common, among_common); };
   constexpr double false_alarm = 0.01, enough = 6;  // units more than coefficients: then the factor is known to a half
@@ -118,7 +118,7 @@ PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
   Eigen::VectorXd x = coefficient_values(c.model, c.estimated);
   const Matched m = matched(c.estimated, prior);
   if (m.in_prior.empty())
-    throw Error(fmt::format("{}: the calibration estimates no offset and no matrix that its units have; expected some", prior.fleet));
+    throw Error(fmt::format("{}: the calibration estimates no bias and no matrix that its units have; expected some", prior.fleet));
   const Eigen::MatrixXd own = prior.covariance(m.in_prior, m.in_prior);
   const double square = squared_norm_in(Eigen::MatrixXd(c.covariance(m.in_calibration, m.in_calibration) + own),
                                         Eigen::VectorXd(x(m.in_calibration) - prior.mean(m.in_prior)));

@@ -18,7 +18,7 @@ std::string showing_manoeuvre(const std::string& c) {
   if (c.starts_with("gyro.matrix") && c.ends_with("z")) return "turns in both directions";
   if (c.starts_with("gyro.matrix")) return "rotations about that axis: rolls and pitches of 30 deg and more, or turns by hand before the drive";
   if (c.starts_with("gyro.g_sensitivity")) return "figure eights and braking; rests on several faces";
-  if (c == "accel.offset.z" || c == "accel.matrix.zz") return "rests upside down or on a side: level motion does not tell offset and scale apart";
+  if (c == "accel.offset.z" || c == "accel.matrix.zz") return "rests upside down or on a side: level motion does not separate bias and scale factor";
   if (c.starts_with("accel.offset")) return "the same road in both directions, figure eights";
   if (c.starts_with("accel.matrix")) return "braking and turns in both directions; rests on several faces";
   if (c.starts_with("gyro.offset")) return "a minute at rest";
