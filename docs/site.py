@@ -1,10 +1,12 @@
-"""The manual as a site, for ./dev docs: the pages, a page a verb from its help, the Python API from its docstrings -> HTML by Sphinx in build/docs.
+"""The manual as a site, for ./dev docs: README.md as its home, the pages, a page a verb from its help, the Python API from its docstrings -> HTML by
+Sphinx in build/docs.
 
     docs/site.py BUILD      the folder with the command, and the Python module below it
 """
 
 import importlib
 import inspect
+import os
 import pathlib
 import re
 import shutil
@@ -12,6 +14,7 @@ import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
+docs = root / "docs"
 build = pathlib.Path(sys.argv[1]).resolve()
 pages = root / "build" / "manual"
 repository = "https://github.com/imulab/imulab/blob/main/"
@@ -19,7 +22,7 @@ repository = "https://github.com/imulab/imulab/blob/main/"
 CONFIGURATION = """
 project = "imulab"
 extensions = ["myst_parser"]
-root_doc = "README"
+root_doc = "index"
 html_theme = "furo"
 html_title = "imulab"
 html_copy_source = False
@@ -53,7 +56,7 @@ def member_text(name: str, member: object) -> str:
 def python_page() -> str:
     sys.path.insert(0, str(build / "python"))
     module = importlib.import_module("imulab")
-    text = "# Python API\n\n[Use Python](../start/python.md) has examples. This page is made from the module's docstrings.\n"
+    text = "# Python API\n\n[Use Python](../start/library.md) has examples. This page is made from the module's docstrings.\n"
     for name in sorted(module.__all__, key=str.lower):
         thing = getattr(module, name)
         text += f"\n## {name}\n\n{member_text(name, thing)}"
@@ -68,21 +71,23 @@ def python_page() -> str:
 
 
 def links_inside(page: pathlib.Path) -> str:
-    """Links of a page to files outside the manual become links to the repository."""
+    """The text of a page with the links that it has in the manual. README.md is there as index.md; files outside the manual are in the repository."""
+    folder = page.parent if page.is_relative_to(docs) else docs  # where the page is in the manual
 
     def fixed(found: re.Match[str]) -> str:
         target = found[1]
-        at = (page.parent / target).resolve()
-        if target.startswith("http") or at.is_relative_to(root / "docs"):
+        if target.startswith("http"):
             return found[0]
-        return f"]({repository}{at.relative_to(root)}"
+        at = (page.parent / target).resolve()
+        at = docs / "index.md" if at == root / "README.md" else at
+        return f"]({os.path.relpath(at, folder)}" if at.is_relative_to(docs) else f"]({repository}{at.relative_to(root)}"
 
     return re.sub(r"\]\(([^)#\s]+)", fixed, page.read_text())
 
 
 def contents(folder: str) -> str:
     """The pages of a folder in the order of the index; what it does not list by name."""
-    index = (root / "docs" / "README.md").read_text()
+    index = (docs / "README.md").read_text()
     entries = [p.relative_to(pages).as_posix() for p in (pages / folder).rglob("*.md")]
     places = {entry: index.find(f"({entry})") for entry in entries}
     entries.sort(key=lambda entry: (places[entry] < 0, places[entry], entry))
@@ -91,21 +96,19 @@ def contents(folder: str) -> str:
 
 def main() -> None:
     shutil.rmtree(pages, ignore_errors=True)
-    shutil.copytree(root / "docs", pages)
-    for page in (root / "docs").rglob("*.md"):
-        (pages / page.relative_to(root / "docs")).write_text(links_inside(page))
+    shutil.copytree(docs, pages)
+    for page in docs.rglob("*.md"):
+        (pages / page.relative_to(docs)).write_text(links_inside(page))
     (pages / "verbs").mkdir()
     for verb in verbs():
         (pages / "verbs" / f"{verb}.md").write_text(verb_page(verb))
     (pages / "reference" / "python-api.md").write_text(python_page())
-    index = (pages / "README.md").read_text()
+    home = links_inside(root / "README.md") + "\n```{toctree}\n:hidden:\n\nREADME\n```\n"
     for title, folder in PARTS:
-        index += f"\n```{{toctree}}\n:caption: {title}\n:hidden:\n\n{contents(folder)}\n```\n"
-    (pages / "README.md").write_text(index)
+        home += f"\n```{{toctree}}\n:caption: {title}\n:hidden:\n\n{contents(folder)}\n```\n"
+    (pages / "index.md").write_text(home)
     (pages / "conf.py").write_text(CONFIGURATION)
-    output = root / "build" / "docs"
-    subprocess.run([sys.executable, "-m", "sphinx", "-q", "-b", "html", pages, output], check=True)
-    shutil.copy(output / "README.html", output / "index.html")
+    subprocess.run([sys.executable, "-m", "sphinx", "-q", "-b", "html", pages, root / "build" / "docs"], check=True)
 
 
 main()

@@ -4,7 +4,7 @@
 //   const CalibrationResult result = calibrate("handheld", {session, {&recording, 1}});
 //   if (result.calibration.quality.verdict == Verdict::good) write_calibration("calibration.json", result.calibration);
 //
-// Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/reference/references.md, and a page in
+// Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/reference/grades.md, and a page in
 // docs/ on each method. Every uncertainty is one sigma of what the data and the declared errors leave open. Throws Error for input that is wrong (an
 // unknown method, a session or recording that `validate` refuses, too few rests of a declared kind), Unsupported where the data determine nothing.
 // What is wrong with the unit, the rig or the declarations is in `Quality`, as a doubt with its cause. Time is linear in the number of samples.

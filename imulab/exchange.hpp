@@ -1,5 +1,5 @@
 // Calibrations for other programs, and from them: Kalibr, OpenVINS, VINS, ROS, PX4, ArduPilot, VectorNav, C for firmware, ...
-// (docs/reference/export.md, docs/reference/import.md).
+// (docs/reference/export.md).
 //
 // Example:
 //   const ExportTarget& kalibr = export_target("kalibr");

@@ -1,4 +1,4 @@
-// All public headers (docs/reference/headers.md has a table of them).
+// All public headers; each begins with its purpose and an example.
 #pragma once
 
 #include "imulab/aid.hpp"

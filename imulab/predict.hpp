@@ -1,5 +1,5 @@
 // Predictions of a calibration before any data: uncertainties, the sources that limit them, and the errors of rig and IMU that would meet
-// requirements (docs/theory/prediction.md).
+// requirements (docs/theory/strapdown.md).
 //
 // Example:
 //   const Session procedure = zhang_24_procedure({});

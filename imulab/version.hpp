@@ -4,7 +4,7 @@
 //   const Build built = build();
 //   std::printf("imulab %s by %s\n", built.version.c_str(), built.compiler.c_str());
 //
-// What may change from one version to the next: docs/reference/headers.md, "Stability". Safe on any thread.
+// What may change from one version to the next: docs/reference/extending.md, "Stability". Safe on any thread.
 #pragma once
 
 #include <string>

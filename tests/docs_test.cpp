@@ -139,8 +139,8 @@ TEST(Documentation, EveryLinkExists) {
 
 TEST(Documentation, ABrokenLinkIsFound) {
   const fs::path docs = fs::path(IMULAB_SOURCE) / "docs/reference";
-  EXPECT_THAT(broken_links("[a](glossary.md) [b](glossary.md#statistics) [c](https://example.org/#x)", docs), testing::IsEmpty());
-  EXPECT_THAT(broken_links("[a](glosary.md) [b](glossary.md#nothing)", docs), testing::SizeIs(2));
+  EXPECT_THAT(broken_links("[a](conventions.md) [b](conventions.md#glossary) [c](https://example.org/#x)", docs), testing::IsEmpty());
+  EXPECT_THAT(broken_links("[a](convention.md) [b](conventions.md#nothing)", docs), testing::SizeIs(2));
   EXPECT_THAT(broken_links("# A word, or 2\n[a](#a-word-or-2)", docs), testing::IsEmpty());
 }
 

@@ -67,7 +67,7 @@ std::string error_of(const Method& method, const CalibrationInput& input, const 
 }
 
 TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {  // ctest: once
-  const std::string papers = read_text(IMULAB_SOURCE "/docs/reference/references.md");
+  const std::string papers = read_text(IMULAB_SOURCE "/docs/reference/grades.md");
   for (const Method& method : simulated_methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method);

@@ -1,5 +1,5 @@
 // Work of many independent blocks, on the threads of one process; in parts, by processes that know nothing of each other, whose files are joined; or
-// resumed after any end from what a folder keeps (docs/reference/cluster.md).
+// resumed after any end from what a folder keeps (docs/reference/fleet-store.md).
 #pragma once
 
 #include <cstddef>

@@ -62,7 +62,7 @@ class MethodFunction<Result(Arguments...)> {
 struct Method {
   std::string_view name;       ///< "handheld"
   std::string_view summary;    ///< one line
-  std::string_view reference;  ///< the paper, as docs/reference/references.md has it
+  std::string_view reference;  ///< the paper, as docs/reference/grades.md has it
   std::string_view needs;      ///< besides a recording: of steps, site and rig
   int equipment = 0;           ///< by which methods are offered: the least first
 

@@ -21,7 +21,7 @@ std::string distribution_csv(const ErrorDistribution& distribution);
 /// A row a run has the error at the end and the largest size at any output: run,pe_end,pe_peak,...
 std::string runs_csv(const ErrorDistribution& distribution);
 /// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}, then for pictures "history" and "track" at some
-/// times; units are in the keys (docs/reference/budget.md).
+/// times; units are in the keys (docs/reference/navigate.md).
 std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo,
                         const std::vector<NavigationState>& track = {}, const std::string& grade = {}, const std::string& noise = {});
 /// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude

@@ -11,7 +11,7 @@ namespace imulab {
 std::string inspection_headline(const Inspection& inspection);
 /// Verdict first, then the evidence, a line each, and the columns.
 std::string inspection_text(const Inspection& inspection);
-/// JSON (docs/reference/inspect.md).
+/// JSON (docs/reference/results.md).
 std::string inspection_json(const Inspection& inspection);
 /// The session with the evidence as comments. Throws Error where something is ambiguous.
 std::string inspected_session_text(const Inspection& inspection, const Session& session);

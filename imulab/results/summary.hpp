@@ -69,7 +69,7 @@ struct PlanSummary {
   double margin = 1;  ///< of the limits, which the path was to reach
 };
 
-/// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/theory/prediction.md).
+/// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/theory/strapdown.md).
 std::string prediction_json(const PredictionSummary& prediction);
 /// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]}, "prior" where there is one, and the prediction's own
 /// keys.

@@ -15,9 +15,9 @@ struct ClockOffset {
   double correlation = 0, uncorrected = 0;  ///< of the rate's size with the commanded one: with the offset, and without
 };
 
-/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (docs/reference/checks.md,
-/// "steps that begin and end at other times than the motion"). Empty where the clocks agree, where fewer than three turns are commanded, and where
-/// the recording does not turn or has gaps.
+/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature
+/// (docs/reference/recordings.md, "steps at other times than the motion"). Empty where the clocks agree, where fewer than three turns are commanded,
+/// and where the recording does not turn or has gaps.
 std::optional<ClockOffset> clock_offset(const Recording& recording, std::span<const Step> steps);
 
 /// By how much the recording's clock gains on that of the steps, as a fraction: also where samples were lost and have no stamps, which makes it lose.

@@ -132,7 +132,7 @@ struct ShowOptions {
   bool json = false, verbose = false, force = false;
 };
 
-/// Options of verbs whose work can be done in parts, and resumed (docs/reference/cluster.md).
+/// Options of verbs whose work can be done in parts, and resumed (docs/reference/fleet-store.md).
 struct SharingOptions {
   std::string checkpoint, part;
   std::vector<std::string> joined;            ///< files of all parts, in place of the work

@@ -1,4 +1,4 @@
-"""The documentation's Python runs: docs/start/python.md from top to bottom, and every notebook, which prints what it shows: the same words, and
+"""The documentation's Python runs: docs/start/library.md from top to bottom, and every notebook, which prints what it shows: the same words, and
 numbers within 1 %. With IMULAB_WRITE_DOCS in the environment (./dev docs --write) the notebooks are written anew instead."""
 
 import os
@@ -14,10 +14,10 @@ docs = pathlib.Path(os.environ["IMULAB_SOURCE"]) / "docs"
 def test_page(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    blocks = re.findall(r"^```python\n(.*?)^```", (docs / "start/python.md").read_text(), re.DOTALL | re.MULTILINE)
+    blocks = re.findall(r"^```python\n(.*?)^```", (docs / "start/library.md").read_text(), re.DOTALL | re.MULTILINE)
     assert len(blocks) >= 5
     for block in blocks:
-        exec(compile(block, "python.md", "exec"), names)
+        exec(compile(block, "library.md", "exec"), names)
     assert "gyro: 26399 samples; expected 26400" in capsys.readouterr().out
     assert {"calibration.json", "page.html", "session", "procedure.toml"} <= {p.name for p in tmp_path.iterdir()}
 
@@ -46,12 +46,8 @@ def test_notebook(notebook, tmp_path):
     pytest.importorskip("matplotlib")
     book = nbformat.read(notebook, as_version=4)
     assert any(cell.get("outputs") for cell in book.cells), "committed without its outputs"
-    pattern = pathlib.Path("evidence/papers/xu2024/pattern.toml")
-    (tmp_path / pattern.parent).mkdir(parents=True)
-    (tmp_path / pattern).write_text((docs / pattern).read_text())
-    (tmp_path / "notebooks").mkdir()
     shown = parts(printed(book))
-    client = nbclient.NotebookClient(book, timeout=300, record_timing=False, resources={"metadata": {"path": str(tmp_path / "notebooks")}})
+    client = nbclient.NotebookClient(book, timeout=300, record_timing=False, resources={"metadata": {"path": str(tmp_path)}})
     client.execute()  # a failing cell raises
     words, numbers = parts(printed(book))
     if "IMULAB_WRITE_DOCS" in os.environ:

@@ -1,4 +1,4 @@
-// Every method with its defaults on units and data that are not ideal (docs/evidence/departures.md): all terms of the model, correlated noise, a
+// Every method with its defaults on units and data that are not ideal (docs/evidence/accuracy.md): all terms of the model, correlated noise, a
 // delay between the triads, late stamps, a bumped rest. What is stated has to hold all the same.
 #include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"

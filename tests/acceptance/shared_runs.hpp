@@ -1,4 +1,4 @@
-// The runs of an acceptance test on all cores; in parts, which are joined; or again from where it ended (docs/reference/cluster.md).
+// The runs of an acceptance test on all cores; in parts, which are joined; or again from where it ended (docs/reference/fleet-store.md).
 #pragma once
 
 #include "imulab/core/part_file.hpp"

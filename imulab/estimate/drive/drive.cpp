@@ -139,7 +139,7 @@ CalibrationResult calibration_result(const std::vector<Drive>& drives, const Cal
 Prediction predict(const Session& mission, const PredictionOptions& options) {
   if (!options.motion)
     throw Error(
-        fmt::format("{}: has no motion, from which the method drive predicts; expected a mission (docs/reference/trajectory.md)", mission.file));
+        fmt::format("{}: has no motion, from which the method drive predicts; expected a mission (docs/reference/navigate.md)", mission.file));
   expect_aids(mission, "the mission");
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(options.terms, drive_coefficients(), "drive");
   const Recording readings = aided::ideal_readings(*options.motion);

@@ -1,4 +1,4 @@
-// Calibration from a drive or flight: the errors of the sensors as an aided navigation finds them (docs/theory/drive.md).
+// Calibration from a drive or flight: the errors of the sensors as an aided navigation finds them (docs/theory/aided.md).
 #pragma once
 
 #include "imulab/calibrate.hpp"

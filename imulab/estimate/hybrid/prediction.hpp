@@ -1,5 +1,5 @@
 // The uncertainty of a hybrid calibration before any data, and the turns that would improve it: the covariance of its filter along the procedure's
-// exact motion (docs/theory/prediction.md). It is the Cramer-Rao bound of the method's linear model.
+// exact motion (docs/theory/strapdown.md). It is the Cramer-Rao bound of the method's linear model.
 #pragma once
 
 #include "imulab/calibration.hpp"

@@ -18,7 +18,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
 /// The turn after that many rests, while the data are too few for a fit: the six faces in turn.
 HandTurn opening_turn(std::size_t rests);
 
-/// Standard uncertainties that they will state of a procedure (docs/theory/prediction.md), of an ideal IMU with the declared noise.
+/// Standard uncertainties that they will state of a procedure (docs/theory/strapdown.md), of an ideal IMU with the declared noise.
 /// Throws Error for a procedure of several recordings, without a hold, or whose noise is not declared.
 Prediction predict_static(const Session& procedure, const PredictionOptions& options = {});
 Prediction predict_handheld(const Session& procedure, const PredictionOptions& options = {});

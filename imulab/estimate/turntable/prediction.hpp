@@ -1,5 +1,5 @@
 // The uncertainty of a turntable calibration before any table time is spent: in closed form with the share of every error source, and by Monte Carlo
-// without linearizing (docs/theory/prediction.md).
+// without linearizing (docs/theory/strapdown.md).
 #pragma once
 
 #include "imulab/estimate/kernel/effects.hpp"

@@ -13,7 +13,7 @@ namespace imulab::whole_unit {
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 
 /// The standard uncertainties that the joint estimate will state of a procedure of the machines, of an ideal IMU with the declared noise
-/// (docs/theory/prediction.md). Throws as calibrate does, and Error where the noise is not declared.
+/// (docs/theory/strapdown.md). Throws as calibrate does, and Error where the noise is not declared.
 Prediction predict(const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab::whole_unit

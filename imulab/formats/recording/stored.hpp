@@ -1,4 +1,4 @@
-// A recording too long for memory: read in pieces, its columns kept in temporary files (docs/theory/noise.md, "Long logs").
+// A recording too long for memory: read in pieces, its columns kept in temporary files (docs/evidence/performance.md, "Long recordings").
 #pragma once
 
 #include "imulab/formats/recording/column_file.hpp"

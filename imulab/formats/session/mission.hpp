@@ -1,4 +1,4 @@
-// Mission files: TOML -> Mission and, where there is one, the specification of its errors (docs/reference/trajectory.md, docs/reference/budget.md).
+// Mission files: TOML -> Mission and, where there is one, the specification of its errors (docs/reference/navigate.md).
 #pragma once
 
 #include "imulab/navigation/budget/specification.hpp"

@@ -1,5 +1,5 @@
-// Two kinds of tables of a mission file: [[segment]], the motion (docs/reference/trajectory.md), and [errors], the sources of error in the units of
-// data sheets (docs/reference/budget.md). Errors have file, line and key in front.
+// Two kinds of tables of a mission file: [[segment]], the motion, and [errors], the sources of error in the units of
+// data sheets (docs/reference/navigate.md). Errors have file, line and key in front.
 //
 //   [[segment]]
 //   kind = "turn"

@@ -1,4 +1,4 @@
-# Pictures of docs/evidence/papers/dai2011.md from ideal/, flight/, none.csv, traditional.csv, whole.csv, fog/ and fog.csv, as the page's commands make them.
+# Pictures of docs/evidence/papers/xu2024.md, Dai 2011, from ideal/, flight/, none.csv, traditional.csv, whole.csv, fog/ and fog.csv, as the page's commands make them.
 set datafile separator ","
 set grid lc rgb "#dddddd"
 set border lc rgb "#888888"

@@ -1,4 +1,4 @@
-// Compensated recordings as rows of CSV (docs/reference/checks.md).
+// Compensated recordings as rows of CSV (docs/reference/recordings.md).
 #pragma once
 
 #include "imulab/files.hpp"
