@@ -1,4 +1,4 @@
-// Aids of a drive or flight: what a receiver, the wheels, a barometer or a known constraint says of the motion, beside the IMU.
+// Aids of a drive or flight: measurements of the motion beside the IMU, from a receiver, wheels, a barometer, a compass or a known constraint.
 //
 // Example:
 //   Aid receiver;                                         // kind: gnss
@@ -7,8 +7,8 @@
 //   receiver.record.position.assign(2, {52 * unit::deg, 13 * unit::deg, 120});
 //   session.aids = {receiver};
 //
-// A session lists them as [[aid]] (docs/reference/aids.md), whose files `read_aids` (files.hpp) reads into records on the recording's clock. Frames:
-// east-north-up, body right-forward-up. SI and radians. Plain values.
+// A session lists aids as [[aid]] (docs/reference/aids.md); `read_aids` (files.hpp) reads their files into records on the recording's clock.
+// Navigation axes are east-north-up, body axes right-forward-up. All values are in SI units and radians. The types are plain values.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -23,63 +23,65 @@ namespace imulab {
 
 enum class AidKind {
   gnss,          ///< position, velocity or both, of an antenna
-  vehicle,       ///< no file: a body on wheels moves neither sideways nor upward
+  vehicle,       ///< constraint without a file: a body on wheels moves neither sideways nor upward
   wheels,        ///< forward speed
-  barometer,     ///< height with a slow error
-  heading,       ///< of the forward axis
-  zero_velocity  ///< no file: rests found in the recording
+  barometer,     ///< height with a slowly varying error
+  heading,       ///< heading of the forward axis
+  zero_velocity  ///< constraint without a file: the velocity is zero in rests found in the recording
 };
+/// Returns the name of `kind` in a session file.
 std::string_view to_string(AidKind kind);
-/// False for the kinds without a file.
+/// Returns false if aids of this kind have no file (vehicle, zero_velocity).
 bool has_record(AidKind kind);
 
-/// What the stamps of a recording or an aid count. own: a clock of its own, whose offset is then estimated; recording: of an aid, exactly the time of
-/// the recording. Stamps of an aid in gps or utc are the date and time of day of that scale, as time since 1970 without leap seconds.
+/// The time scale of the stamps of a recording or an aid. own: an independent clock, whose offset is estimated; recording (aids only): exactly the
+/// time of the recording. Stamps in gps or utc are the date and time of day on that scale, counted from 1970 without leap seconds.
 enum class TimeScale { own, gps, utc, recording };
 std::string_view to_string(TimeScale scale);
 
-/// What an aid measured, one row a stamp. Columns that it does not have are empty; NaN where one row lacks the value, or a component of it (NMEA has
-/// no vertical velocity). Standard deviations are as the receiver states them.
+/// The measurements of an aid, one row per stamp. A column that the aid lacks is empty; a missing value or component is NaN (NMEA has no vertical
+/// velocity). The standard deviations are those that the receiver states.
 struct AidRecord {
-  std::vector<std::int64_t> time;               ///< [ns], as stamped: a delay is not taken off; strictly increasing
+  std::vector<std::int64_t> time;               ///< [ns], as stamped (the delay is not removed), strictly increasing
   std::vector<Eigen::Vector3d> position;        ///< latitude, longitude [rad], height above the ellipsoid [m]
   std::vector<Eigen::Vector3d> position_sigma;  ///< east, north, up [m]
   std::vector<Eigen::Vector3d> velocity;        ///< against the Earth, east, north, up [m/s]
   std::vector<Eigen::Vector3d> velocity_sigma;  ///< east, north, up [m/s]
-  std::vector<double> value;                    ///< of wheels [m/s], barometer [m], heading [rad]
+  std::vector<double> value;                    ///< value of wheels [m/s], barometer [m] or heading [rad]
   std::vector<double> value_sigma;
   bool operator==(const AidRecord&) const = default;
 };
 
-/// From `begin` to `end` [s] of the recording.
+/// A time from `begin` to `end` [s] on the recording's clock.
 struct Outage {
   double begin = 0, end = 0;
   bool operator==(const Outage&) const = default;
 };
 
-/// One [[aid]]. Declared values that are absent take the defaults of their kind where they are used.
+/// One [[aid]]. An absent declared value takes the default of the aid's kind when it is used.
 struct Aid {
   AidKind kind = AidKind::gnss;
-  std::string file = {};                               ///< or topic of the recording's log; empty without one
-  std::string recording = {};                          ///< file of the one among the session's recordings that it goes with; empty: all
-  AidRecord record = {};                               ///< empty in a mission, and for the kinds without a file
-  TimeScale scale = TimeScale::own;                    ///< of the record's stamps
-  std::optional<Eigen::Vector3d> lever_arm = {};       ///< from the IMU, body axes [m]
+  std::string file = {};                               ///< file, or topic of the recording's log; empty if the kind has no file
+  std::string recording = {};                          ///< file name of the session's recording to which the aid belongs; empty: all
+  AidRecord record = {};                               ///< empty in a mission, and for kinds without a file
+  TimeScale scale = TimeScale::own;                    ///< time scale of the record's stamps
+  std::optional<Eigen::Vector3d> lever_arm = {};       ///< position relative to the IMU, body axes [m]
   std::optional<double> lever_arm_sigma = {};          ///< [m]
-  std::optional<double> delay = {}, delay_sigma = {};  ///< [s]; positive: its stamps are late
-  std::optional<double> position_sigma = {};           ///< [m], one axis
-  std::optional<double> velocity_sigma = {};           ///< [m/s], one axis
-  std::optional<double> value_sigma = {};              ///< of wheels [m/s], barometer [m], heading [rad], or of side slip [m/s]
-  std::optional<double> correlation = {};              ///< of its errors [s]
-  std::vector<Outage> outages = {};                    ///< withheld, predicted and compared
-  std::optional<double> rate = {};                     ///< [Hz]; of a simulation
-  std::vector<Outage> jumps = {};                      ///< of a simulation: with positions displaced, as by reflected signals
-  std::optional<double> jump = {};                     ///< [m], horizontally
-  double other_scale_s = 0;  ///< of a clock of unknown scale that counts from a date: stamps of the other one are so much later
+  std::optional<double> delay = {}, delay_sigma = {};  ///< [s]; positive: the stamps are late
+  std::optional<double> position_sigma = {};           ///< [m], per axis
+  std::optional<double> velocity_sigma = {};           ///< [m/s], per axis
+  std::optional<double> value_sigma = {};              ///< standard deviation of wheels [m/s], barometer [m], heading [rad] or side slip [m/s]
+  std::optional<double> correlation = {};              ///< correlation time of the errors [s]
+  std::vector<Outage> outages = {};                    ///< times in which the values are withheld, predicted and compared
+  std::optional<double> rate = {};                     ///< [Hz]; used by simulations
+  std::vector<Outage> jumps = {};                      ///< simulated times with displaced positions, as by reflected signals
+  std::optional<double> jump = {};                     ///< horizontal displacement in these times [m]
+  /// For a clock of unknown scale that counts from a date: the leap seconds [s] by which GPS stamps exceed UTC stamps at the start.
+  double other_scale_s = 0;
   bool operator==(const Aid&) const = default;
 };
 
-/// GPS time less UTC at a time of UTC, as seconds since 1970: 18 s since 2017. Leap seconds: IERS Bulletin C.
+/// Returns GPS time minus UTC [s], 18 since 2017, at `utc`, a time of UTC in seconds since 1970. Leap seconds: IERS Bulletin C.
 int leap_seconds(double utc);
 
 }  // namespace imulab

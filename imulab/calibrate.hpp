@@ -1,14 +1,14 @@
-// Calibration by any method: "handheld", "static", "hybrid", "turntable", "whole-unit" or "drive".
+// Calibrates an IMU by one of the methods "handheld", "static", "hybrid", "turntable", "whole-unit" and "drive".
 //
 // Example:
 //   const CalibrationResult result = calibrate("handheld", {session, {&recording, 1}});
 //   if (result.calibration.quality.verdict == Verdict::good) write_calibration("calibration.json", result.calibration);
 //
-// Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit): docs/reference/grades.md, and a page in
-// docs/ on each method. Every uncertainty is one sigma of what the data and the declared errors leave open. Throws Error for input that is wrong (an
-// unknown method, a session or recording that `validate` refuses, too few rests of a declared kind), Unsupported where the data determine nothing.
-// What is wrong with the unit, the rig or the declarations is in `Quality`, as a doubt with its cause. Time is linear in the number of samples.
-// Several calibrations may run at a time; `progress` may come from any thread.
+// Methods: Tedaldi 2014 (handheld), Cheng 2014 (hybrid, static), Zhang 2010 (turntable), Dai 2011 (whole-unit); docs/reference/grades.md lists
+// the papers, and docs/ has a page on each method. Every uncertainty is one sigma and covers the data and the declared errors. Calibration throws
+// Error if the input is wrong (unknown method, invalid session or recording, too few rests of a declared kind) and Unsupported if the data determine
+// no coefficient. `Quality` lists faults of the unit, the rig or the declarations as doubts with their cause. The time is linear in the number of
+// samples. Several calibrations may run at the same time; `progress` may be called from any thread.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -28,50 +28,54 @@
 
 namespace imulab {
 
-/// The input of a method. Values in SI, or in counts where the recording says so. It has a copy of the session, but not of the recordings, which can
-/// be large: they have to outlive it.
+/// The input of a method. Readings are in SI units, or in counts if the recording states so. The session is copied. The recordings, which can be
+/// large, are not: they must outlive the input.
 struct CalibrationInput {
-  Session session;                               ///< the declarations: IMU, site, rigs, steps; aids with their records
-  std::span<const Recording> recordings;         ///< one for each of the session's, in its order; any where the session declares none
-  std::optional<std::vector<Range>> rests = {};  ///< of the only recording, in time order; absent: the session's holds, or found in the data
+  Session session;                        ///< declarations of IMU, site, rigs and steps; aids with their records
+  std::span<const Recording> recordings;  ///< one for each recording of the session, in its order; any number if the session declares none
+  /// The rests of the only recording, in time order; absent: the holds of the session, or rests found in the data.
+  std::optional<std::vector<Range>> rests = {};
 };
 
 struct CalibrationOptions {
-  std::vector<CoefficientIndex> terms = {};  ///< to estimate; empty: all of the method's, optional ones where the data show them
-  double significance = 0.01;                ///< an optional term is kept if chance explains it with at most this probability
-  double outlier_level = 1e-3;               ///< probability of dropping anything from good data
-  bool second_opinion = true;  ///< compare with another method's estimate from the same data, where the data allow one; not without effects
-  bool effects = true;         ///< what the sensor model lacks is estimated beside it (docs/theory/effects.md); false: taken as absent
+  /// Coefficients to estimate; empty: all coefficients of the method, the optional ones if they are significant.
+  std::vector<CoefficientIndex> terms = {};
+  double significance = 0.01;   ///< an optional term is kept if its p-value is at most this level
+  double outlier_level = 1e-3;  ///< probability of rejecting any part of good data
+  /// Compares the result with another method's estimate from the same data if they support one; requires `effects`.
+  bool second_opinion = true;
+  /// Estimates effects beyond the sensor model jointly with the coefficients (docs/theory/effects.md); false: assumes that there are none.
+  bool effects = true;
 
   struct Handheld {
-    std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns
-    std::size_t advised_turns = 3;               ///< at most this number of them, up to 100
-    double rest_s = 4;                           ///< of a future rest
+    std::vector<Requirement> requirements = {};  ///< required uncertainties; if they are not met, the result lists further turns
+    std::size_t advised_turns = 3;               ///< largest number of such turns, at most 100
+    double rest_s = 4;                           ///< duration of a future rest [s]
   } handheld = {};
   struct Turntable {
-    bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
+    /// The gyro bias during turns becomes a separate unknown, and W0 is the bias in the holds only, as in Zhang 2010.
+    bool bias_while_turning = false;
   } turntable = {};
   struct Hybrid {
-    double curve_interval = 0;  ///< s between points of the convergence curves; 0: none
+    double curve_interval = 0;  ///< interval between points of the convergence curves [s]; 0: no curves
   } hybrid = {};
   struct WholeUnit {
-    bool full = false;      ///< all that the data determine, significant or not
-    bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
+    bool full = false;      ///< estimates all coefficients that the data determine, significant or not
+    bool stepwise = false;  ///< uses Dai's three steps instead of the joint estimate
   } whole_unit = {};
 
-  /// Called with the fraction done, from 0 to 1, which never falls. The number of iterations is not known in advance: between 0 and 1 it is an
-  /// estimate.
+  /// Called with the fraction done, from 0 to 1, which never decreases. Values in between are estimates because the number of iterations is unknown.
   std::function<void(double)> progress = {};
-  std::stop_token stop = {};  ///< asked between iterations: `calibrate` throws Stopped within about a second of a request (stop.hpp)
+  std::stop_token stop = {};  ///< checked between iterations: `calibrate` throws Stopped within about 1 s of a request (stop.hpp)
 };
 
-/// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).
+/// Hybrid method: residual error of the coarse solution, estimated from the data up to each time, and its standard uncertainty.
 struct ConvergenceCurve {
-  std::string name = {};  ///< of the coefficient it corrects
+  std::string name = {};  ///< name of the corrected coefficient
   std::vector<double> residual, sigma;
 };
 
-/// A turn by hand from one rest to the next: about `axis` (body axes, right-handed) by `angle` [rad], until `up` (body axes) points up.
+/// A turn by hand from one rest to the next about `axis` (body axes, right-handed) by `angle` [rad]; afterwards `up` (body axes) points up.
 struct HandTurn {
   Eigen::Vector3d axis, up;
   double angle = 0;
@@ -79,18 +83,19 @@ struct HandTurn {
 
 struct CalibrationResult {
   Calibration calibration;
-  std::optional<SensorModel> coarse = {};  ///< the start of the fit, if that is a result of its own (hybrid: Cheng 2014 table 1)
-  std::vector<double> curve_time = {};     ///< s of the recording's clock
+  std::optional<SensorModel> coarse = {};  ///< start of the fit, if it is a result of its own (hybrid: Cheng 2014 table 1)
+  std::vector<double> curve_time = {};     ///< times of the curves' points [s], on the recording's clock
   std::vector<ConvergenceCurve> curves = {};
   int iterations = 0;
-  std::vector<HandTurn> missing_turns = {};  ///< that would help most, in their order, each with a rest after it (handheld)
+  std::vector<HandTurn> missing_turns = {};  ///< handheld: most useful further turns in order, each followed by a rest
 };
 
-/// The methods, the one with the least equipment first: "handheld", "static", ... (docs/README.md has a page on each).
+/// Returns the names of the methods, the one that needs the least equipment first (docs/README.md lists a page on each).
 std::vector<std::string_view> method_names();
 
-/// Calibrates, and checks the result in the way that is common to all methods: are scales and axes as declared? Throws Error where declarations
-/// contradict each other or the data, and for an unknown method, Unsupported where nothing can be determined.
+/// Calibrates by `method` (one of `method_names`) and checks whether scales and axes are as declared. `input`: session and recordings; `options`:
+/// terms, levels and settings. Throws Error if the method is unknown or declarations are contradictory, and Unsupported if the data determine
+/// nothing.
 CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});
 
 }  // namespace imulab

@@ -1,5 +1,5 @@
-// Compensation raw -> calibrated by the sensor model (Dai 2011 eqs 1-4, doi:10.3788/OPE.20111907.1620), and its inverse: for a sample, for columns in
-// your memory, for a recording as a whole or in pieces as it arrives.
+// Compensation of raw readings by the sensor model (Dai 2011 eqs 1-4, doi:10.3788/OPE.20111907.1620), and its inverse: for a single sample, for
+// columns in the caller's memory, and for a recording, whole or piece by piece.
 //
 // Example:
 //   const Motion motion = compensate(calibration.model, RawSample{.gyro = {0, 0, 0.01}, .accel = {0.1, 0.2, 9.7}});
@@ -8,10 +8,10 @@
 //   const Motion now = compensator({0, 0, 0.01}, {0.1, 0.2, 9.7}, 31.5);     // degC
 //   const CompensatedRecording whole = compensate(calibration.model, recording, Outliers::reject);
 //
-// Valid within the ranges of readings and temperatures that the calibration covered; samples outside these temperatures are listed. Units are those
-// of the model (`raw_unit`): a recording in others is refused with an Error; of single samples the caller answers for them. The inverse converges
-// where the polynomial is monotone. One sample takes 40 ns, without allocation; a model and a SampleCompensator may be used by several threads, a
-// Compensator by one.
+// The result is valid within the readings and temperatures that the calibration covered; samples outside these temperatures are listed. Units are
+// those of the model (`raw_unit`): a recording in other units is refused with an Error, but single samples are not checked. The inverse converges if
+// the polynomial is monotone. One sample takes 40 ns, without allocation. Several threads may use a model or a SampleCompensator at the same time,
+// but only one a Compensator.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -34,20 +34,20 @@ struct Motion {
   Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();
 };
 
-/// Raw readings of one sample, and the thermal readings less their reference (tau), per axis; zero where there are none.
+/// Raw readings of one sample, and the thermal readings minus their reference (tau), per axis; zero if the unit has none.
 struct RawSample {
   Vector3d gyro = Vector3d::Zero(), accel = Vector3d::Zero();
   Vector3d gyro_tau = Vector3d::Zero(), accel_tau = Vector3d::Zero();
 };
 
-/// Dai 2011 eqs 1-4. Equal to the overload for columns, to the last bit.
+/// Compensates one sample by Dai 2011 eqs 1-4. The overload for columns gives bit-identical results.
 Motion compensate(const SensorModel& model, const RawSample& raw);
 
-/// The raw readings that compensate to `motion`: Newton from the linear solution. Throws Error where the polynomial cannot be inverted there.
+/// Returns the raw readings that compensate to `motion`, by Newton's method. Throws Error if the polynomial cannot be inverted there.
 RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& gyro_tau = Vector3d::Zero(),
                        const Vector3d& accel_tau = Vector3d::Zero());
 
-/// A block of samples as columns: six readings, and up to six thermal readings (not less the reference; empty where there are none).
+/// A block of samples as columns: six readings and up to six absolute thermal readings (empty if there are none).
 struct RawColumns {
   std::array<std::span<const double>, 3> gyro, accel, gyro_temperature, accel_temperature;
 };
@@ -55,44 +55,43 @@ struct MotionColumns {
   std::array<std::span<double>, 3> rate, force;
 };
 
-/// compensate on columns; `out` may be the input's own memory.
+/// Compensates columns; `out` may use the memory of the input.
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out);
 
-/// decompensate on columns, in place: motion becomes raw readings. Thermal readings (not less the reference) may be empty where the model has no
-/// thermal terms.
+/// Converts columns of motion to raw readings, in place. The thermal readings are absolute and may be empty if the model has no thermal terms.
 void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& gyro_temperature,
                   const std::array<std::span<const double>, 3>& accel_temperature, const MotionColumns& columns);
 
-/// Covariance of a compensated sample (rate, then force) from that of the estimated coefficients alone (not from the sample's own noise). Throws
-/// Error for a calibration that `validate` refuses.
+/// Returns the covariance of a compensated sample (rate, then force) due to the estimated coefficients; the noise of the sample is not included.
+/// Throws Error if `validate` refuses the calibration.
 Eigen::Matrix<double, 6, 6> output_covariance(const Calibration& calibration, const RawSample& raw);
 
-/// The form of the samples that a SampleCompensator takes.
+/// The units of the samples for a SampleCompensator.
 struct SampleOptions {
-  std::string_view gyro_unit = "rad/s", accel_unit = "m/s^2";                        ///< of the readings: these, or "count"
-  std::string_view gyro_temperature_unit = "degC", accel_temperature_unit = "degC";  ///< or "K", "raw"
-  /// Lever arms act over several samples, not on one. false: a model that has some is refused; true: the forces stay those at the accelerometers'
-  /// own places, as in all overloads of `compensate` (remove_lever_arms brings those of a recording to the body's origin).
+  std::string_view gyro_unit = "rad/s", accel_unit = "m/s^2";                        ///< units of the readings: these, or "count"
+  std::string_view gyro_temperature_unit = "degC", accel_temperature_unit = "degC";  ///< these, "K" or "raw"
+  /// Lever arms act over several samples, not on one. false: a model with lever arms is refused; true: forces remain those at the accelerometers' own
+  /// positions, as in all overloads of `compensate` (remove_lever_arms moves a recording's forces to the body's origin).
   bool leave_lever_arms = false;
 };
 
-/// Compensation for a real-time loop. The model is checked once, when it is made; a call allocates nothing, takes some tens of nanoseconds, and gives
-/// what `compensate` and the command give, to the last bit. A reading that is not finite gives a motion that is not.
+/// Compensation for a real-time loop. The constructor checks the model. A call allocates nothing, takes some tens of nanoseconds, and its result is
+/// bit-identical to those of `compensate` and the command. A reading that is not finite gives a motion that is not finite.
 ///
-/// Constant after its construction: any number of threads may call one object at the same time without a lock. Copies are independent.
+/// An object is constant after its construction: any number of threads may call it at the same time without a lock. Copies are independent.
 class SampleCompensator {
  public:
-  /// Throws Error that lists all of it: a coefficient that is not finite, readings or temperatures in other units than those of the model, thermal
-  /// terms without a reference temperature, and lever arms, unless the options leave them.
+  /// Throws Error with all faults: coefficients that are not finite, units that differ from the model's, thermal terms without a reference
+  /// temperature, and lever arms unless `leave_lever_arms` is set.
   explicit SampleCompensator(const SensorModel& model, const SampleOptions& options = {});
 
-  /// Throws Error where the model has thermal terms.
+  /// Compensates without temperatures. Throws Error if the model has thermal terms.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel) const;
-  /// With the thermal readings of each axis, as they are read: not less the reference. Those of a triad without thermal terms are not used.
+  /// Compensates with the absolute thermal readings of each axis. Those of a triad without thermal terms are not used.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel, const Vector3d& gyro_temperature, const Vector3d& accel_temperature) const {
     return compensate(model_, {gyro, accel, gyro_temperature - gyro_reference_, accel_temperature - accel_reference_});
   }
-  /// With one thermal reading for all axes.
+  /// Compensates with one thermal reading for all axes.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel, double temperature) const {
     return (*this)(gyro, accel, Vector3d::Constant(temperature), Vector3d::Constant(temperature));
   }
@@ -106,35 +105,36 @@ class SampleCompensator {
 };
 
 struct CompensatedRecording {
-  Recording recording;                    ///< rates [rad/s] and specific forces [m/s^2] in place of raw readings; the other columns as they were
+  Recording recording;                    ///< rates [rad/s] and specific forces [m/s^2] instead of raw readings; other columns are unchanged
   std::vector<std::size_t> out_of_range;  ///< samples with a temperature outside the calibrated range, ascending
-  std::vector<std::size_t> replaced;      ///< samples with an outlier that was replaced, ascending
+  std::vector<std::size_t> replaced;      ///< samples with a replaced outlier, ascending
 };
 
-/// Outliers among the raw readings are kept, or replaced first (outlier_filter.hpp); thermal readings are always kept.
+/// Outliers among the raw readings are kept, or replaced before compensation (outlier_filter.hpp). Thermal readings are always kept.
 enum class Outliers { keep, reject };
 
-/// Throws Error where the model needs a temperature that the recording lacks, where the recording's units are not those of the model, and where a
-/// reading has no finite compensation.
+/// Compensates a recording. Throws Error if the recording lacks a temperature that the model needs or has other units than the model, or if a reading
+/// has no finite compensation.
 CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers = Outliers::keep);
 
-/// Brings the forces of a compensated recording from each accelerometer's place (row i of `lever_arm` [m]) to the body's origin, with the angular
-/// acceleration from the samples before and after; one-sided at a gap and at the ends.
+/// Moves the forces of a compensated recording from each accelerometer's position (row i of `lever_arm` [m]) to the body's origin. Angular
+/// accelerations are central differences of the rates, one-sided at gaps and at the ends.
 void remove_lever_arms(Recording& recording, const Matrix3d& lever_arm);
 
+/// Compensates a recording that arrives in pieces.
 class Compensator {
  public:
   Compensator(SensorModel model, Outliers outliers);
 
-  /// Takes the next samples. With outlier rejection the output lags by two samples until rest().
+  /// Compensates the next samples. With outlier rejection the output lags by two samples until rest().
   CompensatedRecording next(Recording piece);
-  /// At the end.
+  /// Returns the remaining samples at the end of the recording.
   CompensatedRecording rest();
 
  private:
   SensorModel model_;
   std::optional<OutlierFilter> filter_;
-  Recording held_;  // the samples that are still in the filter
+  Recording held_;  // samples that are still in the filter
 };
 
 }  // namespace imulab

@@ -1,16 +1,16 @@
-// Eigen with the memory layout of the library. Matrices cross from programs to the library and back, and Eigen aligns them by the widest registers
-// that a source is compiled for. In a program for AVX (-mavx2, -march=native) whose library is not, Eigen has no explicit vectors here: so it
-// aligns alike. Headers of imulab include this one in place of <Eigen/Core>; programs that use Eigen include one of imulab's first.
+// Includes Eigen with the memory layout of the library. Programs and library exchange matrices, and Eigen aligns matrices for the widest registers
+// for which a source is compiled. If a program is compiled for AVX (-mavx2, -march=native) but the library is not, this header disables explicit
+// vectorization so that both align alike. Headers of imulab include it instead of <Eigen/Core>; programs include an imulab header before Eigen.
 #pragma once
 
 #include <cstddef>  // __GLIBC__
 
-#ifndef IMULAB_EIGEN_ALIGNMENT  // bytes, of the compiled library: from its CMake target or pkg-config
+#ifndef IMULAB_EIGEN_ALIGNMENT  // alignment [bytes] of the compiled library, from its CMake target or pkg-config
 #define IMULAB_EIGEN_ALIGNMENT 16
 #endif
 
 #if IMULAB_EIGEN_ALIGNMENT == 16 && defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__) && defined(__LP64__)
-#define IMULAB_EIGEN_MALLOC 1  // Eigen takes its blocks from malloc as they are; under the sanitizer it would put a header before them
+#define IMULAB_EIGEN_MALLOC 1  // Eigen uses malloc's blocks directly; under the sanitizer it would put a header before them
 #endif
 
 #ifndef EIGEN_WORLD_VERSION  // Eigen is not included yet
@@ -33,7 +33,7 @@
 
 namespace imulab {
 
-using Eigen::Matrix3d;  // frames in names: C_nb takes a vector from frame b to frame n
+using Eigen::Matrix3d;  // names state frames: C_nb transforms a vector from frame b to frame n
 using Eigen::Vector3d;
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// Exceptions of the library. Their text says where (file, line, field, sample), what is wrong, what was expected, and often what to do.
+// Exceptions of the library. Each message states the place (file, line, field, sample), the fault, what was expected, and often the remedy.
 //
 // Example:
 //   try {
@@ -9,8 +9,8 @@
 //     std::puts(e.what());
 //   }
 //
-// Findings in the data are no exceptions but part of a result: `Quality::findings`, `unobservable`. The library never prints and never
-// exits. Besides these only exceptions of the standard library leave it, as std::bad_alloc.
+// Findings in the data are not exceptions but part of a result: `Quality::findings`, `unobservable`. The library never prints or exits. Apart from
+// these exceptions it throws only those of the standard library, such as std::bad_alloc.
 #pragma once
 
 #include <stdexcept>
@@ -19,37 +19,37 @@
 
 namespace imulab {
 
-/// The input is wrong: a file, a line, a field. The command ends with exit code 2.
+/// The input is wrong: a file, line or field. The command then ends with exit code 2.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The terms to estimate do not fit the method or the data: an Error to which the caller adds the option that named them.
+/// The requested terms do not fit the method or the data. The caller adds the option that named them.
 class TermsError : public Error {
  public:
   using Error::Error;
 };
 
-/// The work needs more memory than it may take: an Error to which the caller adds the option that sets the limit.
+/// The work needs more memory than allowed. The caller adds the option that sets the limit.
 class MemoryError : public Error {
  public:
   using Error::Error;
 };
 
-/// The input is well formed, but the data do not support the request. The command ends with exit code 1.
+/// The input is well formed, but the data do not support the request. The command then ends with exit code 1.
 class Unsupported : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The work was asked to stop (stop.hpp): neither the input nor the data are wrong, so it is no runtime_error.
+/// The work was stopped on request (stop.hpp). Neither input nor data are wrong, so this is not a runtime_error.
 class Stopped : public std::exception {
  public:
   const char* what() const noexcept override { return "stopped, as requested"; }
 };
 
-/// Throws Error with the problems, if there are any: "PLACE: PROBLEM", or a line each, of the first 20.
+/// Throws Error with the first 20 `problems`, if there are any: "PLACE: PROBLEM" for one, a line each for several.
 inline void throw_problems(std::string_view place, const std::vector<std::string>& problems) {
   if (problems.empty()) return;
   constexpr std::size_t most = 20;
@@ -59,7 +59,7 @@ inline void throw_problems(std::string_view place, const std::vector<std::string
   throw Error(all);
 }
 
-/// Calls `check`, and adds the message of an Error that it throws to the problems.
+/// Calls `check` and appends the message of an Error that it throws to `problems`.
 template <class F>
 void collect_problem(std::vector<std::string>& problems, const F& check) {
   try {
@@ -69,8 +69,8 @@ void collect_problem(std::vector<std::string>& problems, const F& check) {
   }
 }
 
-/// Returns the result of `f`. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file,
-/// key or flag.
+/// Returns the result of `f`. An Error that `f` throws gets the prefix "PLACE: ": algorithms name values, and their callers add the file, key or
+/// flag.
 template <class F>
 decltype(auto) errors_at(const std::string& place, const F& f) {
   try {

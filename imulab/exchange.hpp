@@ -1,4 +1,4 @@
-// Calibrations for other programs, and from them: Kalibr, OpenVINS, VINS, ROS, PX4, ArduPilot, VectorNav, C for firmware, ...
+// Exports calibrations to other programs and imports theirs: Kalibr, OpenVINS, VINS, ROS, PX4, ArduPilot, VectorNav, C for firmware, ...
 // (docs/reference/export.md).
 //
 // Example:
@@ -7,8 +7,8 @@
 //   for (const std::string& lost : kalibr.left_out({calibration})) std::puts(lost.c_str());
 //   const Imported imported = import_calibration("kalibr_imu_chain.yaml");
 //
-// The text says of itself what it leaves out. Throws Error for a calibration that a target cannot hold, for noise that is missing, and for a file of
-// no known format. Safe on any thread.
+// The exported text lists what it leaves out. Throws Error if a target cannot represent the calibration, noise is missing, or a file has an unknown
+// format. Safe on any thread.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -22,65 +22,66 @@
 
 namespace imulab {
 
-/// Where a target has one number for three axes.
+/// The value that represents three axes if a target has only one number.
 enum class AxisChoice { worst, mean };
 
 struct ExportOptions {
   AxisChoice axes = AxisChoice::worst;
-  bool variance_matched = false;     ///< vins: white noise that makes the covariance of its code right, instead of the standard deviation of a sample
+  /// vins: exports the white noise that makes the covariance in its code correct, not the standard deviation of a sample.
+  bool variance_matched = false;
   std::string imu_model = "kalibr";  ///< openvins: "kalibr" or "rpng"
-  std::optional<double> rate_hz;     ///< of the stream; absent: that of the noise log
-  int instance = 0;                  ///< px4, ardupilot: which of the autopilot's IMUs, from 0
-  std::string prefix = "imulab";     ///< c-header: with which its names begin
-  std::string topic{};               ///< kalibr, openvins: of the IMU; empty: that of the calibration's recording, else /imu0
+  std::optional<double> rate_hz;     ///< sampling rate [Hz] of the data stream; absent: rate of the noise log
+  int instance = 0;                  ///< px4, ardupilot: index of the autopilot's IMU, from 0
+  std::string prefix = "imulab";     ///< c-header: prefix of all names
+  std::string topic{};               ///< kalibr, openvins: IMU topic; empty: the topic of the calibration's recording, else /imu0
 };
 
 struct ExportInput {
   const Calibration& calibration;
-  const ImuNoise* noise = nullptr;  ///< null: not known
+  const ImuNoise* noise = nullptr;  ///< null: unknown
   ExportOptions options{};
 };
 
-/// A target. To add one: docs/reference/extending.md.
+/// An export target. docs/reference/extending.md explains how to add one.
 struct ExportTarget {
-  /// Options that only some targets have, as bits.
+  /// Options that only some targets use, as bits.
   enum Takes : unsigned { noise = 1, variance_matched = 2, imu_model = 4, topic = 8, instance = 16 };
 
-  std::string_view name;     ///< as `imulab export --to` names it
-  std::string_view summary;  ///< for help: what it is for, in one line
-  std::string_view file;     ///< its name where all targets are written
-  /// The text of the file. Throws Error for a calibration that the target cannot hold, and where it needs noise and there is none.
+  std::string_view name;     ///< name in `imulab export --to`
+  std::string_view summary;  ///< purpose in one line, for help
+  std::string_view file;     ///< file name if all targets are written
+  /// Returns the text of the file. Throws Error if the target cannot represent the calibration or lacks the noise it needs.
   std::string (*text)(const ExportInput& input);
-  /// The parts of this calibration that the text leaves out, and their size; empty: none.
+  /// Lists the parts of the calibration that the text leaves out, and their size; empty if it is complete.
   std::vector<std::string> (*left_out)(const ExportInput& input);
-  /// Numbers that the target refuses or ignores; null: it takes all.
+  /// Lists numbers that the target refuses or ignores; null if it accepts all.
   std::vector<std::string> (*warnings)(const ExportInput& input) = nullptr;
   bool needs_noise = false;
-  unsigned takes = 0;  ///< several `Takes`; `noise` with `axes` and `rate_hz`
+  unsigned takes = 0;  ///< combination of `Takes`; `noise` includes `axes` and `rate_hz`
 };
 
 const std::vector<ExportTarget>& export_targets();
 
-/// Throws Error that lists the targets.
+/// Returns the target with this `name`. Throws an Error that lists the `targets` if it is unknown.
 const ExportTarget& export_target(std::string_view name, const std::vector<ExportTarget>& targets = export_targets());
 
 struct ImportOptions {
-  std::optional<std::filesystem::path> gyro_file;  ///< for formats with one triad a file: the gyros', beside the accelerometers'
-  int instance = 0;                                ///< of several IMUs in the file, from 0
-  /// The readings' unit: "si", "count", or empty: as the file says, else SI, but counts where the scales are not near one.
+  std::optional<std::filesystem::path> gyro_file;  ///< for formats with one triad per file: the gyro file, in addition to the accelerometer file
+  int instance = 0;                                ///< index of the IMU in the file, from 0
+  /// Unit of the readings: "si", "count", or empty: as in the file, else SI, or counts if the scale factors are far from one.
   std::string raw;
 };
 
 struct Imported {
   std::string_view format;  ///< "Kalibr"
-  /// Its uncertainties are not known, so `estimated` is empty. Body frame: that of the file, or the accelerometers' where the matrix allows it.
+  /// `estimated` is empty because uncertainties are unknown. The body frame is the file's, or the accelerometers' if the matrix allows it.
   Calibration calibration;
-  std::vector<std::string> warnings;  ///< contents of the file that the calibration cannot hold, and facts that the file does not state
+  std::vector<std::string> warnings;  ///< parts of the file that the calibration cannot represent, and information that the file lacks
 };
 
-/// Throws Error with file and line (or field) for a file of no known format, and for one that is damaged.
+/// Imports a calibration file. Throws Error with file and line (or field) if the format is unknown or the file is damaged.
 Imported import_calibration(const std::filesystem::path& file, const ImportOptions& options = {});
-/// Imports texts instead of files; `name` is the file's name in messages.
+/// Imports a text instead of a file; `name` is the file name in messages.
 Imported import_calibration_text(std::string_view text, const std::string& name, const ImportOptions& options = {});
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// Files: sessions (TOML), recordings (any format of docs/reference/recordings.md), calibrations and noise (JSON), navigation solutions (CSV).
+// Reads and writes files: sessions (TOML), recordings (all formats of docs/reference/recordings.md), calibrations and noise (JSON), solutions (CSV).
 //
 // Example:
 //   const Session mine = read_session("session");  // a folder with session.toml, or the file
@@ -7,9 +7,9 @@
 //   const Calibration known = read_calibration("calibration.json");
 //   write_calibration("copy.json", known);
 //
-// Everything is checked on reading and becomes SI. Throws Error with file, line and key or column, what was found and what was expected. What is
-// written appears whole or not at all, and reads back to the same numbers. "-" is standard input. Different files may be read and written by several
-// threads.
+// Every value is checked on reading and converted to SI units. Functions throw Error with file, line and key or column, what was found and what was
+// expected. A file is written completely or not at all, and reads back to the same numbers. "-" is standard input. Different threads may use
+// different files.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -28,100 +28,99 @@
 
 namespace imulab {
 
-/// Reads a session or a procedure: a folder with session.toml, or the file. Units become SI, absent angles are filled in, a procedure's steps are
-/// laid out in time. Throws Error with file, line and key: for unknown keys and units, values out of range, and steps that overlap.
+/// Reads a session or a procedure; `path` is the TOML file, or a folder with session.toml. Units become SI, absent angles are filled in, and a
+/// procedure's steps get times. Throws Error with file, line and key for unknown keys and units, values out of range, and steps that overlap.
 Session read_session(const std::filesystem::path& path);
-/// Reads a session from text; `file` is its name in messages, and files that it names are beside it.
+/// Reads a session from text; `file` is its name in messages, and relative file names refer to its folder.
 Session parse_session(std::string_view text, const std::string& file);
 
-/// The session as TOML text that read_session reads back to the same values.
+/// Returns the session as TOML text that read_session reads back to the same values.
 std::string session_text(const Session& session);
-/// Writes that text, whole or not at all. Throws Error where the file cannot be written.
+/// Writes that text to `path`, completely or not at all. Throws Error if the file cannot be written.
 void write_session(const std::filesystem::path& path, const Session& session);
 
-/// The session as text with durations in place of times where read_session computes the same times: the form that a procedure's author edits.
+/// Returns the session as text for editing: with durations instead of times if read_session computes the same times from them.
 std::string procedure_text(const Session& session);
 
-/// Densities and terms of an analysis (noise.json) where the IMU declares none. Throws Error as read_noise and noise_sizes do.
+/// Adds the densities and terms of the noise analysis `file` (noise.json) that `imu` does not declare. Throws Error as read_noise and noise_sizes do.
 void take_noise(ImuDeclaration& imu, const std::string& file);
 
 struct RecordingReading {
   Recording recording;
-  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows: the findings and their consequences
+  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows, and their consequences
 };
 
-/// Reads one recording of a session, in any of the formats; files are found beside the session's own. Throws Error with file, line and column for
-/// text in a number, NaN, infinity, ragged rows, time that runs backwards, missing columns, an empty file, and a declared rate that the stamps
-/// contradict.
+/// Reads the recording `source` of a session, in any format; relative file names refer to the session's folder. Throws Error with file, line and
+/// column for text in a number, NaN, infinity, ragged rows, decreasing time, missing columns, an empty file, and a contradictory declared rate.
 RecordingReading read_recording(const Session& session, const RecordingSource& source);
 
-/// Writes t,gx,gy,gz,ax,ay,az as CSV, and temperatures where there are any: seconds, SI or counts, increments as increments. The file appears whole
-/// or not at all. Numbers read back exactly, except that an increment that is not a whole number may differ by one unit in the last place. Throws
-/// Error where the file cannot be written.
+/// Writes t,gx,gy,gz,ax,ay,az and any temperatures as CSV in seconds and SI units or counts; increments remain increments. The file is written
+/// completely or not at all. Numbers read back exactly, but an increment that is not a whole number may differ in the last place. Throws Error if the
+/// file cannot be written.
 void write_recording(const std::filesystem::path& path, const Recording& recording);
 
-/// A compensated recording as CSV: t,gx,gy,gz,ax,ay,az in s, rad/s, m/s^2; where some sample has a flag, a column of them. Whole or not at all.
+/// Writes a compensated recording as CSV, completely or not at all: t,gx,gy,gz,ax,ay,az in s, rad/s, m/s^2; a column of flags if a sample has any.
 void write_compensated_rows(const std::filesystem::path& path, const CompensatedRecording& compensated);
 
-/// Copies the bag of a recording with angular_velocity [rad/s] and linear_acceleration [m/s^2] of its topic replaced. All else stays byte for byte:
-/// other topics, headers, covariances, orientations, times, order. The file appears whole or not at all; only a chunk of the bag is in memory. Throws
-/// Error where the recording is no bag of the kind that the name says, where gyros and accelerometers are not of one topic of sensor_msgs/Imu, where
-/// a message has no compensated sample, and where the bag was not closed.
+/// Copies the bag of a recording and replaces angular_velocity [rad/s] and linear_acceleration [m/s^2] of its topic. All other bytes stay the same:
+/// other topics, headers, covariances, orientations, times, order. The file is written completely or not at all; only one chunk is in memory. Throws
+/// Error if the recording is not a bag of the kind that its name implies, if gyros and accelerometers are not in one topic of sensor_msgs/Imu, if a
+/// message has no compensated sample, or if the bag was not closed.
 void write_compensated_bag(const std::filesystem::path& path, const Session& session, const RecordingSource& source,
                            const CompensatedRecording& compensated);
 
-/// Writes an .npz archive: `time_ns` [n] int64; `gyro` and `accel` [n, 3] in rad/s and m/s^2 (increments: rad and m/s); where some sample has a flag,
-/// `saturated`, `out_of_range` and `replaced` [n] bool. The file appears whole or not at all. Throws Error where it cannot be written, and for more
-/// than 4 GB, which an archive of this kind cannot hold.
+/// Writes an .npz archive: `time_ns` [n] int64; `gyro` and `accel` [n, 3] in rad/s and m/s^2 (increments: rad and m/s); if a sample has a flag,
+/// `saturated`, `out_of_range` and `replaced` [n] bool. It is written completely or not at all. Throws Error if it cannot be written, or exceeds 4
+/// GB, the limit of this kind of archive.
 void write_compensated_npz(const std::filesystem::path& path, const CompensatedRecording& compensated);
 
-/// Reads calibration.json or truth.json; "-" is standard input. Throws Error naming file, field and what was expected; a newer format is refused by
-/// its name. Top-level keys beyond the format (a truth's rig errors) are left alone.
+/// Reads calibration.json or truth.json; "-" is standard input. Throws Error with file, field and what was expected, also for a newer format. Unknown
+/// top-level keys (such as a truth's rig errors) are ignored.
 Calibration read_calibration(const std::filesystem::path& path);
 
-/// Reads the text of such a file; `file` is its name in messages.
+/// Parses the text of such a file; `file` is its name in messages.
 Calibration parse_calibration(std::string_view text, const std::string& file);
 
-/// The calibration as JSON text that reads back to the same numbers. Throws Error where a coefficient is not finite.
+/// Returns the calibration as JSON text that reads back to the same numbers. Throws Error if a coefficient is not finite.
 std::string calibration_text(const Calibration& calibration);
-/// Writes that text, whole or not at all. Throws Error as `validate` of a calibration, and where the file cannot be written.
+/// Writes that text, completely or not at all. Throws Error if `validate` refuses the calibration or the file cannot be written.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
-/// SI, or counts; null for what is not determined. Of several logs: mean, spread, and the worst; then each log's own.
+/// Returns an analysis as JSON text, in SI units or counts; null means not determined. A batch has mean, spread and worst value, then each log.
 std::string noise_json(const NoiseAnalysis& analysis);
 std::string noise_json(const NoiseBatch& batch);
 
-/// Throws Error that names file and field where it is no "imulab.noise/1".
+/// Reads the noise of an IMU. Throws Error with file and field if the file is not in the format "imulab.noise/1".
 ImuNoise read_noise(const std::string& path);
-/// From text; `file` is its name in messages.
+/// Parses the text of such a file; `file` is its name in messages.
 ImuNoise parse_noise(std::string_view text, const std::string& file);
 
-/// A solution has the columns t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg: s, m above the ellipsoid, m/s east,
-/// north and up, Euler angles of the body axes. Reads them in any order. Throws Error with file, line and column as read_recording does, and for a
-/// latitude beyond 90 deg.
+/// Reads a solution with the columns t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg, in any order: s, height above the
+/// ellipsoid, velocity [m/s] east, north and up, Euler angles of the body axes. Throws Error with file, line and column as read_recording does, and
+/// for a latitude beyond 90 deg.
 Solution read_solution(const std::filesystem::path& path);
-/// Writes such a file, whole or not at all; the heading from 0 to 360 deg. Throws Error where it cannot be written.
+/// Writes such a file, completely or not at all, with headings from 0 to 360 deg. Throws Error if it cannot be written.
 void write_solution(const std::filesystem::path& path, const Solution& solution);
 
-/// Reads the columns t,height_m (s, m), as a barometer gives them. Throws Error with file, line and column.
+/// Reads the columns t,height_m (s, m), for example from a barometer. Throws Error with file, line and column.
 HeightRecord read_heights(const std::filesystem::path& path);
 
 struct AidsReading {
-  std::vector<Aid> aids;              ///< that go with the recording, their records on its clock
-  std::vector<std::string> warnings;  ///< what was left out; a clock whose offset has to be estimated
+  std::vector<Aid> aids;              ///< aids of the recording, with records on its clock
+  std::vector<std::string> warnings;  ///< data that were left out; clocks with an offset to be estimated
 };
 
-/// Reads the files of a session's aids, in any of the formats of docs/reference/recordings.md, "Aids". Their stamps are then those of the recording's
-/// clock: exactly (TimeScale::recording), or but for an offset that remains to be estimated (TimeScale::own). An aid that has a record keeps it.
-/// Throws Error with file and place for what is damaged or out of range, latitude and longitude swapped, stamps that run back, and an aid of another
+/// Reads the files of a session's aids in any format of docs/reference/recordings.md, "Aids". Their stamps are converted to the recording's clock,
+/// exactly (TimeScale::recording) or except for an offset that must be estimated (TimeScale::own). An aid that already has a record keeps it. Throws
+/// Error with file and place for data that are damaged or out of range, swapped latitude and longitude, decreasing stamps, and an aid of another
 /// time.
 AidsReading read_aids(const Session& session, const RecordingSource& source, const Recording& recording);
 
-/// GPS time, as that of a date since 1970, less the stamps of the recording [ns], at the begin of an aid; absent where no aid tells it: the recording
-/// has its own clock, or the aid has. Reads and throws as read_aids does.
+/// Returns GPS time (counted from 1970) minus the recording's stamps [ns] at the start of an aid. It is absent if no aid determines it because the
+/// recording or the aid has an independent clock. Reads and throws as read_aids does.
 std::optional<std::int64_t> gps_time_ahead(const Session& session, const RecordingSource& source, const Recording& recording);
 
-/// Writes `text` to `path`, whole or not at all.
+/// Writes `text` to `path`, completely or not at all.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace imulab

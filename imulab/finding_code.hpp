@@ -1,4 +1,4 @@
-// The codes of findings. Files and Python have their names ("wrong-latitude"), and a code keeps its meaning.
+// The codes of findings. Files and the Python module use their names ("wrong-latitude"). A code never changes its meaning.
 //
 // Example:
 //   if (calibration.quality.findings.has(Code::wrong_latitude)) std::puts("check the latitude");
@@ -10,14 +10,14 @@ namespace imulab {
 
 // clang-format off
 enum class Code : std::uint16_t {
-  // A sentence without a code: of an older file, a reader, or another program
+  // A sentence without a code, from an older file, a reader or another program
   other,
   // Fits
   not_converged, undetermined, few_degrees_of_freedom, large_residuals, small_residuals, scatter, spread, uncertain_scale, implausible_scale,
   larger_term, dropped, many_dropped, noise_not_as_declared, coarse_steps, recordings_together,
-  // Effects, and the size of the IMU
+  // Effects, and their sizes in the IMU
   effect_assumed, unexpected_effect, unexpected_site_effect, effects_not_told_apart, improbable_data, unit_size, grade_contradicted, likely_grade,
-  // The site and the declarations
+  // Site and declarations
   wrong_latitude, latitude_of_other_sign, latitude_in_g_sensitivity, latitude_by_turns, latitude_by_fit, latitude_by_rests, latitude_assumed,
   no_latitude, not_earth_rate, wrong_gravity, wrong_turn, axes_not_as_declared, scale_not_as_declared, wrong_rate, wrong_rate_of_increments, no_grade,
   beyond_grade, large_mounting,

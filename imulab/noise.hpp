@@ -1,4 +1,4 @@
-// The noise of an IMU from a log at rest: Allan-type deviations and the coefficients of IEEE Std 952 (doi:10.1109/IEEESTD.1998.86153) with intervals.
+// IMU noise from a log at rest: Allan-type deviations, and IEEE Std 952 coefficients (doi:10.1109/IEEESTD.1998.86153) with intervals.
 //
 // Example:
 //   const NoiseAnalysis log = analyze_noise(recording, session);
@@ -6,11 +6,11 @@
 //     if (axis.fit) std::printf("%s N = %g, u = %g\n", axis.name.c_str(), axis.fit->N.value, axis.fit->N.standard_uncertainty);
 //   const std::vector<DeviationPoint> curve = deviation(gyro[0], 0.01, averaging_factors(gyro[0].size()));
 //
-// Coefficients: maximum likelihood on the spectrum (Whittle), intervals from the profile of the likelihood (docs/theory/noise.md). Valid for
-// stationary noise of 64 readings and more; slow terms (B, K) need records that are long against the times at which they dominate. Deviations: NIST
-// SP 1065 (Riley 2008); degrees of freedom: Greenhall and Riley 2003, for the noise identified at each averaging time by the lag-1 autocorrelation
-// (Riley and Greenhall 2004), and with fewer than 30 averages by the ratio of standard to Allan variance (Barnes 1969). Units are those of the
-// readings: rad/s, m/s^2 or counts. n samples take a time of n log n. Safe on any thread.
+// Coefficients are maximum likelihood estimates from the spectrum (Whittle) with intervals from the likelihood profile (docs/theory/noise.md). They
+// are valid for at least 64 readings with stationary noise; slow terms (B, K) require records that are long compared with the times at which they
+// dominate. Deviations follow NIST SP 1065 (Riley 2008), and degrees of freedom Greenhall and Riley 2003. The noise type at each averaging time is
+// identified by the lag-1 autocorrelation (Riley and Greenhall 2004), or for fewer than 30 averages by the ratio of standard to Allan variance
+// (Barnes 1969). Units are those of the readings: rad/s, m/s^2 or counts. The time for n samples is of order n log n. Safe on any thread.
 #pragma once
 
 #include "imulab/recording.hpp"
@@ -27,17 +27,17 @@
 
 namespace imulab {
 
-/// Unit as in NoiseModel. Where the interval holds zero the coefficient is not determined: value and standard uncertainty are NaN, and `upper` bounds
-/// its size with 95 %.
+/// Units are those of NoiseModel. If the interval contains zero, the coefficient is not determined: value and uncertainty are NaN; `upper` bounds its
+/// size.
 struct NoiseCoefficient {
   double value = 0, standard_uncertainty = 0;
-  double lower = 0, upper = 0;  ///< 95 %
+  double lower = 0, upper = 0;  ///< bounds of the 95 % interval
   bool determined = false;
 };
-/// One of which no more is known than this bound.
+/// Returns a coefficient of which only the upper bound is known.
 inline NoiseCoefficient undetermined_below(double upper) { return {NAN, NAN, 0, upper, false}; }
 
-/// A first-order Gauss-Markov process: standard deviation [u] and correlation time [s]. Two-sided density 2 sigma^2 time / (1 + (2 pi f time)^2).
+/// A first-order Gauss-Markov process: standard deviation [u], correlation time [s]; two-sided density 2 sigma^2 time / (1 + (2 pi f time)^2).
 struct MarkovTerm {
   NoiseCoefficient sigma, time;
 };
@@ -45,106 +45,107 @@ struct MarkovTerm {
 /// The noise coefficients of one axis.
 struct NoiseCoefficients {
   NoiseCoefficient Q, N, B, K, R;
-  std::vector<MarkovTerm> markov = {};  ///< by falling correlation time
+  std::vector<MarkovTerm> markov = {};  ///< in the order of decreasing correlation time
 };
 
-/// The contribution of each term to the Allan variance over an averaging time [u^2] (IEEE Std 952); a term that is not determined adds nothing.
+/// The contribution of each term to the Allan variance at one averaging time [u^2] (IEEE Std 952). A term that is not determined contributes nothing.
 struct AllanTerms {
   double Q = 0, N = 0, B = 0, K = 0, R = 0, markov = 0;
   double sum() const { return Q + N + B + K + R + markov; }
 };
 AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
 
-/// Axes without coefficients (constant readings) have none.
+/// The noise of an IMU. An axis with constant readings has no coefficients.
 struct ImuNoise {
   std::string recording = {};
   double interval_s = 0;
-  std::string gyro_unit, accel_unit;  ///< of u: "rad/s", "m/s^2", or "count"
+  std::string gyro_unit, accel_unit;  ///< units u: "rad/s", "m/s^2" or "count"
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
 };
 
-/// The sizes of a triad's terms: the root mean square over its axes of what is determined, 0 where it is on no axis. Throws Error for readings in
-/// counts, or where N is determined on no axis. Markov processes are left out: NoiseModel has none.
+/// Returns the sizes of each triad's terms: the RMS over the axes that determine a term, or 0 if no axis does. Markov processes are omitted because
+/// NoiseModel has none. Throws Error for readings in counts, or if no axis determines N.
 NoiseModels noise_sizes(const ImuNoise& noise);
 
 enum class DeviationKind { overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total };
-/// By kind.
+/// Names in the order of DeviationKind.
 inline constexpr std::array<std::string_view, 6> deviation_names{"overlapping-allan",    "allan", "modified-allan", "hadamard",
                                                                  "overlapping-hadamard", "total"};
-/// Empty where no kind has this name.
+/// Returns the kind with this name; empty if there is none.
 std::optional<DeviationKind> deviation_kind(std::string_view name);
 
-/// One averaging time. Bounds are two-sided, from chi-square with `edf`. A total deviation is not corrected for its bias in flicker and random walk.
+/// A deviation at one averaging time. Bounds are two-sided, from chi-square with `edf`. A total deviation is not corrected for its bias in flicker
+/// and random walk noise.
 struct DeviationPoint {
   std::size_t factor = 0;  ///< averaging time in samples
   double tau = 0;          ///< [s]
   double deviation = 0;    ///< unit of the rate
-  std::size_t terms = 0;   ///< number of squares averaged
+  std::size_t terms = 0;   ///< number of averaged squares
   int noise_type = 0;      ///< power-law exponent alpha of the rate's spectrum: 2 (quantization) to -2 (random walk; -4 for Hadamard)
   double edf = 0;          ///< equivalent degrees of freedom
   double lower_68 = 0, upper_68 = 0, lower_95 = 0, upper_95 = 0;
 };
 
-/// Four averaging factors an octave (4 to 7 times a power of two) up to a third of the record.
+/// Returns four averaging factors per octave (4 to 7 times a power of two) up to a third of `samples`.
 std::vector<std::size_t> averaging_factors(std::size_t samples);
 
-/// The deviation at each of the factors that the record is long enough for: at least one term (with the modified and Hadamard kinds 3 factors of
-/// N + 1 points, with the others 2). Throws Error for fewer than 3 samples, a reading that is not finite, an interval that is not positive, or a
-/// factor 0.
+/// Returns the deviation at each factor for which the record is long enough: modified and Hadamard kinds require 3 factors of N + 1 points, the
+/// others 2. `rate`: readings at equal intervals `interval_s` [s]; `factors`: averaging times in samples. Throws Error for fewer than 3 samples, a
+/// reading that is not finite, an interval that is not positive, or a factor 0.
 std::vector<DeviationPoint> deviation(std::span<const double> rate, double interval_s, const std::vector<std::size_t>& factors,
                                       DeviationKind kind = DeviationKind::overlapping_allan);
-/// Computes the same deviations, bit for bit, in the memory of the readings, if the vector has room for one more number.
+/// Computes bit-identical deviations in the memory of the readings, if the vector has capacity for one more number.
 std::vector<DeviationPoint> deviation_in_place(std::vector<double>&& rate, double interval_s, const std::vector<std::size_t>& factors,
                                                DeviationKind kind = DeviationKind::overlapping_allan);
 
-/// A range of frequencies in which the spectrum is not the model's.
+/// A frequency range in which the spectrum differs from the model.
 struct NoiseMisfit {
-  double low_hz = 0, high_hz = 0, ratio = 1;  ///< measured power over the model's
+  double low_hz = 0, high_hz = 0, ratio = 1;  ///< ratio of measured power to the model's
 };
 
-/// A sinusoid in the readings, taken out of the spectrum: amplitude [u].
+/// A sinusoid that was removed from the spectrum; amplitude in u.
 struct NoiseLine {
   double hz = 0;
   NoiseCoefficient amplitude;
 };
 
-/// The sensor's own: a Butterworth filter, before the readings are taken or digital at their rate.
+/// The sensor's own low-pass: an analog Butterworth filter before sampling, or a digital one at the sampling rate.
 struct LowPass {
   int order = 1;
   bool digital = false;
   NoiseCoefficient cutoff_hz;
 };
 
-/// The measured density and the model's, two-sided, at a frequency; on `count` degrees of freedom.
+/// Measured density and model density, two-sided, at one frequency, with `count` degrees of freedom.
 struct SpectrumPoint {
   double hz = 0, density = 0, model = 0, count = 0;
 };
 
 struct NoiseFit : NoiseCoefficients {
   std::optional<LowPass> low_pass = {};
-  std::vector<NoiseLine> lines = {};         ///< by frequency; lines above half the rate appear at their alias below it
-  double resolution = 0;                     ///< step of the readings; 0: not rounded, or finely
-  double chi2_per_dof = 0;                   ///< of the power in some dozens of ranges of frequency
-  double highest_hz = 0;                     ///< higher frequencies were left out because the model does not hold there; else half the rate
-  bool cut = false;                          ///< whether some were
-  std::vector<NoiseMisfit> misfits = {};     ///< remaining misfits; all intervals are then widened by the root of chi2_per_dof
-  std::vector<SpectrumPoint> spectrum = {};  ///< without the lines
+  std::vector<NoiseLine> lines = {};         ///< by frequency; lines above half the sampling rate appear at their alias below it
+  double resolution = 0;                     ///< step of the readings; 0: not rounded, or the step is negligible
+  double chi2_per_dof = 0;                   ///< of the power in several dozen frequency ranges
+  double highest_hz = 0;                     ///< highest frequency used: half the rate, or less if the model is invalid above
+  bool cut = false;                          ///< higher frequencies were excluded
+  std::vector<NoiseMisfit> misfits = {};     ///< remaining misfits; all intervals are then widened by the square root of chi2_per_dof
+  std::vector<SpectrumPoint> spectrum = {};  ///< measured spectrum without lines
 
   bool accepted() const { return misfits.empty(); }
 };
 
-/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum shows them. The
-/// intervals of B and K also allow for one more process, as far as the spectrum does not exclude it. Throws Error for fewer than 64 readings, a
-/// reading that is not finite or an interval that is not positive; Unsupported where the readings are constant. `step`: of rounded readings, 0 where
-/// they are not rounded; absent: the step that the readings show.
+/// Fits the noise terms to readings `rate` at intervals `interval_s` [s]. Q, N, B, K and the ramp are always fitted; up to two Markov processes, a
+/// low-pass and up to eight lines only if significant. The intervals of B and K also allow for one more process unless the spectrum excludes it.
+/// `step` is the step of rounded readings, 0 if they are not rounded; absent: estimated from the readings. Throws Error for fewer than 64 readings, a
+/// reading that is not finite or an interval that is not positive; throws Unsupported for constant readings.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step = {});
 
 struct NoiseAxis {
   std::string name = {};  ///< "gyro.x"
-  std::string unit = {};  ///< of its readings: "rad/s", "m/s^2" or "count"
+  std::string unit = {};  ///< unit of the readings: "rad/s", "m/s^2" or "count"
   std::vector<DeviationPoint> deviation = {};
-  std::optional<NoiseFit> fit = {};  ///< none where the axis has no usable noise:
-  std::string problem = {};          ///< why
+  std::optional<NoiseFit> fit = {};  ///< absent if the axis has no usable noise
+  std::string problem = {};          ///< reason for an absent fit
 };
 
 struct NoiseAnalysis {
@@ -153,34 +154,37 @@ struct NoiseAnalysis {
   std::size_t samples = 0;
   DeviationKind kind = DeviationKind::overlapping_allan;
   std::vector<NoiseAxis> axes = {};        ///< gyros, then accelerometers
-  std::vector<std::string> notes = {};     ///< what was cut
-  std::vector<std::string> warnings = {};  ///< findings, and their consequence for the result
+  std::vector<std::string> notes = {};     ///< excluded parts of the log
+  std::vector<std::string> warnings = {};  ///< findings and their consequences
 };
 
 struct NoiseOptions {
   DeviationKind kind = DeviationKind::overlapping_allan;
-  bool remove_temperature = false;  ///< a least-squares parabola in the triad's temperature is subtracted; this removes some of K and B, too
-  bool accel_joined = false;        ///< the accelerometers' readings are means over the gyros' intervals: no warning of the end of their spectrum
+  /// Subtracts a least-squares parabola in the triad's temperature; this also removes part of K and B.
+  bool remove_temperature = false;
+  /// The accelerometer readings are means over the gyro intervals: suppresses the warning that their spectrum ends early.
+  bool accel_joined = false;
 };
 
-/// Axes in parallel; the result does not depend on the number of threads. The longest part at rest counts, whose limits the notes name: between the
-/// holds of the session's steps, or found; without gaps or saturated samples, but that a few lost ones are filled. Throws Unsupported where none is
-/// as long as 30 s and 1024 samples, and where a temperature is to be removed that the recording does not have, or that does not change; Error as
-/// detect_rests.
+/// Analyzes all axes in parallel; the result does not depend on the number of threads. The analysis uses the longest part at rest, either between the
+/// holds of the session's steps or found in the data, and its notes state the limits. That part has no gaps or saturated samples, but a few lost
+/// samples are filled in. Throws Unsupported if no part is as long as 30 s and 1024 samples, or if a temperature to be removed is missing or
+/// constant; throws Error as detect_rests does.
 NoiseAnalysis analyze_noise(Recording recording, const Session& session, const NoiseOptions& options = {});
 
-// Several logs together, of one unit or of a batch: mean, spread and worst of each coefficient.
+// Joint statistics of several logs of one unit or a batch: mean, spread and worst value of each coefficient.
 
 struct BatchCoefficient {
   int determined = 0;  ///< number of logs that determine it
-  /// Mean of these, with the larger of the uncertainty that the logs state and that their scatter shows; where none determines it, the largest bound.
+  /// Mean over these logs, with the larger of stated uncertainty and uncertainty from the scatter; if there are none, the largest bound.
   NoiseCoefficient mean;
-  double spread = 0;  ///< standard deviation from log to log beyond what the logs' uncertainties explain; NaN for fewer than two
-  double worst = 0;   ///< largest value, or bound of a log that does not determine it
+  /// Standard deviation between logs beyond their stated uncertainties; NaN for fewer than two logs.
+  double spread = 0;
+  double worst = 0;  ///< largest value, or largest bound of a log that does not determine the coefficient
   std::size_t worst_log = 0;
 };
 
-/// Q, N, B, K, R of one axis, in this order.
+/// Coefficients Q, N, B, K, R of one axis, in this order.
 struct BatchAxis {
   std::string name, unit;
   std::array<BatchCoefficient, 5> coefficients;
@@ -191,7 +195,7 @@ struct NoiseBatch {
   std::vector<BatchAxis> axes = {};
 };
 
-/// Throws Error where the logs' units differ.
+/// Combines analyses of several logs. Throws Error if their units differ.
 NoiseBatch noise_batch(std::vector<NoiseAnalysis> logs);
 
 }  // namespace imulab

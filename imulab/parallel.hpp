@@ -1,11 +1,11 @@
-// The threads of the library. Methods, predictions, simulations and noise analyses use all processors by themselves (oneTBB; in a build without it
-// one); no result depends on their number.
+// Threads of the library. Methods, predictions, simulations and noise analyses use all processors (oneTBB; builds without it use one). No result
+// depends on the number of threads.
 //
 // Example:
-//   const ThreadLimit one(1);  // while it exists: for a node that has other work, or that calibrates several units side by side
+//   const ThreadLimit one(1);  // active while it exists: for a computer with other work, or several calibrations in parallel
 //   std::printf("%zu\n", parallel_threads());
 //
-// A limit counts for the whole program, whichever thread made it; of several the least. Callbacks named `progress` may come from any thread.
+// A limit applies to the whole program, whichever thread created it; the smallest of several applies. Any thread may call a `progress` callback.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@
 
 namespace imulab {
 
-/// The threads of a parallel loop, at least 1.
+/// Returns the number of threads of a parallel loop, at least 1.
 std::size_t parallel_threads();
 
-/// While it exists, parallel loops of the whole program use at most this number of threads, from 1 on. Throws Error for 0.
+/// While this object exists, parallel loops of the whole program use at most `threads` threads. Throws Error for 0.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::size_t threads);

@@ -1,4 +1,4 @@
-// A session: what is known besides the readings. Recordings with their IMU, site, rig and steps; a procedure is a session without recordings.
+// A session: all information besides the readings: recordings, IMU, site, rig and steps. A procedure is a session without recordings.
 //
 // Example:
 //   Session mine;
@@ -8,9 +8,9 @@
 //   mine.steps.push_back({.kind = StepKind::hold, .start = 0, .end = 60});
 //   validate(mine);          // throws Error that names every number out of range
 //
-// SI and radians, times in s of the recording's clock. Files are read into one by files.hpp (docs/reference/session.md has the keys and ranges, which
-// `validate` checks here), procedure.hpp makes standard ones. Absent values are std::optional: what a method needs it asks for by an Error. A plain
-// value.
+// Values are SI and radians, times are s on the recording's clock. files.hpp reads sessions from files (docs/reference/session.md lists keys and
+// ranges, which `validate` checks here); procedure.hpp makes standard ones. Absent values are std::optional: a method throws Error if it needs an
+// absent one. Types are plain values.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -30,50 +30,49 @@
 
 namespace imulab {
 
-/// The noise terms of a grade that a simulation has: white noise alone, or all.
+/// Noise terms of a grade in a simulation: white noise only, or all.
 enum class NoiseTerms { white, full };
 std::string_view to_string(NoiseTerms terms);
 
-/// One sigma of the terms that an IMU may have beyond offsets and matrices, SI: the priors of a calibration. Absent: by the grade, or the IMU's
-/// offsets.
+/// One sigma of optional terms beyond offsets and matrices, SI: priors of a calibration. Absent: from the grade or the IMU's offsets.
 struct TermSigmas {
   std::optional<double> accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
   std::optional<double> gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2
   std::optional<double> g_sensitivity = {};            ///< (rad/s)/(m/s^2)
   std::optional<double> lever_arm = {};                ///< m
-  std::optional<double> delay = {};                    ///< s: of the accelerometers behind the gyros
+  std::optional<double> delay = {};                    ///< delay [s] of the accelerometers relative to the gyros
   bool operator==(const TermSigmas&) const = default;
 };
 
 struct ImuDeclaration {
   std::string name = {};
-  std::optional<std::string> serial = {};          ///< number of this one
-  std::optional<std::string> firmware = {};        ///< its version
-  std::optional<std::string> filter = {};          ///< how the IMU filters the readings before their output, in words: "low-pass, 42 Hz"
-  std::optional<std::string> grade = {};           ///< sizes for priors, and for the draws of simulate
-  std::string clock = "own";                       ///< the seconds in which the gyros' scales are to be stated: the recording's own, or "true"
-  std::optional<std::string> truth = {};           ///< file of the exact IMU to simulate
+  std::optional<std::string> serial = {};          ///< serial number of the unit
+  std::optional<std::string> firmware = {};        ///< version of the firmware
+  std::optional<std::string> filter = {};          ///< description of the filter between sensors and output: "low-pass, 42 Hz"
+  std::optional<std::string> grade = {};           ///< source of the sizes for priors, and for draws of simulations
+  std::string clock = "own";                       ///< time unit for the gyro scales: seconds of the recording's "own" clock, or "true" seconds
+  std::optional<std::string> truth = {};           ///< file of the exact IMU for a simulation
   std::optional<double> accel_noise_density = {};  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density = {};   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
-  std::optional<std::string> noise_file = {};  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
+  std::optional<std::string> noise_file = {};  ///< noise analysis beside the session; it provides densities and terms that are not declared
   TermSigmas term_sigmas;
-  std::map<std::string, double, std::less<>> effect_sigmas = {};  ///< one sigma by the name of the effect (docs/theory/effects.md), SI
-  std::optional<std::map<std::string, double, std::less<>>> simulated_effects = {};  ///< likewise, of those that a simulation draws
-  std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's; their N, unless it is 0, is the density
+  std::map<std::string, double, std::less<>> effect_sigmas = {};                     ///< one sigma by effect name (docs/theory/effects.md), SI
+  std::optional<std::map<std::string, double, std::less<>>> simulated_effects = {};  ///< likewise, for effects drawn by a simulation
+  std::optional<NoiseModel> accel_noise, gyro_noise;                                 ///< replace the grade's noise; N is the density unless it is 0
   bool operator==(const ImuDeclaration&) const = default;
 };
 
 struct Site {
   std::optional<double> latitude, longitude;       ///< rad
-  std::optional<double> latitude_sigma = {};       ///< rad; absent: as the effect site.latitude has it
+  std::optional<double> latitude_sigma = {};       ///< rad; absent: size of the effect site.latitude
   std::optional<double> height = {};               ///< m
   std::optional<double> given_gravity = {};        ///< m/s^2
   std::optional<double> given_gravity_sigma = {};  ///< m/s^2
 
-  /// Given, or WGS-84 normal gravity. Throws Error where there is neither a latitude nor a given value.
+  /// Returns the given gravity or WGS-84 normal gravity [m/s^2]. Throws Error if neither a latitude nor a gravity is given.
   double gravity() const;
-  /// Given, or 1e-5 for a given gravity, 3e-4 from latitude and height, 3e-3 without height; these with what the latitude's sigma makes of it.
+  /// Returns its sigma [m/s^2]: given, or 1e-5 for a given gravity, else 3e-4 (3e-3 without height) combined with the effect of latitude_sigma.
   double gravity_sigma() const;
   bool operator==(const Site&) const = default;
 };
@@ -81,95 +80,95 @@ struct Site {
 enum class RigKind { none, turntable, rate_table, centrifuge, chamber };
 std::string_view to_string(RigKind kind);
 
-/// The axes of a turntable, in the order of the tables below.
+/// Axes of a turntable, in the order of the arrays by RigAxis.
 enum class RigAxis { outer, middle, inner };
 std::string_view to_string(RigAxis axis);
 
 /// Declared accuracy of a rig, SI.
 struct RigDeclaration {
-  std::string name = {};  ///< recordings refer to it where there are several
+  std::string name = {};  ///< name to which recordings refer if there are several rigs
   RigKind kind = RigKind::none;
-  Spread angle, orthogonality, zero;  ///< rad
-  Spread timing;                      ///< s
-  Spread mount;   ///< rad: each of the three small rotations of a mounting (rate table, centrifuge, chamber), drawn for each mount
-  Spread rate;    ///< relative: the scale of the rate (rate table, centrifuge)
-  Spread radius;  ///< m: of a mount's radii, common to the three sensors (rate table, centrifuge)
-  double ramp = 0, time_constant = 0;  ///< chamber: K/s toward a set point, and time constant [s] of the IMU; 0: at once
-  double hysteresis = 0;               ///< chamber: K by which the IMU's zeros lag behind its thermal readings, against the direction of change
-  std::array<std::optional<std::array<double, 2>>, 3> given_orthogonality;  ///< rad, by RigAxis: exactly known instead of drawn
+  Spread angle, orthogonality, zero;   ///< rad
+  Spread timing;                       ///< s
+  Spread mount;                        ///< rad: each of three small mounting rotations, drawn for each mount (rate table, centrifuge, chamber)
+  Spread rate;                         ///< relative scale error of the rate (rate table, centrifuge)
+  Spread radius;                       ///< m: error of a mount's radii, common to the three sensors (rate table, centrifuge)
+  double ramp = 0, time_constant = 0;  ///< chamber: K/s toward a set point; thermal time constant of the IMU [s], 0: none
+  double hysteresis = 0;               ///< chamber: lag [K] of the IMU's zeros behind its thermal readings, opposite to the direction of change
+  std::array<std::optional<std::array<double, 2>>, 3> given_orthogonality;  ///< rad, by RigAxis: exactly known values instead of draws
   std::array<std::optional<double>, 3> given_zero;                          ///< rad, by RigAxis
   bool operator==(const RigDeclaration&) const = default;
 };
 
 enum class Output { rate, increment };
 
-/// A column by its header name or its 1-based number; of readings also a sum of columns by name, "gravity.x + userAcceleration.x".
+/// A column by header name or 1-based number; for readings also a sum of named columns, "gravity.x + userAcceleration.x".
 using Column = std::variant<std::string, int>;
 inline constexpr std::string_view sum_sign = " + ";
 
-/// Which stamps a calibration uses: the file's, an even clock's, or the latter if the file's scatter.
+/// Stamps that a calibration uses: recorded, uniform (an even clock), or automatic (uniform if the recorded ones scatter).
 enum class Stamps { automatic, recorded, uniform };
 std::string_view to_string(Stamps stamps);
 
-/// Where the stamps of rows come from. A stamp is column + fraction_column, or the row's number times the interval.
+/// Source of the row stamps. A stamp is column + fraction_column, or the row number times the interval.
 struct TimeSource {
-  std::optional<Column> column = Column(1);  ///< absent: the rows follow each other at the declared rate
-  std::string unit = "s";                    ///< s, ms, us, ns; tick (ticks_per_s); sample: a number of samples at the declared rate
-  std::optional<Column> fraction_column{};   ///< added to the first, as nanoseconds to seconds
+  std::optional<Column> column = Column(1);  ///< absent: consecutive rows at the declared rate
+  std::string unit = "s";                    ///< s, ms, us, ns; tick (ticks_per_s); sample: number of samples at the declared rate
+  std::optional<Column> fraction_column{};   ///< column to be added, such as nanoseconds to seconds
   std::string fraction_unit = "ns";
   std::optional<double> ticks_per_s{};
-  std::optional<int> wrap_bits{};  ///< the column's number wraps to 0 after 2^wrap_bits of its unit
-  std::int64_t zero = 0;           ///< subtracted: ns, or ticks or samples
+  std::optional<int> wrap_bits{};  ///< the number in the column wraps to 0 after 2^wrap_bits units
+  std::int64_t zero = 0;           ///< value to be subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
-  TimeScale scale = TimeScale::own;  ///< gps or utc: seconds since 1970, since 1980 (the epoch of GPS), or of the week
+  TimeScale scale = TimeScale::own;  ///< gps or utc: seconds since 1970, since 1980 (GPS epoch), or of the week
   bool operator==(const TimeSource&) const = default;
 };
 
-/// How a file prints the bits of whole readings: as their numbers, or so that those of the other sign are 2^16, 2^24 or 2^32 away, as where -132 is
-/// printed as 65404. The name is the kind of integer that they are.
+/// Representation of integer readings in a file: as_written, or the integer type of the bits if the file prints values of the other sign shifted by
+/// 2^16, 2^24 or 2^32 (for example -132 as 65404).
 enum class Integers { as_written, int16, uint16, int24, uint24, int32, uint32 };
 std::string_view to_string(Integers integers);
 
 struct TriadSource {
   std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
   std::optional<TimeSource> time{};
-  std::vector<Column> columns{};                  ///< three
-  std::optional<std::array<BodyAxis, 3>> axes{};  ///< along which body axis each column measures; absent: x, y, z
+  std::vector<Column> columns{};                  ///< three columns
+  std::optional<std::array<BodyAxis, 3>> axes{};  ///< body axis along which each column measures; absent: x, y, z
   Output output = Output::rate;
   std::string unit = "count";
   Integers integers = Integers::as_written;
-  std::optional<double> counts_per_unit{};        ///< the file has counts: this number is one `unit`
-  std::optional<std::array<double, 2>> limits{};  ///< in the file's unit
+  std::optional<double> counts_per_unit{};        ///< number of counts in one `unit`, if the file has counts
+  std::optional<std::array<double, 2>> limits{};  ///< in the unit of the file
   bool operator==(const TriadSource&) const = default;
 };
 
 struct ThermalSource {
   std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
   std::optional<TimeSource> time{};
-  std::vector<Column> columns = {};  ///< one or three
+  std::vector<Column> columns = {};  ///< one column or three
   std::string unit = "degC";
-  // In a simulation a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
+  // A simulated reading is at_25_degC + per_K (T - 25 degC) plus noise. Three columns represent three sensors.
   double noise = 0;                         ///< one sigma of a reading, in its unit
-  std::optional<double> at_25_degC, per_K;  ///< absent: the temperature itself
+  std::optional<double> at_25_degC, per_K;  ///< absent: the reading is the temperature
   bool operator==(const ThermalSource&) const = default;
 };
 
-/// The samples that a simulation writes: all from the first to the last step, or those inside the steps (the operator records point by point).
+/// Samples that a simulation writes: all from the first to the last step, or only those inside steps (recorded point by point).
 enum class Extent { all, steps };
 std::string_view to_string(Extent extent);
 
 struct RecordingSource {
   std::string file = {};
-  std::string topic = {};   ///< the table of a file that has several: a bag's topic, a log's message; empty: the only one
-  std::string layout = {};  ///< of rows of binary numbers: "f8 f4x6"; empty: the file describes itself
-  std::string rig = {};     ///< empty with one rig
+  std::string topic = {};   ///< table in a file with several: topic of a bag, message of a log; empty: the only one
+  std::string layout = {};  ///< layout of binary rows: "f8 f4x6"; empty: the file describes itself
+  std::string rig = {};     ///< name of the rig; empty with one rig
   std::optional<double> rate_hz = {};
   Extent extent = Extent::all;
   TimeSource time;
   TriadSource gyro, accel;
   std::optional<ThermalSource> gyro_temperature, accel_temperature;
 
-  /// The files that its columns are in, each once.
+  /// Returns the files that contain its columns, each once.
   std::set<std::string> files() const;
   bool operator==(const RecordingSource&) const = default;
 };
@@ -182,23 +181,23 @@ struct Mount {
 enum class StepKind { hold, rotate, spin };
 std::string_view to_string(StepKind kind);
 
-/// One action of the rig, in time order. Omitted angles have been filled in from the previous step (first 0, anew in each recording).
+/// An action of the rig, in time order. Omitted angles were copied from the previous step (initially 0 in each recording).
 struct Step {
   StepKind kind = StepKind::hold;
-  std::string recording = {};               ///< file of the recording it belongs to
-  double start = 0, end = 0;                ///< s of the recording's clock; also for a procedure
-  std::array<double, 3> angles{0, 0, 0};    ///< rad, by RigAxis: of a hold; where a rotate or spin begins
+  std::string recording = {};               ///< file of the recording that contains the step
+  double start = 0, end = 0;                ///< s on the clock of the recording or procedure
+  std::array<double, 3> angles{0, 0, 0};    ///< rad, by RigAxis: angles of a hold, or start of a rotate or spin
   RigAxis axis = RigAxis::outer;            ///< rotate
   double angle = 0;                         ///< rotate: rad, signed
   double rate = 0;                          ///< rotate (> 0) and spin (signed): rad/s
   std::optional<double> acceleration = {};  ///< rad/s^2
   std::optional<Mount> mount = {};
-  std::array<double, 3> radius{0, 0, 0};   ///< spin: m, by sensor axis
+  std::array<double, 3> radius{0, 0, 0};   ///< spin: radius [m] by sensor axis
   std::optional<double> temperature = {};  ///< set point, degC
   bool operator==(const Step&) const = default;
 };
 
-/// "step 3 (hold at 120 s)": the step with this index, from 0.
+/// Returns "step 3 (hold at 120 s)" for the step with `index` 2 (counted from 0).
 std::string step_name(const Step& step, std::size_t index);
 
 struct InitialState {
@@ -208,28 +207,28 @@ struct InitialState {
   bool operator==(const InitialState&) const = default;
 };
 
-/// Treatment of the height, whose pure inertial error grows by a factor e every 570 s: state the vertical channel with every result.
+/// The vertical channel: pure inertial height errors grow by a factor e every 570 s. State the vertical channel with every result.
 enum class VerticalChannel {
-  free,   ///< integrated like the others
-  fixed,  ///< height as at the start, no vertical velocity
-  aided,  ///< corrected towards a barometer's height by a loop of third order
-  held,   ///< the height is the barometer's, the vertical velocity is integrated freely
+  free,   ///< integrated like the horizontal channels
+  fixed,  ///< height of the start, no vertical velocity
+  aided,  ///< corrected by a barometer's height in a third-order loop
+  held,   ///< height from the barometer; the vertical velocity is integrated freely
 };
 std::string_view to_string(VerticalChannel vertical);
-/// Of such a name; throws Error for another.
+/// Returns the channel with this name; throws Error if it is unknown.
 VerticalChannel vertical_channel(std::string_view name);
 
 struct Session {
   std::string file = {};                        ///< the TOML file
-  std::string sha256;                           ///< of its text
-  std::optional<std::string> noise_taken = {};  ///< the file of an analysis that the IMU's noise is from
-  std::optional<std::string> operated_by = {};  ///< who took the data
-  std::optional<std::string> station = {};      ///< where
-  std::optional<std::string> measured = {};     ///< when: UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
-  std::optional<std::string> valid_until = {};  ///< the day until which the owner uses the calibration
-  std::optional<std::string> warm_up = {};      ///< before the recording, in words
+  std::string sha256;                           ///< hash of its text
+  std::optional<std::string> noise_taken = {};  ///< noise analysis from which the IMU's noise was taken
+  std::optional<std::string> operated_by = {};  ///< person who measured
+  std::optional<std::string> station = {};      ///< place
+  std::optional<std::string> measured = {};     ///< UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
+  std::optional<std::string> valid_until = {};  ///< recalibration due date
+  std::optional<std::string> warm_up = {};      ///< description of the warm-up before the recording
   std::optional<std::string> power_cycles = {};
-  std::vector<Reference> references = {};  ///< at most one of each quantity
+  std::vector<Reference> references = {};  ///< at most one for each quantity
   ImuDeclaration imu;
   Site site;
   std::vector<RigDeclaration> rigs = {};
@@ -237,30 +236,30 @@ struct Session {
   std::vector<Step> steps = {};
   std::optional<InitialState> initial = {};
   std::optional<std::string> truth_file = {};    ///< reference solution for navigation
-  std::optional<VerticalChannel> vertical = {};  ///< of a navigation
+  std::optional<VerticalChannel> vertical = {};  ///< vertical channel of a navigation
   std::optional<std::string> barometer_file = {};
-  std::vector<Aid> aids = {};  ///< of a drive or flight
+  std::vector<Aid> aids = {};  ///< aids of a drive or flight
 
-  /// The declaration of the recording with this file name; if the session has none, one with the name alone.
+  /// Returns the declaration of the recording with this file name; if the session has none, a declaration with the name only.
   RecordingSource source_of(std::string_view name) const;
-  /// The rig of a recording: the one it names, or the first where it names none; null where there is none.
+  /// Returns the rig that a recording names, or the first rig if it names none; null if there is none.
   const RigDeclaration* rig_of(const RecordingSource& source) const;
-  /// The steps of a recording: those that name its file, or all where the session has at most one recording.
+  /// Returns the steps that name the recording's file, or all steps if the session has at most one recording.
   std::vector<Step> steps_of(const RecordingSource& source) const;
 
   bool operator==(const Session&) const = default;
 };
 
-/// The noise of each triad as an IMU declares it: its own terms (`accel_noise`, `accel_noise_density`), else the grade's where `imu.noise` is
-/// NoiseTerms::full, else none (0).
+/// Returns the declared noise of each triad: its own terms (`accel_noise`, `accel_noise_density`), else the grade's if `imu.noise` is
+/// NoiseTerms::full, else 0.
 NoiseModels declared_terms(const ImuDeclaration& imu);
 
-/// As declared_terms, with the grade's white noise N where no density is declared. Throws Error where there is neither a density nor a grade.
+/// Like declared_terms, with the grade's white noise N if no density is declared. Throws Error if neither density nor grade is declared.
 NoiseModels declared_noise(const ImuDeclaration& imu);
 
-/// Throws Error that lists every number of a session outside the range that a session file allows (latitude in -90 to 90 deg, a gravity in m/s^2,
-/// noise of at least 0, ...), every text that such a file refuses (dates, units, names of effects, rigs and recordings), and every step that ends
-/// before it begins, begins before the end of the one before it, or turns nowhere.
+/// Throws an Error that lists every number outside the range of session files (latitude in -90 to 90 deg, gravity in m/s^2, nonnegative noise, ...),
+/// every invalid text (dates, units, names of effects, rigs and recordings), and every step that ends before it begins, overlaps the previous step,
+/// or is a rotation without an angle.
 void validate(const Session& session);
 
 }  // namespace imulab

@@ -1,4 +1,5 @@
-// True motion, a true IMU and noise -> a recording. In memory, on values: the command, tests and Monte Carlo runs use the same call.
+// Simulates a recording from true motion, a true IMU and noise. It works on values in memory; the command, tests and Monte Carlo runs use the same
+// call.
 //
 // Example:
 //   const Session procedure = dai_unit_procedure({});
@@ -6,18 +7,18 @@
 //   const RecordingSource& source = procedure.recordings.front();
 //   const Recording simulated = simulate_recording(procedure, source, truth, 1, draw_rig_errors(procedure, source, 1));
 //
-// The error sources of a rig are one flat list:
+// The error sources of a rig are one list:
 // - orthogonality: l_outer = (o1, o2, 1), l_middle = (m1, 1, m2), l_inner = (1, i1, i2) in n at zero angles, then normalized;
-// - zero: a constant angle error of each axis (outer: north; middle and inner: the IMU's level at zero angles);
-// - tilt: the whole table is tilted about east and about north;
-// - angle: angle error of a stop. An axis has one from the start and draws a new one only when it is commanded to move;
-// - timing: a commanded rotation lasts longer by this time, and ends at its angle;
-// - mount, rate, radius: of rate table and centrifuge.
-// A table with fewer axes is one whose procedure does not use the others: an axis that stays at zero throughout has neither orthogonality nor angle
-// errors (its zero error remains: the IMU's mounting).
+// - zero: a constant angle error of each axis (outer: relative to north; middle and inner: leveling error of the IMU at zero angles);
+// - tilt: a tilt of the whole table about east and about north;
+// - angle: angle error at a stop; each axis draws one at the start, and a new one only when it is commanded to move;
+// - timing: time by which a commanded rotation lasts longer; it still ends at its angle;
+// - mount, rate, radius: errors of rate table and centrifuge.
+// A table with fewer axes is a table of which the procedure does not use all axes. An axis that remains at zero has neither orthogonality nor angle
+// errors; its zero error remains because it represents the mounting of the IMU.
 //
-// A draw depends on the seed and on what is drawn alone: equal seeds give equal bits, on any number of threads. SI. Throw Error where a procedure
-// lacks a latitude, noise or a spread. Time is linear in the number of samples. Safe on any thread.
+// A draw depends only on the seed and the drawn quantity: equal seeds give bit-identical results for any number of threads. Values are SI. Functions
+// throw Error if a procedure lacks a latitude, noise or a spread. The time is linear in the number of samples. Safe on any thread.
 #pragma once
 
 #include "imulab/grade.hpp"
@@ -38,58 +39,57 @@ struct RigErrorSource {
   static constexpr std::size_t at_start = static_cast<std::size_t>(-1);
 
   RigErrorKind kind = RigErrorKind::zero;
-  std::size_t axis = 0;         ///< by RigAxis; of a tilt: 0 about east, 1 about north; of a mount: the body axis it turns about
+  std::size_t axis = 0;         ///< by RigAxis; for a tilt: 0 about east, 1 about north; for a mount: body axis of the rotation
   std::size_t element = 0;      ///< of an orthogonality: 0 or 1, as in i1, i2
-  std::size_t step = at_start;  ///< of an angle or timing error: the step (of its recording) that draws it, from 0
-  Mount place{};                ///< of a mount or radius: which
-  double known = 0;             ///< rad, s, m or relative: the declared value; the mean of the draws
-  double sigma = 0;             ///< likewise: of its draw; 0 where it is known exactly
+  std::size_t step = at_start;  ///< angle or timing error: index of the step (of its recording) that draws it
+  Mount place{};                ///< mount to which a mount or radius error belongs
+  double known = 0;             ///< declared value [rad, s, m or relative], the mean of the draws
+  double sigma = 0;             ///< standard deviation of the draw, same unit; 0 if known exactly
 
-  /// "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3": steps count from 1; of machines "rate",
-  /// "mount.+z+x.y", "radius.+z+x".
+  /// Returns "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3" (steps count from 1), or for
+  /// machines "rate", "mount.+z+x.y", "radius.+z+x".
   std::string name() const;
   bool operator==(const RigErrorSource&) const = default;
 };
 
-/// Every error source of a recording's rig, as declared: of the table or machine first, then by step or mount. A hand (kind none)
-/// has none.
+/// Returns every declared error source of a recording's rig: first those of the table or machine, then by step or mount. The list is empty for kind
+/// none (turns by hand).
 std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source);
 
-/// Error sources and their values. Empty: a rig without errors.
+/// Error sources and their values. Empty lists mean a rig without errors.
 struct RigErrors {
   std::vector<RigErrorSource> sources = {};
   std::vector<double> values = {};  ///< rad, s, m or relative
 };
 
-/// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.
+/// Draws the errors. Recordings on one rig share its table errors, but each has its own angle and timing errors.
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed);
 
-/// What a unit does beside the sensor model, exactly (docs/theory/effects.md).
+/// The exact size of an effect beyond the sensor model (docs/theory/effects.md).
 struct EffectValue {
   std::string name = {};  ///< "accel.asymmetry"
-  int column = 0;         ///< of an effect that has several
+  int column = 0;         ///< column index, if the effect has several
   double value = 0;       ///< SI
 };
 
-/// The exact values of a simulation, which a calibration should find.
+/// The exact values of a simulation, which a calibration should recover.
 struct Truth {
   SensorModel model;
   double gravity = 0;                           ///< m/s^2
-  std::optional<double> latitude{};             ///< rad; absent: the site's
-  BodyFrame frame = BodyFrame::accelerometers;  ///< of the model
-  NoiseModel accel_noise{}, gyro_noise{};       ///< errors that are not coefficients of the model; a calibration of one recording does not find them
-  std::vector<EffectValue> effects{};           ///< of [imu.effects]
+  std::optional<double> latitude{};             ///< rad; absent: latitude of the site
+  BodyFrame frame = BodyFrame::accelerometers;  ///< frame of the model
+  NoiseModel accel_noise{}, gyro_noise{};       ///< errors that are not coefficients of the model; one recording does not determine them
+  std::vector<EffectValue> effects{};           ///< values of [imu.effects]
 };
 
-/// Draws the IMU from imu.grade (or takes `given`), and gravity and latitude from the site's values and sigmas. Declared noise replaces the
-/// grade's, of which only white noise is taken unless imu.noise asks for all terms. In the accelerometers' frame (the accelerometer matrix is lower
-/// triangular), but in the rig's for a grade with ranges. Thermal terms are those of the recordings' readings. Throws Error where a spread is not
-/// declared.
+/// Draws the IMU from imu.grade (or uses `given`), and gravity and latitude from the site's values and sigmas. Declared noise replaces the grade's,
+/// of which only white noise is used unless imu.noise requests all terms. The frame is the accelerometers' (lower triangular accelerometer matrix),
+/// or the rig's for a grade with ranges. Thermal terms match the recordings' thermal readings. Throws Error if a spread is not declared.
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given = {});
 
-/// Samples from 0 to the end of the last step, or those inside the steps, at rate_hz (100 where absent). Each is the raw value of the mean motion
-/// over its interval plus the noise terms, rounded to the resolution and clipped to the range and to the source's limits (SI or counts). Without
-/// `rig` the rig is exact. Bit-equal on any number of threads.
+/// Simulates the samples from 0 to the end of the last step, or those inside steps, at rate_hz (default 100). A sample is the raw value of the mean
+/// motion over its interval plus noise, rounded to the resolution and limited to the range and the source's limits (SI or counts). Without `rig` the
+/// rig is exact. The result is bit-identical for any number of threads.
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed,
                              const RigErrors& rig = {});
 

@@ -1,11 +1,11 @@
-// Work that can be stopped, and says how far it is: calibrations, predictions, plans and budgets, from any thread.
+// Stops calibrations, predictions, plans and budgets from any thread, and reports their progress.
 //
 // Example:
 //   std::stop_source source;                             // source.request_stop() from another thread
 //   const WorkScope scope(source.get_token());
 //   const TurnPath path = plan_path(session, {});        // throws Stopped within a second
 //
-// The work inside asks at every iteration of a fit and before every call of a parallel loop, so the scope holds for all that its thread begins.
+// The work checks for a request at every fit iteration and before every call of a parallel loop. A scope applies to all work that its thread starts.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@
 
 namespace imulab {
 
-/// While it exists, work of this thread, and of the threads that its parallel loops use, throws Stopped once the token is asked to stop, and reports
-/// the fraction done, which never falls, from any of these threads. Scopes nest: the tokens of all count, the progress of the innermost that has one.
-/// It has to end on the thread on which it began.
+/// While this object exists, work on its thread and in the parallel loops of that thread throws Stopped after the token receives a request. It also
+/// reports the fraction done, which never decreases, from any of these threads. Scopes nest: all tokens apply, but only the innermost progress
+/// function. The scope must end on the thread on which it began.
 class WorkScope {
  public:
   explicit WorkScope(std::stop_token stop, std::function<void(double)> progress = {});
@@ -34,17 +34,17 @@ class WorkScope {
   State* state_;
 };
 
-/// Throws Stopped where a scope around the call was asked to stop. A few nanoseconds.
+/// Throws Stopped if an enclosing scope received a stop request. Takes a few nanoseconds.
 void stop_point();
 
-/// A stop point after an iteration of work whose number of iterations is not known in advance, `usual` of them. The fraction that is reported comes
-/// closer to 1 with each, and never reaches it.
+/// Stop point after an iteration of work whose number of iterations is unknown; `usual` is the typical number. The reported fraction approaches 1
+/// with each iteration, but does not reach it.
 void count_iteration(int usual = 8);
 
-/// Calls `work` in the scopes of another thread, which wait for it: for the calls of parallel loops.
+/// Runs work for a waiting thread in the scopes of that thread: for calls of parallel loops.
 class ScopesOfThread {
  public:
-  ScopesOfThread();  // those of this thread
+  ScopesOfThread();  // stores the scopes of this thread
   void call(const std::function<void(std::size_t)>& work, std::size_t k) const;
 
  private:

@@ -1,4 +1,4 @@
-// Customary units as factors to SI. Inside the library everything is SI and radians: multiply what comes in, divide what goes out.
+// Customary units as factors to SI. The library uses SI and radians internally: multiply inputs and divide outputs by these factors.
 //
 // Example:
 //   const double bias = 5 * unit::deg_per_h;         // rad/s

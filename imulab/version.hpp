@@ -1,23 +1,23 @@
-// Version and build of the compiled library: `imulab --version` shows the same. The source is made by CMake (cmake/build.cpp.in).
+// Version and build of the compiled library, as in `imulab --version`. CMake generates the source (cmake/build.cpp.in).
 //
 // Example:
 //   const Build built = build();
 //   std::printf("imulab %s by %s\n", built.version.c_str(), built.compiler.c_str());
 //
-// What may change from one version to the next: docs/reference/extending.md, "Stability". Safe on any thread.
+// docs/reference/extending.md, "Stability", states what may change between versions. Safe on any thread.
 #pragma once
 
 #include <string>
 #include <vector>
 
-// Of these headers; a shared library of another major or minor version has another SONAME.
+// Version of these headers. A shared library with another major or minor version has another SONAME.
 #define IMULAB_VERSION_MAJOR 0
 #define IMULAB_VERSION_MINOR 1
 #define IMULAB_VERSION_PATCH 0
 
 namespace imulab {
 
-/// A library that imulab can be built without.
+/// An optional library of the build.
 struct BuildOption {
   std::string name, purpose;  // "LZ4", "bags compressed with LZ4"
   bool built_with = false;
@@ -26,7 +26,7 @@ struct BuildOption {
 struct Build {
   std::string version, compiler, type, processor;  // "0.1.0", "GNU 12.2.0", "Release", "x86_64"
   std::vector<BuildOption> options;
-  std::string programs;  // where programs that others run are installed: "/usr/local/libexec"
+  std::string programs;  // installation folder of helper programs: "/usr/local/libexec"
 };
 
 Build build();

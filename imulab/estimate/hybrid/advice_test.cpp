@@ -20,7 +20,7 @@ Plan plan_with(const std::vector<TableTurn>& turns) {
 }
 
 TEST(HybridAdvice, NamesTheAxisThatWasNeverTurned) {
-  // Only about the middle axis, the IMU's y: the x gyro's scale needs a turn about x, the z gyro's one about z, each while it is horizontal.
+  // Only turns about the middle axis, the IMU's y, occur: the x gyro's scale requires a turn about x, the z gyro's one about z, each horizontal.
   const Plan plan = plan_with({{middle, 90, 30}, {middle, 180, 30}, {middle, -90, 30}, {middle, -180, 30}});
   const FilterPrediction p = predict(plan);
   ASSERT_THAT(p.undetermined, testing::Contains(coefficient_index("gyro.matrix.zx")));
@@ -37,7 +37,7 @@ TEST(HybridAdvice, WhatItSaysHelps) {
   std::vector<TableTurn> turns{{middle, 90, 30}, {middle, 180, 30}, {middle, -90, 30}, {middle, -180, 30}};
   const Plan plan = plan_with(turns);
   const Advice advice = advise(plan, predict(plan), parse_requirements("gyro.matrix.xx <= 20 ppm"));
-  // Every single turn, followed: none is better than the advised, and the best one is as good as stated.
+  // Each single turn is tried: none is better than the advised one, which gives the stated result.
   double best = 1e9;
   for (const RigAxis axis : {outer, middle, inner})
     for (const double angle : {90.0, 180.0, -90.0, -180.0}) {

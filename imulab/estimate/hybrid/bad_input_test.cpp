@@ -1,4 +1,4 @@
-// Faults on a table or a bench, and the response of the hybrid method.
+// Faults on a table or bench, and the response of the hybrid method.
 #include "imulab/core/rotation.hpp"
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
@@ -35,7 +35,7 @@ void erase_samples(HybridSession& s, std::size_t begin, std::size_t count) {
   s.rests = rests_of(s.recording, s.session).ranges;
 }
 
-/// In the middle of a rest the table is knocked: it vibrates, and is tilted by 20 arcsec until the next turn.
+/// Simulates a knock on the table in the middle of a rest: it vibrates, and is tilted by 20 arcsec until the next turn.
 void bump(HybridSession& s) {
   Recording& r = s.recording;
   const Range rest = s.rests[8];
@@ -55,7 +55,7 @@ void bump(HybridSession& s) {
   }
 }
 
-/// A person walks past during four of the rests: `amplitude` m/s^2 at 2 to 8 Hz for six seconds each.
+/// Simulates a person who walks past during four rests: `amplitude` m/s^2 at 2 to 8 Hz for six seconds each.
 void walk_by(HybridSession& s, double amplitude) {
   Recording& r = s.recording;
   const RandomStream draws(1, "walking by");
@@ -64,14 +64,14 @@ void walk_by(HybridSession& s, double amplitude) {
     const auto count = static_cast<std::size_t>(std::lround(6 / r.interval_s));
     for (std::size_t i = 0; i < count; ++i) {
       const double t = static_cast<double>(i) * r.interval_s, swell = std::sin(std::numbers::pi * t / 6);
-      for (std::size_t j = 0; j < 3; ++j)  // the mean over a sample's interval
+      for (std::size_t j = 0; j < 3; ++j)  // mean over the interval of a sample
         r.accel[j][s.rests[k].begin + 50 + i] +=
             amplitude * swell * std::sin(x) / x * std::sin(2 * std::numbers::pi * frequency * t + phase + static_cast<double>(j));
     }
   }
 }
 
-/// The gyros stop at 8 deg/s in one turn.
+/// Saturates the gyros at 8 deg/s in one turn.
 void saturate(HybridSession& s) {
   const double limit = 8 * unit::deg;
   for (std::size_t i = s.rests[4].end; i < s.rests[5].begin; ++i)
@@ -90,10 +90,10 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
   struct Case {
     const char* what;
     std::function<void(HybridSession&)> damage;
-    const char* warning;  ///< empty: none expected
+    const char* warning;  ///< empty: no warning expected
   };
   const std::vector<Case> cases{
-      {"bump", bump, "the accelerometers' noise is"},  // the sensors measure it, so nothing has to be left out
+      {"bump", bump, "the accelerometers' noise is"},  // the sensors measure it, so nothing must be left out
       {"a person walking by", [](HybridSession& s) { walk_by(s, 1e-3 * unit::g); }, "velocities do not fit"},
       {"a person far away", [](HybridSession& s) { walk_by(s, 5 * unit::ug); }, ""},
       {"gap in a turn", [](HybridSession& s) { erase_samples(s, s.rests[8].end + 20, 30); },
@@ -123,7 +123,7 @@ TEST(HybridBadInput, ShortRestsAreSaid) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
-/// Gyros that are a second late: each pass ends as far away as the one before.
+/// The gyros are a second late: each pass ends as far from the solution as the one before.
 TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
   const auto passes = [](const HybridSession& s, Verdict verdict) {
     int count = 0;
@@ -137,7 +137,7 @@ TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
   EXPECT_LT(passes(s, Verdict::doubtful), 3 * usual);
 }
 
-/// A velocity of 0.15 m/s at the end of a second, which is gone a sample later, in each of the samples of the first rest.
+/// A velocity of 0.15 m/s occurs at the end of a second and is gone a sample later, at each of the samples of the first rest.
 TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
   const HybridSession whole = session_with(2);
   for (std::size_t at = 100; at < 120; ++at) {

@@ -19,14 +19,14 @@ using in_place::BlockSums;
 
 namespace {
 
-/// The innovation after a block in units of its own standard deviations; `used`: it was within limits.
+/// The innovation after a block in its own standard deviations; `used` is true if it was within limits.
 struct Innovation {
   Vector3d whitened = Vector3d::Zero();
   bool used = false;
-  Index at = 0;  // its place among those that tell of the effects
+  Index at = 0;  // index among the innovations that depend on the effects
 };
 
-/// Observes the velocity after a block, unless its innovation is beyond `outlier`.
+/// Observes the velocity after a block unless its innovation is beyond `outlier`.
 Innovation observe_velocity(SquareRootEstimate& e, std::optional<Separation>& separation, const Vector3d& velocity, double sigma, double outlier) {
   const Index at = e.x.size() - 3;
   const Eigen::Matrix<double, 3, Eigen::Dynamic> rows = e.factor.bottomRows<3>();
@@ -39,8 +39,8 @@ Innovation observe_velocity(SquareRootEstimate& e, std::optional<Separation>& se
   return {innovation, true, place};
 }
 
-/// A unit at rest keeps its heading. What its gyros add to it there is their error about the vertical: one observation a rest, since the error of
-/// their integral at a moment makes neighboring ones alike.
+/// Observes the heading of a unit at rest: an increment that its gyros measure about the vertical is their error. There is one observation per rest
+/// because the error of the integral at a boundary correlates neighboring intervals.
 class RestHeading {
  public:
   static constexpr int rows = 7;  ///< its state, and the errors of attitude and velocity
@@ -49,7 +49,7 @@ class RestHeading {
   RestHeading(const States& states, const Noise& noise)
       : state_(states.first(Group::rest_heading)), heading_(states.attitude() + 2), sigma_(std::numbers::sqrt2 * noise.angle) {}
 
-  /// Block k, which turns the computed attitude from `before` to `after`.
+  /// Adds block k, which turns the computed attitude from `before` to `after`.
   void over(const std::vector<Block>& blocks, std::size_t k, const Matrix3d& before, const Matrix3d& after) {
     const Block& block = blocks[k];
     at_rest_ = block.at_rest;
@@ -64,7 +64,7 @@ class RestHeading {
     if (at_rest_ && !begins_) out(0, state_) = 1;
     return out;
   }
-  /// The block's rows with the heading's once more, as the first.
+  /// Returns the block's rows, preceded by a copy of the heading's row.
   template <int Columns>
   Eigen::Matrix<double, rows, Columns> with(const Eigen::Matrix<double, 6, Columns>& of_block) const {
     Eigen::Matrix<double, rows, Columns> out(rows, of_block.cols());
@@ -72,7 +72,7 @@ class RestHeading {
     out.template bottomRows<6>() = of_block;
     return out;
   }
-  /// After block k, the last one of a rest.
+  /// Observes the heading after block k, the last block of a rest.
   void observe(std::size_t k, SquareRootEstimate& e, std::optional<Separation>& separation, double outlier) {
     if (!whole_) return;
     using One = Eigen::Matrix<double, 1, 1>;
@@ -83,7 +83,7 @@ class RestHeading {
     at_.push_back(used && separation ? separation->observe<1>(e, state_, sigma, innovation) : -1);
     if (used) e.observe(state_, -turned_, sigma_);
   }
-  /// With the effects c.
+  /// Corrects the headings for the effects c.
   void correct(const Separation& separation, const Eigen::VectorXd& c) {
     for (std::size_t k = 0; k < seen.size(); ++k)
       if (at_[k] >= 0) seen[k].whitened = separation.innovation<1>(at_[k], c)[0];
@@ -96,10 +96,10 @@ class RestHeading {
   double sigma_;
   bool at_rest_ = false, begins_ = false, whole_ = false;
   double turned_ = 0;      // rad, in the rest so far
-  std::vector<Index> at_;  // places of those among what tells of the effects; -1: none
+  std::vector<Index> at_;  // indices of these among the rows that depend on the effects; -1: none
 };
 
-/// Innovations of a filter whose model is right are white (Mehra 1970). An unmodeled effect lasts, so that consecutive innovations are correlated.
+/// The innovations of a correct filter are white (Mehra 1970). An unmodeled effect persists, which correlates consecutive innovations.
 class Whiteness {
  public:
   void add(const Vector3d& innovation) {
@@ -118,8 +118,8 @@ class Whiteness {
   double products_ = 0, pairs_ = 0, squares_ = 0, count_ = 0;
 };
 
-/// Levels the solution by the velocity it gained in a rest, and the state by the opposite. The error equations are those of small angles: what the
-/// gyros' noise adds up to in hours (0.02 rad in a day at 0.25 deg/sqrt(h)) is none, with a vertical force that is wrong by half of its square.
+/// Levels the solution by the velocity gained in a rest, and corrects the state by the opposite amount. The error equations require small angles;
+/// accumulated gyro noise (0.02 rad in a day at 0.25 deg/sqrt(h)) would bias the vertical force by half of its square.
 void level(in_place::Navigator& navigator, SquareRootEstimate& e, const States& states, const BlockSums& rest, double gravity) {
   const Vector3d tilt = Vector3d(rest.velocity.y(), -rest.velocity.x(), 0) / (gravity * rest.duration);
   navigator.C_nb = rotation_exp(tilt) * navigator.C_nb;
@@ -133,7 +133,7 @@ RestRate rest_rate(in_place::Navigator& navigator, const Range& samples, double 
   return {time, n, navigator.C_nb * sum / n};
 }
 
-/// A new attitude with standard deviation `sigma`; the first one is also that of the start.
+/// Sets a new attitude with standard deviation `sigma`; the first one is also the attitude at the start.
 void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, bool first) {
   e.x.tail<6>().setZero();
   e.factor.bottomRows<6>().setZero();
@@ -141,7 +141,7 @@ void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, b
   for (Index i = 0; i < 3; ++i) e.factor(states.attitude() + i, column + i) = sigma[i];
 }
 
-/// The slow noise of the offsets over a block, which is this part of the recording.
+/// Adds the slow noise of the offsets over a block that is the fraction `part` of the recording.
 void drift(SquareRootEstimate& e, std::optional<Separation>& separation, const States& states, const Noise& noise, double duration, double part) {
   if (!states.has(Group::mean)) return;
   constexpr Index processes = in_place::SlowNoise::processes;
@@ -167,16 +167,16 @@ void drift(SquareRootEstimate& e, std::optional<Separation>& separation, const S
   }
 }
 
-/// Block k, from which the motion was measured without interruption, and the rest it belongs to: to the next motion, also one that is lost.
+/// Returns the rest from block k, after an interruption of the measured motion, up to the next motion, even one that is not measured.
 Range rest_from(const std::vector<Block>& blocks, std::size_t k) {
   Range rest = blocks[k].samples;
   for (++k; k < blocks.size() && blocks[k].at_rest && !blocks[k].lost; ++k) rest.end = blocks[k].samples.end;
   return rest;
 }
 
-/// The attitude at a rest after a motion from sample `from` on that was not measured as a whole. Level by gravity; the heading by the Earth's rate,
-/// where one rest shows it; else as carried by what was measured of the motion, with the mean rate across a gap: tens of degrees off at worst, which
-/// the equations bear, where noise would give any heading, and another one in each pass.
+/// Aligns at a rest after a motion from sample `from` on that was not measured completely. Gravity gives the level. The Earth's rate gives the
+/// heading if one rest resolves it; otherwise the measured part of the motion does, with the mean rate across a gap. That heading may be wrong by
+/// tens of degrees, which the equations tolerate; a heading from noise would be arbitrary and change in each pass.
 void align_anew(in_place::Navigator& navigator, std::size_t from, const Range& rest, const Data& data) {
   constexpr double good = 10 * unit::deg;
   const Recording& recording = data.recording;
@@ -195,7 +195,7 @@ void align_anew(in_place::Navigator& navigator, std::size_t from, const Range& r
   navigator.C_nb = shortest_rotation((C_nb * force).normalized(), Vector3d::UnitZ()) * C_nb;
 }
 
-/// With the effects that the innovations show.
+/// Adds the effects estimated from the innovations.
 void add_effects(Pass& out, Separation& separation, std::vector<Innovation>& innovations) {
   out.effects = separation.estimate();
   const auto& [information, c, C] = out.effects;
@@ -206,7 +206,7 @@ void add_effects(Pass& out, Separation& separation, std::vector<Innovation>& inn
     if (innovation.used) innovation.whitened = separation.innovation<3>(innovation.at, c);
 }
 
-/// The constants of the effects beside the states.
+/// The constants of the effects, in addition to the states.
 struct Beside {
   Beside(const Data& d, const Linearization& about, bool estimated, const States& states)
       : data(d), known(about.effects), effect_states(d.recording, d.unmodeled, d.noise, about.place.gravity) {
@@ -214,7 +214,7 @@ struct Beside {
   }
   bool any() const { return known.size() > 0 || separation; }
 
-  /// After block k.
+  /// Predicts after block k.
   void predict(SquareRootEstimate& e, const RestHeading& heading, const RestHeading::Rows& by_states, std::size_t k, const BlockSums& sums) {
     if (!any()) return;
     const RestHeading::Rows by_c = heading.with(effect_states.columns(data.blocks[k], sums));
@@ -265,10 +265,10 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   Pass out;
   std::vector<Innovation> innovations;
   RestHeading heading(states, noise);
-  Vector3d velocity = Vector3d::Zero();  // computed
+  Vector3d velocity = Vector3d::Zero();  // computed velocity
   double next_point = -std::numeric_limits<double>::infinity();
-  bool used_before = true;  // a knock across the end of a block that is left out is in the next one, too
-  double whole = 0;         // s, of all blocks
+  bool used_before = true;  // a knock at the end of a rejected block extends into the next block
+  double whole = 0;         // [s], duration of all blocks
   for (const Block& block : blocks) whole += data.recording.interval_s * static_cast<double>(block.samples.size());
   const double start_time = data.recording.time_s(blocks.front().samples.end - 1);
   std::size_t first = 0;  // sample since which the motion was measured without interruption
@@ -298,11 +298,11 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     e.predict(by_states, heading.with(root));
     beside.predict(e, heading, by_states, k, sums);
     drift(e, separation, states, noise, sums.duration, sums.duration / whole);
-    // Z = H X + v, H = [I 0] (sec 2.3): the computed velocity, less the lever arms' part, of a unit in one place is the velocity error.
+    // Z = H X + v, H = [I 0] (sec 2.3): the computed velocity of a unit in one place, minus the lever arms' part, is the velocity error.
     Innovation innovation;
     if (block.observed) innovation = observe_velocity(e, separation, velocity, noise.velocity, options.outlier);
     innovations.push_back(innovation);
-    if (innovation.used) {  // the known velocity error goes into the solution
+    if (innovation.used) {  // the known velocity error corrects the solution
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }

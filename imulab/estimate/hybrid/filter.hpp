@@ -1,5 +1,5 @@
-// The Kalman filter of the hybrid method: the calibration from the computed velocity and attitude of an IMU that turns in one place (Cheng 2014
-// sec 2). The only reference is that the IMU stays there; a table's angles are not used.
+// The Kalman filter of the hybrid method: calibrates from the computed velocity and attitude of an IMU that turns in one place (Cheng 2014 sec 2).
+// The only reference is the fixed position of the IMU; the angles of a table are not used.
 #pragma once
 
 #include "imulab/estimate/hybrid/separation.hpp"
@@ -18,17 +18,17 @@ namespace imulab::hybrid {
 
 using in_place::Block;
 
-/// The data that are the same in every pass.
+/// The data common to all passes.
 struct Data {
   const Recording& recording;
   std::vector<Block> blocks;
   Place place;
   Noise noise;
-  SensorModel coarse;  ///< the coarse solution
+  SensorModel coarse;  ///< coarse solution
   Terms terms = {};
   Unmodeled unmodeled = {};
 
-  /// Velocities: one of each block that is observed.
+  /// Returns the number of observed velocities, one for each observed block.
   std::ptrdiff_t observed() const {
     return std::count_if(blocks.begin(), blocks.end(), [](const Block& b) { return b.observed; });
   }
@@ -38,37 +38,37 @@ struct Data {
 struct Linearization {
   SensorModel model;
   Place place;
-  std::optional<Matrix3d> start = {};  ///< attitude at the start, C_nb; absent: by alignment on the first rest
-  double delay = 0;                    ///< of what lever arms make of the motion [s]; the state is the whole delay
+  std::optional<Matrix3d> start = {};  ///< C_nb at the start; absent: from alignment on the first rest
+  double delay = 0;                    ///< delay of the motion due to lever arms [s]; the state is the whole delay
   Eigen::VectorXd effects = {};        ///< known values; empty: zero
 };
 
 struct PassOptions {
-  double outlier = std::numeric_limits<double>::infinity();  ///< what has an innovation beyond this chi-square is not used
-  double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
-  bool rates = false;                                        ///< at rest, for `rates`
-  bool effects = true;                                       ///< estimates those of `Data`; false: they are as the linearization has them
+  double outlier = std::numeric_limits<double>::infinity();  ///< innovations beyond this chi-square are not used
+  double curve_interval = 0;                                 ///< [s] between the points of `curve`; 0: none
+  bool rates = false;                                        ///< records `rates` at rest
+  bool effects = true;                                       ///< estimates the effects of `Data`; false: uses those of the linearization
 };
 
-/// The estimate after a block.
+/// The estimate after one block.
 struct CurvePoint {
   double time;  ///< s
   Eigen::VectorXd x, sigma;
 };
 
-/// The gyros' mean rate in a block at rest, by the computed attitude in east-north-up: the Earth's rate, turned by the heading's error.
+/// Mean rate of the gyros in a block at rest, in east-north-up of the computed attitude: the Earth's rate, rotated by the heading error.
 struct RestRate {
-  double time, duration;  ///< s; `time` since the first block's end
+  double time, duration;  ///< [s]; `time` is relative to the end of the first block
   Vector3d rate_n;        ///< rad/s
 };
 
-/// What the gyros' errors were seen to add to the heading in a rest, in its standard deviations, and the variance of that.
+/// The observed heading error of the gyros in a rest, in its standard deviations, and its variance.
 struct SeenHeading {
-  std::size_t last;  ///< block of the rest
+  std::size_t last;  ///< last block of the rest
   double whitened, variance;
 };
 
-/// Correlation of each value with the next, and its standard deviation where they are white.
+/// Correlation of successive values, and its standard deviation if they are white.
 struct Serial {
   double correlation = 0, sigma = 0;
 };
@@ -77,14 +77,14 @@ struct Pass {
   Matrix3d start;     ///< attitude at the start about which the pass was linearized
   Eigen::VectorXd x;  ///< constants, and errors of attitude and velocity at the end
   Eigen::MatrixXd covariance;
-  std::vector<double> chi2;  ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
-  Serial serial;             ///< of these
+  std::vector<double> chi2;  ///< of the innovations by block, with three degrees of freedom each; zero without observation
+  Serial serial;             ///< of the innovations
   std::vector<SeenHeading> headings;
   std::vector<CurvePoint> curve;  ///< thinned
   std::vector<RestRate> rates;
-  Separation::Estimate effects = {};  ///< empty: none were estimated
-  Eigen::MatrixXd across = {};        ///< covariance of x and the effects
-  std::vector<EffectState> states;    ///< at the end of each block, where effects were estimated
+  Separation::Estimate effects = {};  ///< empty: no effects were estimated
+  Eigen::MatrixXd across = {};        ///< covariance of x with the effects
+  std::vector<EffectState> states;    ///< at the end of each block, if effects were estimated
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
   double chi2_of_headings() const {
@@ -92,8 +92,8 @@ struct Pass {
   }
 };
 
-/// One pass over the blocks. The errors are states beside the model that they are linearized about; only the level is fed back, after each block at
-/// rest. `known`: the prior of the constants.
+/// Makes one pass over the blocks. States are errors of the model about which they are linearized; only the level is fed back, after each block at
+/// rest. `known` is the prior of the constants.
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known,
                  const PassOptions& options = {});
 

@@ -30,20 +30,20 @@ Navigated navigate(const Data& data, const SensorModel& model, const Place& plac
   return out;
 }
 
-/// Errors of one model's results relative to another's, as the filter defines them: C_hat = (I - [phi x]) C.
+/// Returns errors of one model's results relative to another's as the filter defines them: C_hat = (I - [phi x]) C.
 VectorXd errors_of(const Navigated& computed, const Navigated& truth) {
   VectorXd e(6);
   e << -rotation_log(computed.C_nb * truth.C_nb.transpose()), computed.velocity - truth.velocity;
   return e;
 }
 
-/// Rests of 6 s at 100 Hz.
+/// Sets rests of 6 s at 100 Hz.
 void without_noise(Session& session) {
   session = hybrid_procedure(6, 100);
   session.imu.accel_noise_density = session.imu.gyro_noise_density = 1e-14;
 }
 
-/// In each turn a hand takes the unit to another place: up to 2 m/s^2 to and fro, in other directions.
+/// In each turn, a hand moves the unit to another place: up to 2 m/s^2 forward and back, in varying directions.
 void move_by_hand(HybridSession& s) {
   Recording& r = s.recording;
   const SensorModel& model = s.truth.model;
@@ -63,7 +63,7 @@ void move_by_hand(HybridSession& s) {
 }
 
 void expect_derivatives_of_the_navigation(const HybridSession& s) {
-  // Three rests and the turns between them; every kind of state, each alone.
+  // Three rests and the turns between them test every kind of state, each alone.
   const SensorModel& model = s.truth.model;
   const Place place{*s.session.site.latitude, s.truth.gravity, 0, 1e-4};
   const States states({.optional = {Group::lever_arm, Group::quadratic, Group::g_sensitivity}}, place);
@@ -72,7 +72,7 @@ void expect_derivatives_of_the_navigation(const HybridSession& s) {
             place,
             {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
             model};
-  for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
+  for (Block& block : data.blocks) block.observed = false;  // only the transition is tested
   Navigator navigator(s.recording, model, 0, place.latitude, place.gravity, states.sums());
   navigator.align(data.blocks.front().samples);
   const Linearization about{model, place, navigator.C_nb};
@@ -84,14 +84,14 @@ void expect_derivatives_of_the_navigation(const HybridSession& s) {
     kernel::Parameters known = states.parameters(VectorXd::Zero(states.constants()));
     known.sigma.setZero();
     known.sigma.segment<3>(start).setConstant(1e-9);
-    // Large enough against rounding, small enough for its square: a rotation by 1e-5 is a square of 1e-10.
+    // The step is large compared with rounding but has a small square: a rotation by 1e-5 has a square of 1e-10.
     known.offset[state] = state == gravity ? 1e-5 : state < 3 ? 1e-4 : state >= arms && state < arms + 9 ? 1e-3 : 1e-6;
     Place there = place;
     if (state == gravity) there.gravity *= 1 + known.offset[state];
     const VectorXd difference = errors_of(computed, navigate(data, corrected(model, known.offset, states), there, states, navigator.C_nb));
     const VectorXd predicted = filter_pass(data, about, states, known).x.tail(6);
-    // The neglected part of a sample's derivatives is proportional to the square of the 2e-3 rad it turns; the size effect takes the rate at a
-    // block's end from its neighbors. The absolute part: a quadratic term squares its own axis's reading, without the neighbors' misalignments.
+    // The neglected part of a sample's derivatives is proportional to the square of its turn of 2e-3 rad; the size effect uses the rate at a block's
+    // end from neighboring samples. The absolute part: a quadratic term squares the reading of its own axis, without the misalignments.
     for (const Index part : {0, 3})
       EXPECT_LT((difference - predicted).segment<3>(part).norm(), 2e-3 * difference.segment<3>(part).norm() + (part == 0 ? 1e-13 : 2e-10))
           << "state " << state << (part == 0 ? ", attitude " : ", velocity ") << difference.segment<3>(part).transpose() << " predicted "
@@ -126,7 +126,7 @@ TEST(HybridFilter, ItsDerivativesAreTheSameWithTheForceThatIsKnown) {
       return all;
     };
     const Eigen::MatrixXd by_measured = derivatives(measured, false), by_known = derivatives(known, true);
-    // A measured force is the mean of its interval, at whose middle the known one is taken: 1e-5 of it in a turn.
+    // A measured force is the mean over its interval; the known force is taken at the middle: a difference of 1e-5 in a turn.
     for (Index i = 0; i < by_known.cols(); ++i)
       EXPECT_LT((by_known - by_measured).col(i).norm(), 3e-4 * by_measured.col(i).norm() + 3e-5)
           << "block at " << block.samples.begin << ", column " << i;
@@ -156,7 +156,7 @@ TEST(HybridBlocks, CoverTheRecordingFromTheFirstRestToTheLast) {
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     EXPECT_GT(blocks[k].samples.size(), 0u);
     EXPECT_EQ(blocks[k].samples.begin, k > 0 ? blocks[k - 1].samples.end : s.rests.front().begin);
-    EXPECT_LE(blocks[k].samples.size(), blocks[k].at_rest ? 30u : 9u);  // a second, or a fifth, and half more
+    EXPECT_LE(blocks[k].samples.size(), blocks[k].at_rest ? 30u : 9u);  // a second, or a fifth of one, plus a half
   }
 }
 

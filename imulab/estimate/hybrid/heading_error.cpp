@@ -9,7 +9,7 @@
 namespace imulab::hybrid {
 
 std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate) {
-  constexpr std::size_t enough = 2000;  // parts of a long recording
+  constexpr std::size_t enough = 2000;  // number of parts of a long recording
   std::vector<std::pair<double, std::complex<double>>> parts;
   const std::size_t in_part = rates.size() / enough + 1;
   double power = 0;
@@ -32,7 +32,7 @@ std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, do
   for (int k = -steps; k <= steps; ++k)
     if (const std::complex<double> sum = sum_at(k * step); std::norm(sum) > std::norm(most)) most = sum, best = k * step;
   if (std::norm(most) < 25 * power) return {};
-  return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
+  return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // in the complex plane of east and north, north is the imaginary axis
 }
 
 double noise_of_angle(const std::vector<SeenHeading>& seen, double angle) {

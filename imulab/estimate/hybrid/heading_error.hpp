@@ -1,4 +1,4 @@
-// What the rests tell of the heading: at the start, for gyros that hardly resolve the Earth's rate in one rest; and whether it stays in them.
+// The heading from all rests: at the start, for gyros that hardly resolve the Earth's rate in one rest; and whether it changes in the rests.
 #pragma once
 
 #include "imulab/estimate/hybrid/filter.hpp"
@@ -8,17 +8,17 @@
 
 namespace imulab::hybrid {
 
-/// The heading's error at the start [rad], and its rate [rad/s]: an equal g-sensitivity on all axes turns the heading.
+/// The heading error at the start [rad] and its rate [rad/s]: a g-sensitivity that is equal on all axes turns the heading.
 struct HeadingError {
   double start, rate;
 };
 
-/// From any heading, and one that turns: of gyros that hardly resolve the Earth's rate in one rest, that error of the heading with which the rates of
-/// all rests add up to most. Nothing where that is not five times what their noise adds up to.
+/// Estimates the heading error for any initial heading and for a turning one, from gyros that hardly resolve the Earth's rate in one rest: the error
+/// for which the sum of the rates of all rests is largest. Returns nothing if this sum is not five times the sum of their noise.
 std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate);
 
-/// Where the headings of the rests scatter more than the gyros' noise lets them, they move a little: a stand that yields, a hand. Noise::angle with
-/// which the scatter is what is expected; `angle`: the one that they were seen with.
+/// Returns the Noise::angle that explains the scatter of the rests' headings beyond the gyros' noise: small motion of a yielding stand or a hand.
+/// `angle`: the value with which `seen` was computed.
 double noise_of_angle(const std::vector<SeenHeading>& seen, double angle);
 
 }  // namespace imulab::hybrid

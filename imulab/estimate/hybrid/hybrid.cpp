@@ -30,8 +30,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from
-/// the rests.
+/// Starts the gyros from the Earth's rate if the rests determine it, else from the declared unit or, for counts, from the motion of gravity; the
+/// offset follows from the rests.
 void start_gyro(coarse::RestStart& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.model.gyro;
   const bool counts = recording.gyro_unit == "count";
@@ -49,7 +49,7 @@ void start_gyro(coarse::RestStart& start, const Recording& recording, double lat
     gyro.matrix = *in_motion;
   }
   const Vector3d mean = gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
-  if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
+  if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is mostly the Earth's rate
   start.findings.add<Code::start_of_fit>(counts ? "gyros started from the motion of gravity between the rests"
                                                 : "gyros started from the declared unit");
 }
@@ -62,7 +62,8 @@ void check_axes(const Recording& recording, const coarse::RestStart& start) {
   if (recording.gyro_unit != "count") kernel::expect_gyro_scale(*in_motion, recording);
 }
 
-/// The noise of quiet seconds. Rounded readings without noise of their own err by the same throughout a rest, as the mean of such white noise does.
+/// Uses the noise of quiet seconds. Rounded readings without noise of their own have a constant error during a rest, like the mean of such white
+/// noise.
 void use_quiet_noise(coarse::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
   std::vector<double> lengths;
   for (const Range& rest : rests) lengths.push_back(static_cast<double>(rest.size()));
@@ -79,8 +80,8 @@ void use_quiet_noise(coarse::RestStart& start, const Recording& recording, const
   coarse::limit_noise(start);
 }
 
-/// Rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws as coarse::start_from_rests does, and Error for axes that
-/// are swapped, reversed or left-handed.
+/// Returns rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws like coarse::start_from_rests, and throws Error for
+/// swapped, reversed or left-handed axes.
 coarse::RestStart coarse_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude,
                                double gravity) {
   coarse::RestStart start = coarse::start_from_rests(recording, rests, imu, gravity);
@@ -91,13 +92,12 @@ coarse::RestStart coarse_start(const Recording& recording, const std::vector<Ran
   return start;
 }
 
-/// Measured white noise is at least this, below that of any sensor: readings without noise leave residuals of the integration from samples, which
-/// would otherwise weigh more than any prior.
+/// Lower bounds of measured white noise, below any sensor's. Integration residuals of noise-free readings would otherwise outweigh any prior.
 constexpr double least_accel_density = 1e-7;  // m/s^2/sqrt(Hz): 0.01 ug/sqrt(Hz)
 constexpr double least_gyro_density = 1e-9;   // rad/s/sqrt(Hz): 3e-6 deg/sqrt(h)
 
-/// Noise of the calibrated output: white noise from the samples or its declared density; where the full noise of a grade is declared, quantization is
-/// a term of its own, and the samples show more than the white noise. The other terms as declared.
+/// Returns the noise of the calibrated output: white noise from the samples or as declared. With the full noise of a grade, quantization is a
+/// separate term, and the samples contain more than the white noise. Other terms are as declared.
 Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
   const NoiseModels declared = declared_terms(imu);
   const bool full = imu.noise == NoiseTerms::full;
@@ -110,7 +110,7 @@ Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recordin
                             recording.interval_s * static_cast<double>(recording.size()));
 }
 
-/// Do the rests show no noise, in a triad without a declared one? What the integration from samples leaves is then larger, and takes its place.
+/// Returns true if the rests have no noise in a triad without declared noise. Integration residuals are then larger and replace it.
 bool shows_no_noise(const Noise& noise, const ImuDeclaration& imu) {
   return (!imu.accel_noise_density && noise.accel.minCoeff() <= least_accel_density) ||
          (!imu.gyro_noise_density && noise.gyro.minCoeff() <= least_gyro_density);
@@ -121,28 +121,28 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
   if (2 * n > rests.size()) findings.add<Code::short_rests>(n, rests.size(), 5 * in_place::settling_time);
 }
 
-/// An axis whose readings come a sample after those of the others: by a filter of its own, or a register that is read too soon. In turns it looks
-/// like misalignments, a g-sensitivity or another latitude, and none of them fits.
+/// An axis whose readings are late by a sample, because of a filter of its own or a register that is read too early. In turns this resembles
+/// misalignments, a g-sensitivity or another latitude, none of which fits.
 struct LateAxis {
-  std::size_t axis = 0;            ///< 0 to 2: gyros, 3 to 5: accelerometers
-  int samples = 0;                 ///< late; -1: early
-  double scatter = 0, before = 0;  ///< of the velocities over what the noise explains, with the axis shifted and as it is
+  std::size_t axis = 0;            ///< 0 to 2: gyros; 3 to 5: accelerometers
+  int samples = 0;                 ///< delay in samples; -1: early
+  double scatter = 0, before = 0;  ///< scatter of the velocities relative to their noise, with and without the shift
 };
 
-/// The recording with that axis shifted against its lateness.
+/// Returns the recording with that axis shifted to compensate the delay.
 Recording shift_by_one_sample(Recording recording, const LateAxis& late) {
   std::vector<double>& readings = (late.axis < 3 ? recording.gyro : recording.accel)[late.axis % 3];
   if (readings.empty()) return recording;
   if (late.samples > 0)
-    std::shift_left(readings.begin(), readings.end(), 1);  // the last one stays
+    std::shift_left(readings.begin(), readings.end(), 1);  // the last reading is repeated
   else
     std::shift_right(readings.begin(), readings.end(), 1);
   return recording;
 }
 
-/// The axis that explains most of what the converged solution does not; nothing where the velocities fit, or no axis halves their scatter.
+/// Returns the axis that explains most of the misfit; nothing if the velocities fit or no axis halves their scatter.
 std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
-  constexpr double fits = 1.5;  // as in turns whose ramps are between two samples
+  constexpr double fits = 1.5;  // as in turns with ramps shorter than two samples
   LateAxis best{0, 0, HUGE_VAL, scatter_of(data, converged)};
   if (!(best.before > fits && best.before < other_data)) return std::nullopt;
   for (std::size_t axis = 0; axis < 6; ++axis)
@@ -169,16 +169,16 @@ void add_curves(const Data& data, const Iterate& iterate, double interval, Calib
   out.iterations = last.iterations;
 }
 
-/// The latitude that the gyros show at rest, if it contradicts the declared one, by this model, whose gyro scales have this relative standard
-/// deviation.
+/// Returns the latitude that the gyros measure at rest with this model if it contradicts the declared one. `scale`: relative standard deviation of
+/// the model's gyro scales.
 std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const SensorModel& model, double scale) {
-  // An equal g-sensitivity on all axes is as large as the mean of three.
+  // The mean of three axes is the part of the g-sensitivity that is equal on all.
   const double equal = data.terms.optional.contains(Group::g_sensitivity) ? data.terms.priors.sizes.g_sensitivity / std::sqrt(3) : 0;
   return latitude_against(data.place.latitude, data.place.latitude_sigma, rests, model,
                           {data.noise.gyro.maxCoeff(), scale, equal, data.place.gravity});
 }
 
-/// With the scales that converged.
+/// Returns the same with the converged scales.
 std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const Iterate& converged) {
   const Index scales = converged.states.first(Group::gyro_matrix);
   double variance = 0;
@@ -186,7 +186,7 @@ std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<Re
   return seen_latitude(data, rests, converged.about.model, std::max(1.0, scatter_of(data, converged)) * std::sqrt(variance));
 }
 
-/// `findings`: those so far; `last`: those to be listed last.
+/// Calibrates. `findings`: findings so far; `last`: findings for the end of the list.
 CalibrationResult calibrated(const Recording& recording, const std::vector<Range>& rests, const Session& session, const CalibrationOptions& options,
                              kernel::Findings findings, const kernel::Findings& last) {
   Place place = place_of(session.site);
@@ -206,7 +206,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .terms = terms_of(session, options.terms, seen_of_unit, recording.interval_s)};
   data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms, seen_of_unit, options.effects);
   const bool corrected = last.has(Code::wrong_latitude);
-  constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
+  constexpr double of_any_unit = 0.05;  // for scales of an uncalibrated unit
   std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
   Converged result = seen ? Converged{first_iterate(data)} : converge(data, options.significance);
@@ -216,12 +216,12 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
     if (scatter > 1) result = converge(data, options.significance);
   }
   if (!corrected && !seen && result.last.converged) seen = seen_latitude(data, start.rests, result.last);
-  if (seen) {  // it replaces the site's and is estimated jointly
+  if (seen) {  // replaces the latitude of the site and is estimated jointly
     Session there = session;
     there.site.latitude = seen->value;
     there.site.latitude_sigma = seen->sigma;
     there.site.given_gravity_sigma = there.site.gravity_sigma();
-    there.site.latitude_sigma = 5 * seen->sigma;  // the fit knows it better
+    there.site.latitude_sigma = 5 * seen->sigma;  // the fit determines it better
     kernel::Findings instead;
     instead.add<Code::latitude_by_rests>(seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg);
     instead.add<Code::wrong_latitude>();

@@ -7,10 +7,10 @@
 
 namespace imulab::hybrid {
 
-/// Calibrates one recording. On a declared turntable the velocity is zero while it turns, too; else only at rest. The result is in the
-/// accelerometers' frame; `coarse` is the coarse solution, as in Cheng's table 1. The convergence curves are of the errors ba, Ma, bg, Mg
-/// (states.hpp) of that coarse solution. Throws Unsupported where nothing can be determined, Error for several recordings, where the site has no
-/// latitude, and where the declared units, signs or axes contradict the data.
+/// Calibrates one recording. On a declared turntable, the velocity is also zero during turns, otherwise only at rest. The result is in the
+/// accelerometers' frame; `coarse` is the coarse solution, as in Cheng's table 1. The convergence curves are those of its errors ba, Ma, bg, Mg
+/// (states.hpp). Throws Unsupported if nothing can be determined, and Error if there are several recordings, the site has no latitude, or declared
+/// units, signs or axes contradict the data.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 
 }  // namespace imulab::hybrid

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// e^T P^-1 e over the coefficients that were estimated, and how many they are.
+/// e^T P^-1 e over the estimated coefficients, and their number.
 struct NormalizedError {
   double sum, count;
 };
@@ -45,12 +45,12 @@ TEST(Hybrid, WithoutNoiseTheTruthComesBack) {
   const CalibrationResult result = calibrated(s, base_terms());
   ASSERT_EQ(result.calibration.estimated.size(), 21u);
   for (const CoefficientIndex index : result.calibration.estimated) {
-    // The remaining error is the integration of mean rates over 50 ms in turns that speed up at 50 deg/s^2: 0.01 ppm.
+    // The remaining error is the integration of mean rates over 50 ms in turns that accelerate at 50 deg/s^2: 0.01 ppm.
     EXPECT_NEAR(coefficient_value(result.calibration.model, index), coefficient_value(s.truth.model, index), 1e-8) << coefficient(index).name;
   }
 }
 
-/// Effects of the grade are badly known beside such gyros, and what was taken out for them scatters by that.
+/// The effects of the grade are uncertain compared with such gyros, so corrections for them scatter.
 TEST(Hybrid, ACleanSessionIsGoodUnderAGradeWorseThanTheUnit) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u})
     for (const char* grade : {"", "tactical"}) {
@@ -59,11 +59,11 @@ TEST(Hybrid, ACleanSessionIsGoodUnderAGradeWorseThanTheUnit) {
       const Calibration c = calibrated(s).calibration;
       EXPECT_EQ(c.quality.verdict, Verdict::good) << seed << " " << grade << ": " << verdict_text(c.quality);
       const auto [sum, count] = normalized_error(c, s.truth.model);
-      EXPECT_LT(sum / count, 2) << seed << " " << grade;  // of some 30: once in 1,000
+      EXPECT_LT(sum / count, 2) << seed << " " << grade;  // for about 30: p = 0.001
     }
 }
 
-/// About the vertical, in the middle of each rest: by four times what the gyros' noise adds up to in it. No velocity shows that.
+/// Adds a turn about the vertical in the middle of each rest, of four times the integrated gyro noise. No velocity depends on it.
 void turn_in_rests(HybridSession& s, std::uint64_t seed) {
   const RandomStream draws(seed, "turns in rests");
   for (std::size_t k = 0; k < s.rests.size(); ++k) {
@@ -87,13 +87,13 @@ TEST(Hybrid, RestsThatTurnALittleCountLess) {
     EXPECT_THAT(c.quality.findings.warnings(), Contains(testing::ContainsRegex("the headings within the rests scatter [2-5]")));
     const CoefficientIndex offset = coefficient_index("gyro.offset.x"), scale = coefficient_index("accel.matrix.xx");
     EXPECT_GT(*standard_uncertainty(c, offset), 1.2 * *standard_uncertainty(still, offset));
-    EXPECT_LT(*standard_uncertainty(c, scale), 1.05 * *standard_uncertainty(still, scale));  // the heading is not in it
+    EXPECT_LT(*standard_uncertainty(c, scale), 1.05 * *standard_uncertainty(still, scale));  // does not depend on the heading
     sum += normalized_error(c, s.truth.model).sum;
   }
   EXPECT_LT(sum, chi_square_quantile(0.9995, sessions * 21));
 }
 
-/// By a coarse start the Earth's rate at rest looks like another latitude: a place that is known well is no reason for short steps.
+/// With a coarse start, the Earth's rate at rest resembles another latitude: a well-known place must not shorten the steps.
 TEST(Hybrid, AWellKnownLatitudeDoesNotHoldItUp) {
   for (const std::uint64_t seed : {43u, 48u, 60u}) {
     Session session = method("hybrid").example({.on_table = {.rest = 30, .rate_hz = 50}, .seed = seed});
@@ -107,7 +107,7 @@ TEST(Hybrid, AWellKnownLatitudeDoesNotHoldItUp) {
   }
 }
 
-/// Exact readings, or rounded ones of a sensor whose noise is far below its steps: the noise that the rests show is zero.
+/// Readings are exact, or rounded by a sensor with noise far below its steps: the noise in the rests is zero.
 TEST(Hybrid, WithoutNoiseThatShowsItConverges) {
   const HybridSession exact = hybrid_session(1, [](Session& session) { session.imu.accel_noise_density = session.imu.gyro_noise_density = 0; });
   for (const double step : {0.0, 1e-8, 1e-6, 1e-4}) {
@@ -121,9 +121,9 @@ TEST(Hybrid, WithoutNoiseThatShowsItConverges) {
     const Calibration c = calibrated(s, base_terms()).calibration;
     EXPECT_TRUE(c.quality.converged);
     EXPECT_THAT(c.quality.unobservable, IsEmpty());
-    // Gravity's 3e-4 m/s^2 is 31 ppm; a scatter of 1.5 enlarges it at most.
+    // The uncertainty of gravity, 3e-4 m/s^2, is 31 ppm; a scatter enlarges it by at most 1.5.
     EXPECT_LT(*standard_uncertainty(c, coefficient_index("accel.matrix.xx")), 50e-6);
-    // Residuals of the integration and of rounding are not white: below twice the deviations that are stated, with 21 coefficients.
+    // Residuals of integration and rounding are not white: errors are below twice the stated deviations, for 21 coefficients.
     const auto [sum, count] = normalized_error(c, s.truth.model);
     EXPECT_LT(sum / count, 4);
   }
@@ -137,18 +137,18 @@ TEST(Hybrid, ErrorsAreAsLargeAsStatedWhateverTheTable) {
     const Calibration c = calibrated(s, base_terms()).calibration;
     ASSERT_EQ(c.estimated.size(), 21u);
     EXPECT_EQ(c.quality.verdict, Verdict::good);
-    // About 3000 degrees of freedom: a standard deviation of 0.026.
+    // About 3000 degrees of freedom give a standard deviation of 0.026.
     EXPECT_NEAR(c.quality.chi2_per_dof, 1, 0.1);
     sum += normalized_error(c, s.truth.model).sum;
   }
-  // 99.9 % of the chi-square with 12 x 21 degrees of freedom.
+  // The bounds contain 99.9 % of the chi-square with 12 x 21 degrees of freedom.
   EXPECT_GT(sum, chi_square_quantile(0.0005, sessions * 21));
   EXPECT_LT(sum, chi_square_quantile(0.9995, sessions * 21));
 }
 
 TEST(Hybrid, ThePoorTableIsAsGoodAsTheBest) {
-  // One unit and one noise on three tables: the attitudes differ, so that the noise falls on other directions, but the errors stay inside the
-  // sigmas and the sigmas are the same.
+  // One unit with one noise is on three tables: the attitudes differ, so the noise acts in other directions, but errors remain within the sigmas, and
+  // the sigmas are equal.
   Eigen::VectorXd best;
   for (const double table : {2 * unit::arcsec, 60 * unit::arcsec, 1 * unit::deg}) {
     const HybridSession s = hybrid_session(3, [&](Session& session) {
@@ -159,7 +159,7 @@ TEST(Hybrid, ThePoorTableIsAsGoodAsTheBest) {
     EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5) << "21 coefficients: once in 7000 sessions";
     const Eigen::VectorXd sigma = c.covariance.diagonal().cwiseSqrt();
     if (best.size() == 0) best = sigma;
-    // A degree turns gravity by 1.7 %: what a rest shows of an axis changes by as much, what is small of it by some times more.
+    // A degree turns gravity by 1.7 %: the information of a rest about an axis changes by as much, and small information by several times more.
     EXPECT_LT((sigma.cwiseQuotient(best).array() - 1).abs().maxCoeff(), table < unit::deg ? 0.005 : 0.15);
   }
 }
@@ -183,7 +183,7 @@ TEST(Hybrid, CountsGiveTheSameUnitAsSi) {
     const TriadModel& triad = row.triad == Triad::accel ? c.model.accel : c.model.gyro;
     const double value =
         row.term == Term::matrix ? scale * triad.matrix(row.row, row.column) : triad.offset[row.row] + zero * triad.matrix.row(row.row).sum();
-    // Another coarse solution starts them; both converge to a hundredth of a sigma a step.
+    // The starts are different coarse solutions; both converge to a hundredth of a sigma per step.
     EXPECT_NEAR(value, coefficient_value(si.model, index), 0.03 * *standard_uncertainty(si, index)) << row.name;
   }
   EXPECT_EQ(c.quality.verdict, Verdict::good);
@@ -191,9 +191,9 @@ TEST(Hybrid, CountsGiveTheSameUnitAsSi) {
 
 TEST(Hybrid, IncrementsAreAsGoodAsRates) {
   const HybridSession s = hybrid_session(5);
-  Recording increments = s.recording;  // divided by the nominal interval, as they are read
+  Recording increments = s.recording;  // divided by the nominal interval, as in a file
   increments.gyro_increment = increments.accel_increment = true;
-  // Stamps that jitter by a fifth of the interval say nothing of what the pulses counted.
+  // Stamps that jitter by a fifth of the interval do not affect the pulse counts.
   const RandomStream jitter(5, "jitter");
   for (std::size_t i = 0; i + 1 < increments.size(); ++i) increments.time_ns[i] += static_cast<std::int64_t>(1e7 * (2 * jitter.uniform(i) - 1));
   const Calibration a = calibrated(s, base_terms()).calibration;
@@ -204,7 +204,7 @@ TEST(Hybrid, IncrementsAreAsGoodAsRates) {
 
 TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
   const HybridSession s = hybrid_session(6, [](Session& session) {
-    // About the middle axis alone: 90 deg steps round and round, so that y stays horizontal.
+    // Only the middle axis turns: in 90 deg steps around, so that y stays horizontal.
     std::erase_if(session.steps, [](const Step& step) { return step.kind == StepKind::rotate && step.start > 0 && step.axis != RigAxis::middle; });
     double angle = 0, time = 0;
     for (Step& step : session.steps) {
@@ -217,14 +217,14 @@ TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
   });
   const CalibrationResult result = calibrated(s, base_terms());
   const Calibration& c = result.calibration;
-  // Gravity never comes onto y, nothing turns about x or z, and which way x points about the axis of the turns is a matter of the frame.
+  // Gravity is never along y, nothing turns about x or z, and the direction of x about the turn axis is a matter of the frame.
   for (const char* name : {"accel.offset.y", "accel.matrix.yy", "gyro.matrix.xz", "gyro.matrix.zx"})
     EXPECT_THAT(c.quality.unobservable, Contains(name));
-  // Their scales show in the Earth's rate at rest: no better than all of it does.
+  // The Earth's rate at rest determines their scales, with at most its total information.
   const double earth = earth_rate * std::sin(*s.session.site.latitude), seconds = s.session.steps.back().end;
   for (const char* name : {"gyro.matrix.xx", "gyro.matrix.zz"}) {
     EXPECT_GT(*standard_uncertainty(c, coefficient_index(name)), *s.session.imu.gyro_noise_density / (earth * std::sqrt(seconds))) << name;
-    EXPECT_LT(*standard_uncertainty(c, coefficient_index(name)), 0.025) << name;  // half of what is known before
+    EXPECT_LT(*standard_uncertainty(c, coefficient_index(name)), 0.025) << name;  // half of the prior
   }
   for (const char* name : {"accel.matrix.xx", "accel.matrix.zz", "gyro.matrix.yy"}) EXPECT_THAT(c.quality.unobservable, Not(Contains(name)));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("not determined by the data"));
@@ -237,14 +237,14 @@ TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
 }
 
 TEST(Hybrid, TurnedByHand) {
-  // At rest alone the velocity is known; the rests are found in the data. A navigation-grade unit, then a MEMS unit with scales off by 1 % and gyros
-  // by 1 deg/s.
+  // The velocity is known only at rest; rests are found in the data. The units are navigation grade, then MEMS with scale errors of 1 % and gyro
+  // offsets of 1 deg/s.
   for (const char* grade : {"navigation", "mems"}) {
     double sum = 0, m = 0;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       HandHeldOptions options;
       options.poses = 24;
-      options.rate_hz = 100;  // a hand turns fast: at 50 Hz what coning and sculling leave counts beside navigation-grade noise
+      options.rate_hz = 100;  // a hand turns fast: at 50 Hz, residual coning and sculling exceed navigation-grade noise
       options.first_rest = options.rest = 10;
       options.move = 3;
       options.grade = grade;
@@ -265,7 +265,7 @@ TEST(Hybrid, TurnedByHand) {
   }
 }
 
-/// An hour by hand: an equal g-sensitivity on all axes turns the heading by radians, before it is known.
+/// In an hour by hand, an equal g-sensitivity on all axes turns the unknown heading by radians.
 TEST(Hybrid, FindsAHeadingThatTurns) {
   double sum = 0, sessions = 0;
   for (const std::uint64_t seed : {5u, 11u, 13u, 22u, 48u}) {
@@ -279,7 +279,7 @@ TEST(Hybrid, FindsAHeadingThatTurns) {
     const Truth truth = draw_truth(session, seed);
     const Recording recording = simulate_recording(session, session.recordings.front(), truth, seed);
     session.steps.clear();
-    session.imu.grade.reset();  // a g-sensitivity of any size
+    session.imu.grade.reset();  // any g-sensitivity
     const Calibration c = hybrid::calibrate(input_of(session, recording), base_terms(true)).calibration;
     EXPECT_EQ(c.quality.verdict, Verdict::good) << seed << ": " << verdict_text(c.quality);
     const CoefficientIndex index = coefficient_index("gyro.g_sensitivity.xx");
@@ -288,8 +288,7 @@ TEST(Hybrid, FindsAHeadingThatTurns) {
   EXPECT_LT(sum, chi_square_quantile(0.9995, sessions));
 }
 
-/// The sum of the gyros' noise, 7 mrad on each axis here, would tilt the solution by so much that the vertical force is wrong by 2e-5 on
-/// average.
+/// The sum of the gyros' noise, 7 mrad per axis, would tilt the solution so much that the vertical force is wrong by 2e-5 on average.
 TEST(Hybrid, NoTiltAddsUp) {
   double sum = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
@@ -318,14 +317,14 @@ TEST(Hybrid, TheCurvesEndAtTheResult) {
     ASSERT_EQ(curve.residual.size(), result.curve_time.size());
     EXPECT_LT(curve.sigma.back(), 0.1 * curve.sigma.front()) << curve.name;
   }
-  // ba of the first accelerometer, at the end: A0 of the coarse solution less what remained of it.
+  // This is ba of the first accelerometer at the end: A0 of the coarse solution minus its remainder.
   const SensorModel &coarse = *result.coarse, &model = result.calibration.model;
   const auto at = [&](const char* name) {
     for (const ConvergenceCurve& curve : result.curves)
       if (curve.name == name) return curve.residual.back();
     return 0.0;
   };
-  // To the hundredth of a sigma to which the iterations converge, and the product of two corrections (1e-3 each of 1e-3).
+  // The tolerance includes convergence to a hundredth of a sigma and the product of two corrections (1e-3 each of 1e-3).
   EXPECT_NEAR(at("gyro.matrix.zz"), 1 - model.gyro.matrix(2, 2) / coarse.gyro.matrix(2, 2), 2e-6);
   EXPECT_NEAR(at("accel.offset.x"), coarse.accel.offset.x() - model.accel.offset.x(), 1e-5);
 }

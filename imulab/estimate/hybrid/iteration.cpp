@@ -1,23 +1,24 @@
-// The problem. The filter (filter.cpp) is linear: it estimates the errors of one model, with derivatives taken at that model. The coarse model is off
-// by percents, and the result is to be right to a part in a million. So the passes are repeated, each about the model that the pass before has
+// The problem. The filter (filter.cpp) is linear: it estimates the errors of one model with derivatives at that model. The coarse model is wrong by
+// percents, but the result must be accurate to a part in a million. The passes are therefore repeated, each about the model that the previous pass
 // corrected. Cheng 2014 sec 2.5 corrects once.
 //
-// A small case. One level accelerometer x with an offset error b, in an attitude that is tilted by phi about north. In a rest of T seconds the
+// A small example. One level accelerometer x has an offset error b, and the attitude is tilted by phi about north. In a rest of T seconds, the
 // computed velocity grows by
 //
 //     V1 = T (g phi + b)            one observation, two unknowns.
 //
-// The unit turns by 180 deg about the vertical. The tilt belongs to the navigation frame and stays; the offset turns with the unit:
+// The unit turns by 180 deg about the vertical. The tilt belongs to the navigation frame and does not change; the offset turns with the unit:
 //
 //     V2 = T (g phi - b),           so b = (V1 - V2) / 2T and phi = (V1 + V2) / (2 T g).
 //
-// Now it turns by 180 deg about the horizontal y axis, whose gyro has a relative scale error s. The computed attitude is then wrong by pi s more:
+// Now the unit turns by 180 deg about the horizontal y axis, whose gyro has a relative scale error s. This adds pi s to the attitude error:
 //
 //     V3 = T (g (phi + pi s) + ...)  with the offset and the scale of the accelerometer as the last turn left them.
 //
-// For a coarse s of 1 % the tilt is 0.03 rad. A linear filter takes 0.03 for its sine (wrong by 5e-6, or 5 ug) and takes the gravity along the tilted
-// vertical axis for g (wrong by phi^2 / 2 = 5e-4, or 500 ug). A pass about the coarse model therefore leaves s wrong by about 1e-4; the next pass
-// begins with a tilt of 3e-4 rad, whose square is 1e-7; the third pass moves nothing by a hundredth of its sigma. Three or four passes are usual.
+// For a coarse s of 1 %, the tilt is 0.03 rad. A linear filter uses 0.03 for its sine (an error of 5e-6, or 5 ug) and g for the gravity along the
+// tilted vertical axis (an error of phi^2 / 2 = 5e-4, or 500 ug). A pass about the coarse model therefore leaves an error of about 1e-4 in s. The
+// next pass begins with a tilt of 3e-4 rad, whose square is 1e-7; the corrections of the third pass are below a hundredth of their sigmas. Three or
+// four passes are usual.
 //
 // The difficulties:
 // - Each pass has the same prior about the coarse solution: `total` keeps what was corrected since. The posterior of a pass as the prior of the
@@ -80,8 +81,8 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval) {
 
 namespace {
 
-/// Where a step follows the direction of the one before, what their ratio says that all further ones would add up to (Aitken): in barely determined
-/// directions the iterations converge slowly along one, and oscillate about another.
+/// Extrapolates a step that continues the direction of the previous one to the sum of all further steps (Aitken): along barely determined directions,
+/// iterations converge slowly or oscillate.
 double extrapolation(const VectorXd& step, const VectorXd& before) {
   if (before.size() == 0) return 1;
   const double product = step.dot(before), ratio = product / before.squaredNorm();
@@ -89,8 +90,7 @@ double extrapolation(const VectorXd& step, const VectorXd& before) {
   return std::clamp(1 / (1 - ratio), 0.25, 6.0);
 }
 
-/// The optional terms' priors are narrow: what was corrected of them is taken from the model, where long first steps about a coarse model do not add
-/// up.
+/// Recomputes the totals of optional terms from the model because their priors are narrow: long first steps about a coarse model do not add up.
 void set_optional_totals(Iterate& c) {
   const SensorModel& model = c.about.model;
   for (const Index s : c.states.corrections()) {
@@ -101,7 +101,7 @@ void set_optional_totals(Iterate& c) {
   }
 }
 
-/// Detects stalled iterations: several passes in a row that hardly reduce a large scatter.
+/// Detects stalled iterations: several successive passes that hardly reduce a large scatter.
 class Stuck {
  public:
   bool after(double scatter) {
@@ -116,7 +116,7 @@ class Stuck {
   int passes_ = 0;
 };
 
-/// The step's turn of the heading, and of its rate, as the rests show them: far from the solution the error equations do not.
+/// Replaces the step's change of heading and heading rate by estimates from the rests: the error equations are invalid far from the solution.
 void find_heading(VectorXd& step, Vector3d& start, const Data& data, const Iterate& c) {
   constexpr double sigmas = 3;
   const Index first = c.states.first(Group::g_sensitivity);
@@ -129,7 +129,7 @@ void find_heading(VectorXd& step, Vector3d& start, const Data& data, const Itera
   for (Index i = 0; i < 9; i += 4) step[first + i] += error->rate / gravity - equal;
 }
 
-/// The correction that a pass finds: of the constants, and of the attitude at the start.
+/// The correction from a pass: of the constants, and of the attitude at the start.
 struct Correction {
   VectorXd step, sigma;
   Vector3d start;
@@ -137,14 +137,13 @@ struct Correction {
 Correction correction_of(const Iterate& c) {
   const Errors errors = determined_errors(c);
   Correction out{errors.mean, errors.covariance.diagonal().cwiseSqrt(), errors.mean.segment<3>(c.states.first(Group::start))};
-  for (const Group group : c.states.groups())  // the model has no place for them: each pass estimates them anew
+  for (const Group group : c.states.groups())  // the model does not contain them: each pass estimates them anew
     if (linearity(group) != Linearity::corrected) out.step.segment(c.states.first(group), c.states.size(group)).setZero();
   if (const Index delay = c.states.first(Group::delay); delay >= 0) out.step[delay] = errors.mean[delay] - c.about.delay;
   return out;
 }
 
-/// By what a step is divided so that the equations stay nearly linear. The optional terms, which follow the start, act linearly: their steps may be
-/// long.
+/// Returns the divisor of a step that keeps the equations nearly linear. Optional terms follow the start and act linearly: their steps may be long.
 double shortening(const VectorXd& step, const States& states) {
   constexpr double longest_of_latitude = 10 * unit::deg;  // its sine and cosine are nearly linear
   const Index n = states.first(Group::start);
@@ -158,7 +157,7 @@ void correct(Iterate& c, const VectorXd& step, const Vector3d& start, const Data
   constexpr double most_north = 89.99 * unit::deg;
   c.about.model = corrected(c.about.model, step, c.states);
   c.total += step;
-  if (const Index at = c.states.first(Group::latitude); at >= 0) {  // between the poles, whatever poor data say
+  if (const Index at = c.states.first(Group::latitude); at >= 0) {  // keeps it between the poles for any data
     double& latitude = c.about.place.latitude;
     latitude = std::clamp(latitude - step[at], -most_north, most_north);
     c.total[at] = data.place.latitude - latitude;
@@ -168,13 +167,13 @@ void correct(Iterate& c, const VectorXd& step, const Vector3d& start, const Data
   c.about.start = rotation_exp(start) * c.pass.start;
 }
 
-/// Passes until the correction is below a hundredth of its sigma.
+/// Repeats passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c, int most_iterations = 30) {
   constexpr int before_heading = 3;
-  VectorXd before;  // the last step, in sigmas
+  VectorXd before;  // last step in sigmas
   Stuck stuck;
   c.converged = kernel::iterate(most_iterations, [&](int k) {
-    const bool with_effects = data.unmodeled.size() > 0 && (c.heading_known || k > 0);  // they take time, and a first step is a long one
+    const bool with_effects = data.unmodeled.size() > 0 && (c.heading_known || k > 0);  // they take time, and the first step is long
     c.pass = filter_pass(data, c.about, c.states, c.states.parameters(c.total), {.rates = !c.heading_known, .effects = with_effects});
     ++c.iterations;
     Correction found = correction_of(c);
@@ -192,9 +191,9 @@ Iterate converged(const Data& data, Iterate c, int most_iterations = 30) {
   return c;
 }
 
-/// Blocks whose velocity the converged solution cannot explain: the IMU was bumped or shaken. None where so many are that the model is in doubt.
-/// A wide prior would let the states wander between the first turns, so the look back is by a narrow one. A large knock bends the effects, too, far
-/// beyond their priors; where nothing fits with them, the look is without.
+/// Returns blocks whose velocity the converged solution cannot explain because the IMU was bumped or shaken; empty if they are so many that the model
+/// is doubtful. The prior of this pass is narrow, because the states would vary between the first turns under a wide one. A large knock can also bias
+/// the effects far beyond their priors; if nothing fits with them, the pass omits them.
 std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   constexpr double unlikely = 40;  // chi-square with three degrees of freedom: probability 1e-8
   const States& states = c.states;
@@ -219,11 +218,11 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   const auto too_many = [&](const std::vector<std::size_t>& found) { return 20 * found.size() > data.blocks.size(); };
   std::vector<std::size_t> found = found_with(c.pass.effects.value);
   if (too_many(found) && c.pass.effects.value.size() > 0) found = found_with({});
-  // More are no disturbance, but a model that does not fit: the residuals will say so.
+  // A larger number is not a disturbance but a wrong model, which the residuals indicate.
   return too_many(found) ? std::vector<std::size_t>{} : found;
 }
 
-/// Wald's test of each optional group on the data alone, where the user did not name them.
+/// Tests each optional group by Wald's test on the data alone, unless the user named the terms.
 std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, double significance) {
   std::vector<TermTest> tests;
   if (!data.terms.wanted.empty()) return tests;
@@ -231,7 +230,7 @@ std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, d
   const Index n = states.constants();
   const VectorXd mean = iterate.total + iterate.pass.x.head(n);
   MatrixXd covariance = iterate.pass.covariance.topLeftCorner(n, n);
-  // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
+  // Integration from samples is accurate to a thousandth of their interval; in a turn's ramp of four samples, the error resembles a fifth of that.
   if (const Index at = states.first(Group::delay); at >= 0) covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
   for (const Group group : data.terms.optional) {
     const Index first = states.first(group), size = states.size(group);
@@ -265,7 +264,7 @@ struct Joint {
   }
 };
 
-/// Infers the sizes of effects and optional terms, as Effects::infer. Without effects terms have their expected sizes, unless the data contradict
+/// Infers the sizes of effects and optional terms, like Effects::infer. Without effects, terms keep their expected sizes unless the data contradict
 /// one.
 bool infer_sizes(Data& data, Iterate& c) {
   kernel::Effects effects = data.unmodeled.effects;
@@ -280,16 +279,16 @@ bool infer_sizes(Data& data, Iterate& c) {
   return changed;
 }
 
-/// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
+/// Returns true if the fit did not converge and is far from the data: no other prior, axis or choice of velocities can change that.
 bool is_hopeless(const Data& data, const Iterate& c) {
-  constexpr double far = 5;  // as from there on a result is doubtful
+  constexpr double far = 5;  // the limit beyond which a result is doubtful
   return !c.converged && scatter_of(data, c) > far;
 }
 
-/// Takes out the turn whose gravity misfits most, if the velocities fit much better without it.
+/// Removes the turn with the largest misfit of gravity if the velocities fit much better without it.
 bool lose_turn(Data& data, Converged& result) {
-  constexpr double fits = 1.5, much = 0.5;                      // as an axis that is late
-  constexpr double least_rotation = 1e-3, beyond_the_rest = 3;  // rad; and times the median, to which coarse scales and delays contribute
+  constexpr double fits = 1.5, much = 0.5;                      // as for a late axis
+  constexpr double least_rotation = 1e-3, beyond_the_rest = 3;  // [rad]; multiple of the median, to which coarse scales and delays contribute
   constexpr int most_passes = 12;
   const double before = scatter_of(data, result.last);
   const std::vector<Range> motions = motions_of(data.blocks);

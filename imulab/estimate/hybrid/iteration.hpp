@@ -1,5 +1,4 @@
-// The iterations of the hybrid method: passes of the filter about improving models, and the velocities that the converged model cannot
-// explain.
+// The iteration of the hybrid method: passes of the filter about improving models, and velocities that the converged model cannot explain.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -12,52 +11,51 @@
 
 namespace imulab::hybrid {
 
-/// The state of the iterations.
+/// The state of the iteration.
 struct Iterate {
   States states;
   Linearization about;    ///< model, place and attitude at the start of the next pass
-  Eigen::VectorXd total;  ///< by constant: what was corrected since the coarse solution
-  Pass pass = {};         ///< the last one; once converged it is about the final model
+  Eigen::VectorXd total;  ///< sum of the corrections of each constant since the coarse solution
+  Pass pass = {};         ///< last pass; after convergence it is about the final model
   bool converged = false;
-  bool heading_known = false;  ///< the start's, well enough for a linearization
+  bool heading_known = false;  ///< the heading at the start is accurate enough for a linearization
   int iterations = 0;
 };
 
-/// From the coarse solution.
+/// Starts from the coarse solution.
 Iterate first_iterate(const Data& data);
 
-/// Errors of the model that the last pass was about. Constants that are `undetermined` are at the coarse solution, and how far that may be off counts
-/// in the others' covariance.
+/// Errors of the model of the last pass. Constants that are `undetermined` stay at the coarse solution, and its uncertainty enters the covariance of
+/// the others.
 struct Errors {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
   std::vector<Eigen::Index> undetermined;
-  std::vector<CoefficientIndex> coefficients, open;  ///< determined, or optional; and not determined
-  std::vector<CoefficientIndex> considered;          ///< optional ones that the data do not show, among `coefficients`
+  std::vector<CoefficientIndex> coefficients, open;  ///< determined or optional coefficients; coefficients that are not determined
+  std::vector<CoefficientIndex> considered;          ///< optional ones among `coefficients` that the data do not determine
 };
 Errors determined_errors(const Iterate& iterate);
-/// Part of the constants' covariance that the same IMU brings again (kernel::Effects::constant_part); empty where sizes are not inferred.
+/// Returns the part of the constants' covariance that recurs for the same IMU (kernel::Effects::constant_part); empty if sizes are not inferred.
 Eigen::MatrixXd constant_part(const Data& data, const Iterate& last);
 
-/// The velocities' residuals over what the noise explains (RMS).
+/// Returns the RMS of the velocity residuals relative to their noise.
 double scatter_of(const Data& data, const Iterate& iterate);
-/// The scatter of data that no prior, axis or choice of velocities explains.
+/// Scatter of data that no prior, axis or choice of velocities can explain.
 inline constexpr double other_data = 100;
 
-/// One pass, about the same model.
+/// Repeats one pass about the same model.
 Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 
 struct Converged {
   Iterate last;
-  std::vector<TermTest> tests = {};        ///< of the optional groups: are they seen?
-  std::vector<std::size_t> left_out = {};  ///< blocks whose velocity is an outlier
+  std::vector<TermTest> tests = {};        ///< tests of the optional groups
+  std::vector<std::size_t> left_out = {};  ///< blocks with an outlying velocity
   std::vector<std::string> lost = {};      ///< turns that no model explains
-  double headings = 1;                     ///< their scatter in the rests over what the noise explains, before it was taken for movement
+  double headings = 1;                     ///< scatter of the headings in the rests relative to their noise, before it was attributed to movement
 };
 
-/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`, and turns that
-/// no model explains are no longer in it. The optional
-/// groups are in the model, seen or not; they are tested where the user did not name them.
+/// Iterates until the set of used velocities no longer changes. Blocks with outlying velocities are no longer observed in `data`, and turns that no
+/// model explains are removed. Optional groups are in the model, significant or not; they are tested unless the user named the terms.
 Converged converge(Data& data, double significance);
 
 }  // namespace imulab::hybrid

@@ -22,11 +22,11 @@ namespace {
 
 struct Rest {
   Vector3d up, rate;
-  double duration;  // s
+  double duration;  // [s]
 };
 
 std::vector<Rest> compensated(const std::vector<RestMeans>& rests, SensorModel model) {
-  model.g_sensitivity.setZero();  // an equal one may be what a wrong latitude made of it
+  model.g_sensitivity.setZero();  // an equal g-sensitivity may be the result of a wrong latitude
   std::vector<Rest> out;
   for (const RestMeans& rest : rests) {
     const Motion motion = compensate(model, {.gyro = rest.gyro, .accel = rest.accel});
@@ -40,11 +40,11 @@ struct Measured {
   double value, variance;
 };
 
-/// The Earth's rate along gravity [rad/s], and the square of that across it.
+/// The Earth's rate along gravity [rad/s], and the square of its component across gravity.
 struct EarthsRate {
   Measured along, across2;
 
-  /// Chi-square of a latitude.
+  /// Returns the chi-square of a latitude.
   double misfit(double latitude) const {
     const double c = earth_rate * std::cos(latitude);
     return std::pow(along.value - earth_rate * std::sin(latitude), 2) / along.variance + std::pow(across2.value - c * c, 2) / across2.variance;
@@ -63,7 +63,7 @@ std::optional<EarthsRate> earths_rate(const std::vector<Rest>& rests, const Gyro
     sum += r.duration * r.up.dot(r.rate) * row;
     all += r.duration;
   }
-  if (Eigen::SelfAdjointEigenSolver<Matrix4d>(information).eigenvalues()[0] < 1e-2 * all) return {};  // hardly different attitudes
+  if (Eigen::SelfAdjointEigenSolver<Matrix4d>(information).eigenvalues()[0] < 1e-2 * all) return {};  // the attitudes hardly differ
   const Matrix4d inverse = information.inverse();
   const Vector4d solution = inverse * sum;
   const Vector3d offset = solution.tail<3>();
@@ -89,7 +89,7 @@ std::optional<EarthsRate> earths_rate(const std::vector<Rest>& rests, const Gyro
       {mean, std::max(spread * n / (n - 1), noise2) + by_offset.dot(of_offset * by_offset) + std::pow(2 * gyros.scale * mean, 2)}};
 }
 
-/// The most likely latitude between these.
+/// Returns the most likely latitude between these limits.
 double most_likely(const EarthsRate& seen, double from, double to) {
   const auto among = [&](double begin, double end, int steps) {
     double best = begin;

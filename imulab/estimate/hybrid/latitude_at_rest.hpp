@@ -1,4 +1,4 @@
-// The latitude that the gyros show at rest, without any turn: the Earth's rate along gravity and across it.
+// The latitude from gyros at rest, without any turn: the Earth's rate along gravity and across it.
 #pragma once
 
 #include "imulab/recording/rest_means.hpp"
@@ -9,23 +9,23 @@
 
 namespace imulab::hybrid {
 
-/// A latitude as the gyros measure the Earth's rate [rad].
+/// A latitude from the gyros' measurement of the Earth's rate [rad].
 struct SeenLatitude {
   double value, sigma;
 };
 
 /// The uncertainty of the gyros at rest.
 struct GyrosAtRest {
-  double noise;          ///< rad/s/sqrt(Hz), at least
+  double noise;          ///< lower bound [rad/s/sqrt(Hz)]
   double scale;          ///< relative standard deviation of their scales
-  double g_sensitivity;  ///< that of an equal one on all axes [rad/s/(m/s^2)]: it looks like the Earth's rate along gravity
+  double g_sensitivity;  ///< g-sensitivity common to all axes [rad/s/(m/s^2)]: it resembles the Earth's rate along gravity
   double gravity;        ///< m/s^2
 };
 
 /// At rest in attitude k, with up u_k and the rate w_k: w_k . u_k = W sin L + b . u_k gives the offset b (Cheng 2014 eq 11, with known scales), and
-/// |w_k - b|^2 across u_k is (W cos L)^2 and the noise's. Their scatter counts, as far as it is larger than the noise. The latitude that these two
-/// fit best, if it is five standard deviations more likely than any within `declared` +/- 3 `declared_sigma` [rad]; nothing where the rests are too
-/// few, too much alike, or fit no latitude.
+/// |w_k - b|^2 across u_k is (W cos L)^2 plus noise. Their scatter is used if it exceeds the noise. Returns the latitude that fits both best if it is
+/// five standard deviations more likely than any within `declared` +/- 3 `declared_sigma` [rad]. Returns nothing if the rests are too few, too
+/// similar, or fit no latitude.
 std::optional<SeenLatitude> latitude_against(double declared, double declared_sigma, const std::vector<RestMeans>& rests, const SensorModel& model,
                                              const GyrosAtRest& gyros);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double gravity = 9.8, rest_s = 20;
 
-/// In random attitudes: an ideal unit with a gyro offset of 100 deg/h, and white noise [rad/s/sqrt(Hz)].
+/// Returns rests in random attitudes of an ideal unit with a gyro offset of 100 deg/h and white noise [rad/s/sqrt(Hz)].
 std::vector<RestMeans> rests_at(double latitude, std::size_t count, double noise, std::uint64_t seed) {
   const RandomStream draws(seed, "latitude at rest");
   std::uint64_t next = 0;

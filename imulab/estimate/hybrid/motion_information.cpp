@@ -21,7 +21,7 @@ using in_place::AttitudeAt;
 
 namespace {
 
-/// The residuals (phi1 - what the states before make of it, 0 - velocity) are white noise's.
+/// Returns the information of a block. The residuals (phi1 minus its prediction from the states before, 0 - velocity) are white noise.
 MotionInformation block_information(const InformationModel& m, const AttitudeAt& attitude, double begin, double end) {
   const Index n = m.size();
   const in_place::BlockSums sums = in_place::sums_of(attitude, begin, end, m.place.latitude, m.place.gravity);
@@ -32,18 +32,18 @@ MotionInformation block_information(const InformationModel& m, const AttitudeAt&
   return white.transpose() * white;
 }
 
-/// Columns of three unknowns, and a row each other unknown.
+/// Columns of three unknowns, with a row for each other unknown.
 using Across = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-/// The information about the other unknowns, whatever the three are: `others` with their part taken off (Schur complement). A search spends most of
-/// its time here; columns are faster than a product of matrices whose inner size is three.
+/// Returns the information about the other unknowns for any values of the three (Schur complement). A search spends most of its time here; columns
+/// are faster than a product of matrices with an inner size of three.
 MatrixXd without(const Matrix3d& three, const Across& across, MatrixXd others) {
   const Eigen::Matrix<double, 3, Eigen::Dynamic> part = three.inverse() * across.transpose();
   for (Index j = 0; j < others.cols(); ++j) others.col(j) -= across.col(0) * part(0, j) + across.col(1) * part(1, j) + across.col(2) * part(2, j);
   return others;
 }
 
-/// The same motion several times.
+/// Joins several copies of the same motion.
 MotionInformation repeated(MotionInformation motion, int times) {
   MotionInformation out;
   for (int left = times; left > 0; left /= 2) {
@@ -71,7 +71,7 @@ RestSeconds used_seconds(const InformationModel& model, int rest, bool outermost
 MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, RestSeconds seconds) {
   const MotionInformation second = block_information(
       model, [&](double) { return Attitude{C_nb}; }, 0, 1);
-  // The heading stays: next to the gyros' noise, and within the error of their integral at both ends.
+  // The heading is constant up to a small fraction of the gyros' noise and the error of their integral at both ends.
   constexpr double next_to_noise = 1e-3;
   MotionInformation still = second;
   const Index before = model.size() + 2, now = model.size() + 5;
@@ -100,7 +100,7 @@ MotionInformation turn_information(const InformationModel& model, const Matrix3d
 
 MotionInformation joined(const MotionInformation& first, const MotionInformation& second) {
   const Index n = first.rows() - 6;
-  MatrixXd others(n + 6, n + 6);  // constants, attitude at the first one's begin, attitude at the second one's end
+  MatrixXd others(n + 6, n + 6);  // constants, attitude at the start of the first, attitude at the end of the second
   others.topLeftCorner(n, n) = first.topLeftCorner(n, n) + second.topLeftCorner(n, n);
   others.block(0, n, n, 3) = first.block(0, n, n, 3), others.block(n, 0, 3, n) = first.block(n, 0, 3, n);
   others.topRightCorner(n, 3) = second.topRightCorner(n, 3), others.bottomLeftCorner(3, n) = second.bottomLeftCorner(3, n);

@@ -16,7 +16,7 @@
 namespace imulab::hybrid {
 namespace {
 
-/// The path's uncertainties by parts put together, of all constants of the model.
+/// Returns the uncertainties of all constants of the model for a path assembled from parts.
 Eigen::VectorXd by_parts(const Plan& plan, const InformationModel& model) {
   Knowledge knowledge = prior_knowledge(model);
   std::array<double, 3> angles{};
@@ -28,7 +28,7 @@ Eigen::VectorXd by_parts(const Plan& plan, const InformationModel& model) {
     if (step.kind == StepKind::hold) {
       RestSeconds used = used_seconds(model, static_cast<int>(std::lround(step.end - step.start)), &step == &steps.front() || &step == &steps.back());
       if (!plan.observe_motion && &step == &steps.front())
-        ++used.still;  // a turn by hand takes two seconds of the rest after it, of which it has none
+        ++used.still;  // a turn by hand uses two seconds of the following rest, which is absent here
       knowledge = after(knowledge, rest_information(model, body.C_nb, used));
     } else {
       auto& state = states[static_cast<std::size_t>(step.axis)];
@@ -50,23 +50,22 @@ void expect_the_filters_sigmas(const Session& session, double tolerance) {
     const Eigen::Index state = model.constants[static_cast<std::size_t>(i)];
     const double expected = std::sqrt(p.covariance(state, state));
     const bool of_ramps = state >= model.states.first(Group::lever_arm) && model.states.first(Group::lever_arm) >= 0;
-    // Lever arms show in the ramps of turns, by which blocks of a fifth of a second these fall into: here others than in the filter. That hardly
-    // changes the other coefficients.
+    // Ramps of turns determine lever arms, depending on their division into blocks of a fifth of a second, which differs from the filter's. The other
+    // coefficients hardly change.
     EXPECT_NEAR(sigma[i], expected, (of_ramps ? 0.5 : tolerance) * expected) << "state " << state;
   }
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilter) {
-  // Both have the same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there. A rest's heading is seen in 13 s here, in 12.8 s there,
-  // since holds are read from a tenth of a second within their ends: 0.8 % of what it alone determines.
+  // Both have the same blocks; sums use midpoints of 0.5 deg here, Simpson's rule there. The heading of a rest is observed in 13 s here, in 12.8 s
+  // there, because holds exclude a tenth of a second at their ends: 0.8 % of what it alone determines.
   expect_the_filters_sigmas(hybrid_procedure(15, 100), 5e-3);
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilterByHand) {
   Session session = hybrid_procedure(15, 20);
   session.rigs.front() = {};
-  // A turn is one block of 12 to 21 s here: to first order in what the Earth turns within it. Its last second is one of 13 in which the heading
-  // stays.
+  // A turn is one block of 12 to 21 s here: first order in the Earth's rotation within it. Its last second is one of 13 with a constant heading.
   expect_the_filters_sigmas(session, 0.03);
 }
 
@@ -87,7 +86,7 @@ TEST(MotionInformation, ARestIsTheSumOfItsSeconds) {
   Knowledge at_once = one_by_one;
   for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, {1}));
   at_once = after(at_once, rest_information(model, C, {13}));
-  // That the heading stays is known to sixteen digits more than where it points.
+  // The constant heading is sixteen digits more certain than its direction.
   EXPECT_LT((sigma_of(one_by_one).cwiseQuotient(sigma_of(at_once)).array() - 1).abs().maxCoeff(), 1e-3);
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double helps = 1 - 1e-6;  // a smaller decrease does not count
 
-/// The places of finite values, the least first.
+/// Returns the indices of finite values, the smallest first.
 std::vector<std::size_t> order_of(const std::vector<double>& values) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < values.size(); ++k)
@@ -29,7 +29,7 @@ std::vector<std::size_t> order_of(const std::vector<double>& values) {
   return order;
 }
 
-/// Worst ratios with the rests changed one at a time, by `change` quanta; infinite where a rest cannot be changed.
+/// Returns the worst ratios if the rests change one at a time by `change` quanta; infinite if a rest cannot change.
 std::vector<double> one_by_one(const PathJudge& judge, const QuarterPath& path, int change) {
   std::vector<double> out(path.rests.size(), infinite);
   parallel_for(out.size(), [&](std::size_t k) {
@@ -42,7 +42,7 @@ std::vector<double> one_by_one(const PathJudge& judge, const QuarterPath& path, 
   return out;
 }
 
-/// Shorter rests, and as many longer ones where they are `exchanged`, at first many at a time, then fewer, while `accepts` the result.
+/// Shortens rests (and lengthens as many others if `exchanged`), first many at a time, then fewer, while `accepts` returns true.
 QuarterPath shortened(const PathJudge& judge, QuarterPath path, std::size_t most, bool exchanged,
                       const std::function<bool(const QuarterPath&)>& accepts) {
   while (most > 0) {
@@ -63,7 +63,7 @@ QuarterPath shortened(const PathJudge& judge, QuarterPath path, std::size_t most
   return path;
 }
 
-/// Longer rests until the requirements are met, then shorter ones as long as they are.
+/// Lengthens rests until the requirements are met, then shortens rests as long as they are.
 QuarterPath shortest(const PathJudge& judge, QuarterPath path, double longest) {
   double worst = judge.worst(path);
   while (worst > 1 && judge.duration(path) < longest) {
@@ -78,7 +78,7 @@ QuarterPath shortest(const PathJudge& judge, QuarterPath path, double longest) {
   return shortened(judge, std::move(path), all, false, [&](const QuarterPath& trial) { return !(judge.worst(trial) > 1); });
 }
 
-/// Remaining time goes to the rests that need it, and is then exchanged between rests.
+/// Distributes the remaining time to the rests that need it, then exchanges time between rests.
 QuarterPath best_in(const PathJudge& judge, QuarterPath path, double time) {
   while (judge.duration(path) + judge.quantum <= time) {
     const std::vector<std::size_t> order = order_of(one_by_one(judge, path, 1));
@@ -94,7 +94,7 @@ QuarterPath best_in(const PathJudge& judge, QuarterPath path, double time) {
   });
 }
 
-/// Replaces one turn by another as long as it helps.
+/// Replaces one turn by another as long as this improves the path.
 QuarterPath polished(const PathJudge& judge, QuarterPath path, const std::vector<QuarterTurn>& moves, double longest) {
   double worst = judge.worst(path);
   const std::size_t rounds = 8000 / (path.turns.size() * path.turns.size() + 1);  // the work of a round is proportional to the square
@@ -117,7 +117,7 @@ QuarterPath polished(const PathJudge& judge, QuarterPath path, const std::vector
   return path;
 }
 
-/// The best of both kinds, within the limits and not, which are examined further.
+/// Returns the best candidates within the limits and outside, for further examination.
 std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size_t of_each) {
   std::stable_sort(found.begin(), found.end(),
                    [](const Candidate& a, const Candidate& b) { return grid_place(std::log(a.merit)) < grid_place(std::log(b.merit)); });
@@ -130,7 +130,7 @@ std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size
   return chosen;
 }
 
-/// Numbers for a checkpoint, and back.
+/// Converts paths to numbers for a checkpoint, and back.
 void add(std::vector<double>& numbers, const QuarterPath& path) {
   numbers.push_back(static_cast<double>(path.turns.size()));
   for (const QuarterTurn& turn : path.turns) numbers.insert(numbers.end(), {static_cast<double>(turn.axis), static_cast<double>(turn.quarters)});
@@ -169,7 +169,7 @@ class Numbers {
   std::size_t at_ = 0;
 };
 
-/// A step of the search.
+/// Runs one step of the search.
 void for_each_path(const SharedWork& work, const Sharing* sharing, const char* step) {
   if (sharing == nullptr) return for_each(work);
   Sharing own = *sharing;

@@ -1,5 +1,5 @@
-// The path of a hybrid calibration: the turns of 90 and 180 deg and the rests between them that reach required uncertainties in the shortest time, or
-// the smallest uncertainties in a given time (docs/reference/predict.md).
+// The path of a hybrid calibration: turns of 90 and 180 deg and rests between them that reach required uncertainties in the shortest time, or the
+// smallest uncertainties in a given time (docs/reference/predict.md).
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -20,15 +20,15 @@ struct PathQuestion : PathLimits {
   Plan unit;  ///< site, noise and terms; its steps are ignored
 };
 
-/// As PathPlanner::design.
+/// Designs a path like PathPlanner::design.
 TurnPath design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const Sharing* sharing = nullptr);
 
-/// The uncertainty of a scale from nonlinearity that no path shows, at turns of this rate [rad/s]; 0 for other coefficients.
+/// Returns the uncertainty of a scale due to nonlinearity that no path determines, for turns at this rate [rad/s]; 0 for other coefficients.
 double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
-/// The uncertainty that no path reduces: the one above, and for an accelerometer's scale also that of gravity.
+/// Returns the uncertainty that no path can reduce: nonlinear_sigma and, for an accelerometer scale, the uncertainty of gravity.
 double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
 
-/// The method's row in the table has these.
+/// The functions of the method's row in the table.
 inline constexpr PathPlanner planner{
     .expect_estimated = [](const std::vector<Requirement>& requirements, const Session& unit) { expect_estimated(requirements, plan_of(unit)); },
     .least_sigma = [](const Session& unit, CoefficientIndex index, double turn_rate) { return least_sigma(plan_of(unit), index, turn_rate); },

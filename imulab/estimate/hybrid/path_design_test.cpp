@@ -13,12 +13,12 @@ namespace {
 
 using enum RigAxis;
 
-/// The uncertainties of the standard path, and its duration.
+/// The uncertainties and duration of the standard path.
 struct Standard {
   Session session = [] {
     Session s = hybrid_procedure(60, 100);
     s.site.given_gravity = 9.8;
-    s.site.given_gravity_sigma = 1e-7;  // otherwise the accelerometers' scales do not depend on the path
+    s.site.given_gravity_sigma = 1e-7;  // otherwise the accelerometer scales do not depend on the path
     return s;
   }();
   Plan plan = plan_of(session, base_terms().terms);
@@ -40,7 +40,7 @@ FilterPrediction predicted(const TurnPath& path, const Plan& plan) {
   return predict(plan_of(session, plan.terms.wanted));
 }
 
-/// The largest ratio of the predicted sigmas to the requirements.
+/// Returns the largest ratio of predicted sigmas to requirements.
 double worst_ratio(const FilterPrediction& p, const PathQuestion& q) {
   EXPECT_TRUE(p.undetermined.empty());
   double worst = 0;
@@ -56,7 +56,7 @@ TEST(PathDesign, IsAsGoodAsTheStandardPathInItsTime) {
   q.time = standard.session.steps.back().end;
   const TurnPath path = design_path(q);
   EXPECT_LE(path.duration, *q.time);
-  // A search among single changes does not find the last percent: the standard path is the work of its author.
+  // A search over single changes does not find the last percent: the standard path was optimized by its author.
   EXPECT_LE(worst_ratio(predicted(path, standard.plan), q), 1.01);
 }
 
@@ -67,7 +67,7 @@ TEST(PathDesign, UsesAllOfItsTime) {
   const TurnPath shortest = design_path(q);
   EXPECT_LE(shortest.worst, 1);
   q.time = 4 * shortest.duration;
-  EXPECT_LT(design_path(q).worst, 0.55 * shortest.worst);  // white noise alone: 0.5
+  EXPECT_LT(design_path(q).worst, 0.55 * shortest.worst);  // white noise alone gives 0.5
 }
 
 TEST(PathDesign, ThreeTimesTheUncertaintyTakesFarLessTime) {
@@ -75,7 +75,7 @@ TEST(PathDesign, ThreeTimesTheUncertaintyTakesFarLessTime) {
   const PathQuestion q = standard.question(3);
   const TurnPath path = design_path(q);
   EXPECT_LE(path.worst, 1);
-  // The judge of the search and the filter along the procedure agree to some parts in a thousand.
+  // The evaluation in the search and the filter along the procedure agree to some parts in a thousand.
   EXPECT_NEAR(worst_ratio(predicted(path, standard.plan), q), path.worst, 5e-3 * path.worst);
   EXPECT_LT(path.duration, 0.5 * standard.session.steps.back().end) << "noise would allow a ninth, but every axis has to be turned";
 }
@@ -97,7 +97,7 @@ TEST(PathDesign, FewerAxesAndHandsDoItToo) {
   EXPECT_NEAR(worst_ratio(predicted(by_hand, hand.unit), hand), by_hand.worst, 0.02 * by_hand.worst);  // a turn is one block
 }
 
-/// With the terms that an IMU may have as unknowns of the search, too.
+/// Optional terms are also unknowns of the search.
 TEST(PathDesign, CountsTheTermsThatAnImuMayHave) {
   Session session = hybrid_procedure(60, 100);
   session.imu.grade = "navigation";

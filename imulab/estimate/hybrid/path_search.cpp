@@ -24,7 +24,7 @@ PathJudge::PathJudge(const PathQuestion& q)
     : quantum(q.rest ? static_cast<int>(std::lround(*q.rest)) : usual_quantum), model_(q.unit), turn_rate_(q.turn_rate) {
   find_limits(q);
   const std::vector<Matrix3d>& attitudes = table_.attitudes();
-  const int most = q.rest ? 1 : longest_rest / usual_quantum;  // quanta
+  const int most = q.rest ? 1 : longest_rest / usual_quantum;  // in quanta
   turn_.resize(attitudes.size());
   rest_.resize(attitudes.size());
   parallel_for(attitudes.size(), [&](std::size_t k) {
@@ -44,10 +44,10 @@ PathJudge::PathJudge(const PathQuestion& q)
 void PathJudge::find_limits(const PathQuestion& q) {
   for (const Requirement& r : q.requirements)
     for (const CoefficientIndex coefficient : r.coefficients)
-      for (Index row = 0; row < model_.size(); ++row) {  // none for those of an accelerometer's upper triangle: zero in its frame
+      for (Index row = 0; row < model_.size(); ++row) {  // none for the upper triangle of the accelerometers, which is zero in their frame
         const Index state = model_.constants[static_cast<std::size_t>(row)];
         if (model_.states.corrects(state) != coefficient) continue;
-        // Half of the prior is where a coefficient begins to count as determined.
+        // A coefficient begins to count as determined at half of its prior.
         limits_.push_back({row, coefficient, std::min(r.limit, 0.499 * model_.states.prior[state]), least_sigma(q.unit, coefficient, q.turn_rate),
                            nonlinear_sigma(q.unit, coefficient, q.turn_rate)});
       }
@@ -87,7 +87,7 @@ Score PathJudge::score(const Knowledge& knowledge) const {
   const Eigen::VectorXd sigma = sigma_of(knowledge);
   Score s;
   for (const Limit& limit : limits_) {
-    if (limit.limit <= limit.floor) continue;  // out of reach of any path
+    if (limit.limit <= limit.floor) continue;  // no path can reach it
     const double excess = std::pow(limit.sigma(sigma[limit.row]), 2) - limit.floor * limit.floor;
     double ratio = std::sqrt(excess / (limit.limit * limit.limit - limit.floor * limit.floor));
     if (!std::isfinite(ratio)) ratio = 1e9;
@@ -110,9 +110,9 @@ TurnPath PathJudge::described(const QuarterPath& path) const {
 
 namespace {
 
-constexpr std::size_t width = 64;        // of the beam
-constexpr std::size_t first_turns = 40;  // beyond them, fewer beginnings are enough
-constexpr std::size_t patience = 40;     // turns without which the worst ratio falls by 5 %
+constexpr std::size_t width = 64;        // of the beam search
+constexpr std::size_t first_turns = 40;  // longer paths need fewer beginnings
+constexpr std::size_t patience = 40;     // largest number of turns that do not reduce the worst ratio by 5 %
 
 /// The beginning of a path with equal rests.
 struct Beginning {
@@ -123,7 +123,7 @@ struct Beginning {
   Score score;
 };
 
-/// The best of each kind: half of them by the sum of the logarithms, half by the worst ratio, each times the effect of the time spent on the noise.
+/// Returns the best beginnings: half by the sum of the logarithms, half by the worst ratio, each corrected for the effect of time on the noise.
 std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std::size_t limits) {
   std::vector<Beginning> out;
   const auto take = [&](auto key, std::size_t count) {
@@ -133,7 +133,7 @@ std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std
     double last = -HUGE_VAL;
     for (Beginning& b : all) {
       const double value = place(b);
-      if (value - last < 2) continue;  // a mirror image of the previous one: equally good
+      if (value - last < 2) continue;  // a mirror image of the previous one is equally good
       last = value;
       (out.size() < count ? out : left).push_back(std::move(b));
     }
@@ -144,7 +144,7 @@ std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std
   return out;
 }
 
-/// All beginnings with one move more that are not longer than `longest`.
+/// Returns all beginnings extended by one move that are not longer than `longest`.
 std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Beginning>& beam, const std::vector<QuarterTurn>& moves, int rest,
                                  double longest) {
   std::vector<Beginning> next(beam.size() * moves.size());

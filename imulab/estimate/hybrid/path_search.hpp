@@ -1,5 +1,5 @@
-// A path of quarter turns compared with the requirements, from its parts: rests at 24 attitudes, and the turns between them, as information. And a
-// beam search over the turns of paths all rests of which are equal.
+// Evaluates a path of quarter turns against the requirements from its parts, as information: rests at 24 attitudes, and the turns between them. Also
+// a beam search over the turns of paths with equal rests.
 #pragma once
 
 #include "imulab/estimate/hybrid/motion_information.hpp"
@@ -12,27 +12,27 @@
 
 namespace imulab::hybrid {
 
-inline constexpr int shortest_rest = 10, longest_rest = 300;  ///< s, where rests are chosen
+inline constexpr int shortest_rest = 10, longest_rest = 300;  ///< [s], if rests are chosen
 
-/// Ratios of the part of sigma that data can reduce, sqrt(sigma^2 - floor^2), to its requirement: the worst one, at most 1 where every sigma
-/// is within its limit, and the sum of the logarithms, a measure of progress while most coefficients are undetermined.
+/// The largest ratio of the reducible part of a sigma, sqrt(sigma^2 - floor^2), to its requirement, at most 1 if every sigma is within its limit; and
+/// the sum of the logarithms, which measures progress while most coefficients are undetermined.
 struct Score {
   double worst = 0, sum = 0;
 };
 
-/// The place of a logarithm on a grid of 1e-7: what differs by rounding alone, as mirror images of a path do, is equal, so that the search does not
-/// depend on it.
+/// Rounds a logarithm to a grid of 1e-7, so that values that differ only by rounding, such as those of mirrored paths, are equal and the search does
+/// not depend on rounding.
 inline double grid_place(double logarithm) { return std::round(1e7 * logarithm); }
 
 class PathJudge {
  public:
   explicit PathJudge(const PathQuestion& question);
 
-  const int quantum;  ///< of a rest, s
+  const int quantum;  ///< of a rest [s]
 
   Knowledge start() const { return prior_knowledge(model_); }
   const MotionInformation& turn(const QuarterPose& pose, const QuarterTurn& turn) const;
-  /// `outermost`: the session's first or last one, the end of which is not used.
+  /// `outermost`: the first or last rest of the session, whose end is not used.
   const MotionInformation& rest(const QuarterPose& pose, int quanta, bool outermost) const;
   double duration(const QuarterTurn& turn) const;  ///< s
   double duration(const QuarterPath& path) const;  ///< s
@@ -41,7 +41,7 @@ class PathJudge {
   Score score(const Knowledge& knowledge) const;
   double worst(const QuarterPath& path) const { return score(knowledge(path)).worst; }
   std::size_t limits() const { return limits_.size(); }
-  /// With the coefficient whose sigma is the largest of its limit.
+  /// Describes a path with the coefficient whose sigma is largest relative to its limit.
   TurnPath described(const QuarterPath& path) const;
 
  private:
@@ -64,11 +64,11 @@ class PathJudge {
 struct Candidate {
   QuarterPath path;
   double merit;  ///< smaller is better: the time to meet the requirements if rests and turns were lengthened equally
-  bool within;   ///< the limits
+  bool within;   ///< the path is within the limits
 };
 
-/// Paths from zero angles of these moves, with every rest `rest` quanta and all in all at most `longest` [s]: each that was better than those before.
-/// Those within the limits are the better the shorter they are or, where all the time is given, the more they leave of the limits.
+/// Searches paths of these moves from zero angles, with every rest `rest` quanta and a total of at most `longest` [s], and returns each that improved
+/// on earlier ones. Within the limits, shorter paths are better or, if all the time is given, paths with a larger margin.
 std::vector<Candidate> search_turns(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, bool all_the_time);
 
 }  // namespace imulab::hybrid

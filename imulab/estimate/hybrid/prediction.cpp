@@ -33,7 +33,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Throws Error for several recordings.
+/// Returns the sampling rate. Throws Error for several recordings.
 double rate_of(const Session& procedure) { return kernel::only_source(procedure).rate_hz.value_or(default_sample_rate); }
 
 }  // namespace
@@ -53,8 +53,8 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
 }
 
 FilterPrediction predict(const Plan& plan) {
-  // Readings that follow the motion: the rate does not matter as long as a sample turns by little.
-  // Lever arms show in the ramps of turns, as far as the session's rate resolves them: they take a fifth of a second.
+  // The sampling rate does not matter as long as a sample turns by a small angle.
+  // Ramps of turns determine lever arms if the session's rate resolves them: they take a fifth of a second.
   const double slowest = plan.terms.optional.contains(Group::lever_arm) ? std::clamp(rate_of(plan.procedure), 20.0, 100.0) : 20;
   const Recording recording = coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity}, slowest);
   const std::vector<Range> rests = in_place::still_parts(recording, rests_of(recording, plan.procedure).ranges);
@@ -113,7 +113,7 @@ void expect_estimated(const std::vector<Requirement>& requirements, const Plan& 
 
 namespace {
 
-/// The limits of the model's constants; infinite: none.
+/// Returns the limits of the model's constants; infinite: none.
 VectorXd targets(const InformationModel& model, const std::vector<Requirement>& requirements) {
   VectorXd out = model.states.needed()(model.constants);
   if (requirements.empty()) return out;
@@ -129,7 +129,7 @@ VectorXd targets(const InformationModel& model, const std::vector<Requirement>& 
 
 struct Outcome {
   Knowledge knowledge;
-  double worst = 0, sum = 0;  ///< ratio; logarithms of those above 1
+  double worst = 0, sum = 0;  ///< largest ratio; sum of the logarithms of ratios above 1
   bool operator<(const Outcome& other) const { return std::pair(sum, worst) < std::pair(other.sum, other.worst); }
 };
 
@@ -138,7 +138,7 @@ Outcome outcome(Knowledge knowledge, const VectorXd& target) {
   return {std::move(knowledge), ratio.maxCoeff(), ratio.cwiseMax(1).array().log().sum()};
 }
 
-/// The worst-determined direction.
+/// Returns the worst-determined direction.
 Advice worst_direction(const InformationModel& model, const Knowledge& now, const VectorXd& target) {
   const Index n = model.size();
   const VectorXd scale = target.cwiseInverse();
@@ -160,7 +160,7 @@ Advice advise(const Plan& plan, const FilterPrediction& prediction, const std::v
   const InformationModel model(plan);
   const VectorXd target = targets(model, requirements);
   const Knowledge now = knowledge_of(model, prediction);
-  double rate = 10 * unit::deg, acceleration = default_acceleration_dps2 * unit::deg, rest = 60;  // as the procedure's last ones
+  double rate = 10 * unit::deg, acceleration = default_acceleration_dps2 * unit::deg, rest = 60;  // as the last ones of the procedure
   for (const Step& step : plan.procedure.steps) {
     if (step.kind == StepKind::rotate) rate = step.rate, acceleration = step.acceleration.value_or(acceleration);
     if (step.kind == StepKind::hold) rest = std::max(5.0, step.end - step.start);

@@ -25,8 +25,7 @@ TEST(HybridPrediction, IsWhatCalibrateStates) {
   const Calibration c = calibrated(s, base_terms()).calibration;
   const FilterPrediction p = predict(plan_of(s.session, base_terms().terms));
   ASSERT_EQ(p.coefficients, c.estimated);
-  for (std::size_t i = 0; i < p.coefficients.size();
-       ++i)  // the IMU's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i)  // the IMU's errors of 5e-4 and the table's of 1 arcmin change them by little more
     EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
         << coefficient(p.coefficients[i]).name;
 }
@@ -52,15 +51,15 @@ TEST(HybridPrediction, RoundingDecidesNothing) {
     EXPECT_NEAR(other.sigma[i] / p.sigma[i], 1, 1e-10) << coefficient(p.coefficients[static_cast<std::size_t>(i)]).name;
 }
 
-/// Without named terms: quadratic terms, g-sensitivity, lever arms and delay are estimated under their priors, and the others considered.
+/// No terms are named: quadratic terms, g-sensitivity, lever arms and delay are estimated under their priors, and the others considered.
 TEST(HybridPrediction, HasTheTermsOfCalibrate) {
   for (const bool by_hand : {false, true}) {
     const HybridSession s = hybrid_session(3, [&](Session& session) {
-      session.imu.grade = "navigation";  // whose priors do not depend on the drawn offsets
+      session.imu.grade = "navigation";  // its priors do not depend on the drawn offsets
       if (by_hand) session.rigs.front() = {};
     });
     CalibrationOptions without;
-    without.effects = false;  // nor has the plan
+    without.effects = false;  // neither has the plan
     const Calibration c = calibrated(s, without).calibration;
     const FilterPrediction p = predict(plan_of(s.session));
     ASSERT_EQ(p.coefficients, c.estimated);
@@ -69,14 +68,14 @@ TEST(HybridPrediction, HasTheTermsOfCalibrate) {
     EXPECT_EQ(considered, c.quality.considered);
     for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
       const Coefficient& term = coefficient(p.coefficients[i]);
-      // Lever arms show in the ramps of turns, of which the session has four samples each.
+      // The ramps of turns, with four samples each, determine the lever arms.
       const double tolerance = term.term == Term::lever_arm ? 0.1 : 0.01;
       EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]) / p.sigma[static_cast<Eigen::Index>(i)], 1, tolerance) << term.name;
     }
   }
 }
 
-/// Means of rests alone: a scale is as certain as gravity, an offset at least as well as by the half difference of its two faces.
+/// From means of rests alone, a scale is as certain as gravity, an offset at least as certain as half the difference of its two faces.
 TEST(HybridPrediction, GravityBoundsTheAccelerometersScales) {
   const Session session = hybrid_procedure(60, 100);
   const Plan plan = plan_of(session, base_terms().terms);

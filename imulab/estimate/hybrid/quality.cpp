@@ -21,14 +21,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Of the velocities in the last pass.
+/// Returns the degrees of freedom of the velocities in the last pass.
 int degrees_of_freedom(const Data& data, const Iterate& iterate) {
   double estimated = static_cast<double>((iterate.states.prior.array() > 0).count());
   if (iterate.pass.effects.value.size() > 0) estimated += data.unmodeled.effects.degrees_of_freedom(iterate.pass.effects.covariance);
   return static_cast<int>(static_cast<double>(3 * data.observed() + std::ssize(iterate.pass.headings)) - estimated);
 }
 
-/// Neighbouring blocks that were left out together.
+/// Adjacent blocks that were left out together.
 struct Disturbance {
   std::size_t first, last;
 };
@@ -43,7 +43,7 @@ std::vector<Disturbance> disturbances(std::vector<std::size_t> left_out) {
   return out;
 }
 
-/// Bumps come at any time. Disturbances that gather in turns are a term that the model lacks.
+/// Bumps occur at any time; disturbances concentrated in turns indicate a term that the model lacks.
 void judge_left_out(const Data& data, const std::vector<Disturbance>& found, kernel::Findings& findings) {
   constexpr double improbable = 1e-4;
   double turning = 0, observed = 0, in_turns = 0;
@@ -68,18 +68,18 @@ void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, ke
   judge_left_out(data, found, findings);
 }
 
-/// White noise of any size leaves the innovations white; what the model lacks does not, long before it shows in their size. Late stamps, slow noise
-/// of another shape and a delay give correlations up to 0.12, and the uncertainties hold all the same.
+/// Checks whether innovations are white: with white noise of any size they are, but an incomplete model correlates them long before it increases
+/// their size. Late stamps, differently shaped slow noise and a delay give correlations up to 0.12 with correct uncertainties.
 void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
-  constexpr double much = 0.15, improbable = 5;  // standard deviations of white ones: 3e-7
+  constexpr double much = 0.15, improbable = 5;  // in standard deviations of white innovations: p = 3e-7
   const auto [correlation, sigma] = iterate.pass.serial;
   if (!iterate.converged || correlation < std::max(much, improbable * sigma)) return;
   findings.add<Code::colored_residuals>(correlation);
 }
 
-/// Force along up at a rest, and what the effects change of it.
+/// The force along up at a rest, and its derivative with respect to the effects.
 struct RestForce {
-  Vector3d force = Vector3d::Zero();  // mean, in the body
+  Vector3d force = Vector3d::Zero();  // mean, in body axes
   double duration = 0;                // s
   Eigen::RowVectorXd by_effect = {};
 };
@@ -109,9 +109,9 @@ std::vector<RestForce> rests_of(const Data& data, const Iterate& last) {
   return rests;
 }
 
-/// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere. By how much the
-/// rests' forces scatter about their mean, over what the white noise explains, and what is not known of the effects that were taken out of them.
-/// Declared slow noise explains some.
+/// Detects offsets or scales that change from rest to rest while the velocities within each rest fit: the force is not g everywhere. Returns the
+/// scatter of the rests' forces about their mean, relative to white noise and to the uncertainty of the effects that were removed. Declared slow
+/// noise disables this check.
 double drift_between_rests(const Data& data, const Iterate& last) {
   const std::vector<RestForce> rests = rests_of(data, last);
   const Index n = std::ssize(rests);
@@ -130,16 +130,16 @@ double drift_between_rests(const Data& data, const Iterate& last) {
   return kernel::excess(squared_norm_in(covariance, values), static_cast<double>(n) - 1);
 }
 
-/// How much drifts from rest to rest before a result is doubtful, as residuals and scatter of all methods.
+/// Drift from rest to rest beyond which a result is doubtful, as for residuals and scatter in all methods.
 constexpr double much_drift = 5;
 
-/// The headings' scatter is in their weight (noise_of_angle).
+/// Reports the scatter of headings, which is part of their weight (noise_of_angle).
 void judge_headings(double scatter, kernel::Findings& findings) {
   if (scatter <= 1) return;
   findings.add<Code::headings_scatter>(scatter).severity = scatter > much_drift ? Severity::doubt : Severity::warning;
 }
 
-/// Enlarges the uncertainties where the velocities scatter more than the noise explains.
+/// Enlarges the uncertainties if the velocities scatter more than their noise.
 void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration, kernel::Findings& findings) {
   const auto excess_of = [&](auto counts) {
     double chi2 = 0, degrees = 0;
@@ -148,7 +148,7 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
     return kernel::excess(chi2, degrees);
   };
   double factor = excess_of([](const Block& b) { return b.at_rest; });
-  // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
+  // Ramps shorter than two samples cause a few percent; half as much again exceeds that.
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
   if (const double drift = drift_between_rests(data, iterate); drift > factor) {
     constexpr double much_of_velocities = 1.5;
@@ -160,8 +160,8 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   calibration.covariance *= factor * factor;
 }
 
-/// Coefficients that are not observable: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the
-/// gyros, which turns in both directions tell from scales, like nothing that they can be told from. They count in the scales' covariance.
+/// Considers coefficients that are not observable. Cubic terms resemble scales at the forces and rates of the data. Quadratic gyro terms, which turns
+/// in both directions separate from scales, resemble no other term. Both enter the covariance of the scales.
 void consider_nonlinearity(const Data& data, Calibration& c) {
   std::vector<double> rates;
   for (const Block& block : data.blocks)

@@ -1,4 +1,4 @@
-// The quality of a hybrid calibration: residuals, blocks left out, scatter, doubts.
+// The quality of a hybrid calibration: residuals, rejected blocks, scatter, doubts.
 #pragma once
 
 #include "imulab/estimate/hybrid/iteration.hpp"
@@ -6,13 +6,13 @@
 
 namespace imulab::hybrid {
 
-/// The determined and the considered coefficients of the table, with the noise's covariance; the others stay at the coarse solution and are named.
+/// Returns determined and considered coefficients with the noise covariance; others stay at the coarse solution and are named.
 Calibration calibration_of(const Data& data, const Iterate& iterate);
 
-/// Fills in the quality of `calibration`, whose uncertainties are enlarged where the velocities scatter.
+/// Fills in the quality of `calibration` and enlarges its uncertainties if the velocities scatter.
 void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings);
 
-/// The effects that the last pass estimated, where there are any.
+/// Adds the effects that the last pass estimated, if any.
 void add_effects(const Data& data, const Iterate& last, Calibration& calibration, kernel::Findings& findings);
 
 }  // namespace imulab::hybrid

@@ -79,7 +79,7 @@ Index Separation::observe(const SquareRootEstimate& e, Index state, const Eigen:
   const Index at = std::ssize(innovations_);
   if (at + N > rows_.cols()) rows_.conservativeResize(U.cols(), std::max<Index>(3 * 256, 2 * at));
   const auto in_units = lower.template triangularView<Eigen::Lower>();
-  // The innovation is z - x_v: its derivative by c is -U_v.
+  // The innovation is z - x_v, so its derivative by c is -U_v.
   const Eigen::Matrix<double, N, Eigen::Dynamic> scaled = in_units.solve(U.middleRows<N>(state));
   rows_.middleCols<N>(at) = -scaled.transpose();
   innovations_.insert(innovations_.end(), whitened.begin(), whitened.end());
@@ -94,7 +94,7 @@ template Index Separation::observe(const SquareRootEstimate&, Index, const Matri
 
 Separation::Estimate Separation::estimate() {
   const Index count = std::ssize(innovations_);
-  if (count > summed_) {  // Eigen's update by no column divides by zero
+  if (count > summed_) {  // Eigen's update with zero columns divides by zero
     const auto rows = rows_.middleCols(summed_, count - summed_);
     const Eigen::Map<const VectorXd> innovations(&innovations_[static_cast<std::size_t>(summed_)], rows.cols());
     information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows);

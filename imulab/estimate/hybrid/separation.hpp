@@ -1,9 +1,9 @@
-// Effects in the filter, by bias separation (Friedland 1969). The filter runs as if there were none; beside its states x go their derivatives U by
-// the constants c of the effects. Whitened innovations are linear in c, so that they give c by least squares under its prior, and then
+// Effects in the filter, by bias separation (Friedland 1969). The filter runs without effects and additionally propagates the derivatives U of its
+// states x by the constants c of the effects. Whitened innovations are linear in c and determine c by least squares under its prior. Then
 //
 //   x + U c,   P + U C U^T            C the covariance of c,
 //
-// which is what the filter with c among its states arrives at. Its time would grow with the cube of their number, that of U with the number.
+// is the result of a filter with c among its states. The time of such a filter grows with the cube of their number, that of U linearly.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -22,16 +22,16 @@ struct SquareRootEstimate;
 
 namespace imulab::hybrid {
 
-/// The effects, and what their functions need besides the motion.
+/// The effects, and the inputs of their functions other than motion.
 struct Unmodeled {
   kernel::Effects effects = {};  ///< values are zero: each pass estimates them anew
-  double full_rate = 1;          ///< rad/s: the largest of the session, but no gyro's range is less than this
+  double full_rate = 1;          ///< rad/s: largest rate of the session, at least the smallest range of a gyro
   std::optional<Thermometer> thermometer = {};
   Eigen::Index size() const { return effects.size(); }
 };
 
-/// The triads' effects of a session, or none, with the sizes of the optional terms. The table turns the unit, but its angles are not used: what bends
-/// between them is no error.
+/// Returns the triads' effects of a session, if any, with the sizes of the optional terms. A table only turns the unit; its angles are not used, so
+/// its deformation between them is not an error.
 Unmodeled unmodeled_of(const Session& session, const Recording& recording, const std::vector<in_place::Block>& blocks, const SensorModel& coarse,
                        const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, bool with_effects);
 
@@ -40,7 +40,7 @@ class EffectStates {
  public:
   EffectStates(const Recording& recording, const Unmodeled& unmodeled, const Noise& noise, double gravity);
 
-  /// Errors of attitude and velocity after a block by each c.
+  /// Returns the derivatives of attitude and velocity errors after a block with respect to each c.
   Eigen::Matrix<double, 6, Eigen::Dynamic> columns(const in_place::Block& block, const in_place::BlockSums& sums);
   const EffectState& last() const { return state_; }
 
@@ -48,42 +48,42 @@ class EffectStates {
   const Recording& recording_;
   const kernel::Effects& effects_;
   std::optional<Thermometer> thermometer_;
-  Vector3d variance_;  // of the accelerometers' samples by their noise
+  Vector3d variance_;  // variance of the accelerometer samples due to their noise
   double begin_s_, span_s_;
   PlayOperator play_;
   EffectState state_;
 };
 
-/// Theirs alone.
+/// Returns the parameters of the effects alone.
 kernel::Parameters parameters_of(const kernel::Effects& effects);
 
-/// Derivatives U of the filter's states by c, and what the innovations tell of c.
+/// Derivatives U of the filter's states by c, and the information of the innovations about c.
 class Separation {
  public:
   Separation(kernel::Parameters c, Eigen::Index states);
 
-  /// A new attitude, which does not depend on c.
+  /// Starts a new attitude, which does not depend on c.
   void begin() { U.bottomRows<6>().setZero(); }
-  /// Of the last N states.
+  /// Predicts the last N states.
   template <int N>
   void predict(const Eigen::Matrix<double, N, Eigen::Dynamic>& transition, const Eigen::Matrix<double, N, Eigen::Dynamic>& by_c) {
     const Eigen::Matrix<double, N, Eigen::Dynamic> next = transition * U + by_c;
     U.bottomRows<N>() = next;
   }
-  /// States from `state` on, before the filter does: its factor, the lower Cholesky factor of the innovation's covariance, and the innovation in
-  /// units of that. Returns the innovation's place.
+  /// Observes states from `state` on, before the filter does: its factor, the lower Cholesky factor of the innovation's covariance, and the
+  /// innovation in units of that factor. Returns the index of the innovation.
   template <int N>
   Eigen::Index observe(const SquareRootEstimate& estimate, Eigen::Index state, const Eigen::Matrix<double, N, N>& lower,
                        const Eigen::Matrix<double, N, 1>& whitened);
 
   struct Estimate {
-    kernel::Information information;  ///< on c, of the innovations
+    kernel::Information information;  ///< about c, from the innovations
     Eigen::VectorXd value;
     Eigen::MatrixXd covariance;
   };
-  /// By the innovations so far.
+  /// Estimates c from the innovations so far.
   Estimate estimate();
-  /// With c: the whitened innovation at this place.
+  /// Returns the whitened innovation at this index with the effects c.
   template <int N>
   Eigen::Matrix<double, N, 1> innovation(Eigen::Index at, const Eigen::VectorXd& c) const {
     return Eigen::Map<const Eigen::Matrix<double, N, 1>>(&innovations_[static_cast<std::size_t>(at)]) + rows_.middleCols<N>(at).transpose() * c;
@@ -93,9 +93,9 @@ class Separation {
 
  private:
   kernel::Parameters parameters_;
-  Eigen::MatrixXd rows_;             // a column for each of the innovations: whitened derivatives, transposed
+  Eigen::MatrixXd rows_;             // whitened derivatives, transposed, a column for each innovation
   std::vector<double> innovations_;  // whitened
-  kernel::Information information_;  // of the first `summed_`
+  kernel::Information information_;  // of the first `summed_` innovations
   Eigen::Index summed_ = 0;
 };
 

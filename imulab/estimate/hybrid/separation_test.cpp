@@ -24,7 +24,7 @@ using in_place::Matrix6;
 using One = Eigen::Matrix<double, 1, 1>;
 using Rows6 = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// Two constants and six states, which three constants c beside them drive; the last three states are observed.
+/// Two constants and six states, driven by three additional constants c; the last three states are observed.
 struct SmallCase {
   static constexpr Index states = 8, beside = 3;
   RandomStream draws{7, "separation test"};
@@ -76,7 +76,7 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
       separated.observe(n - 3 + i, seen[i], s.sigma);
       augmented.observe(m + n - 3 + i, seen[i], s.sigma);
     }
-    // One of the others alone.
+    // Observes one of the other states alone.
     const auto one = [&](const SquareRootEstimate& e, Index at) {
       const double deviation = std::hypot(e.factor.row(at).norm(), s.sigma);
       return std::pair(One(deviation), One((seen[0] - e.x[at]) / deviation));
@@ -86,7 +86,7 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
     chi2 += one(augmented, m + 2).second.squaredNorm();
     separated.observe(2, seen[0], s.sigma);
     augmented.observe(m + 2, seen[0], s.sigma);
-    if (k == blocks / 2) separation.estimate();  // as for a curve: what follows adds to it
+    if (k == blocks / 2) separation.estimate();  // as for a curve: later innovations add to it
   }
   const Separation::Estimate c = separation.estimate();
   const MatrixXd covariance = augmented.factor * augmented.factor.transpose();
@@ -95,7 +95,7 @@ TEST(Separation, EqualsTheFilterWithTheConstantsAmongItsStates) {
   EXPECT_LT((separated.x + separation.U * c.value - augmented.x.tail<n>()).norm(), 1e-10);
   const MatrixXd of_states = separated.factor * separated.factor.transpose() + separation.U * c.covariance * separation.U.transpose();
   EXPECT_LT((of_states - covariance.bottomRightCorner<n, n>()).norm(), 1e-10);
-  // The residuals at c and its prior make up the augmented filter's chi-square.
+  // The residuals at c and its prior sum to the chi-square of the augmented filter.
   double residual = (c.value - s.c.offset).cwiseQuotient(s.c.sigma).squaredNorm();
   for (Index k = 0; k < blocks; ++k)
     residual += separation.innovation<3>(4 * k, c.value).squaredNorm() + separation.innovation<1>(4 * k + 3, c.value).squaredNorm();
@@ -133,7 +133,7 @@ TEST(Separation, ColumnsAreTheDerivativesOfTheNavigation) {
             place,
             {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
             model};
-  for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
+  for (Block& block : data.blocks) block.observed = false;  // only the transition is tested
   data.unmodeled = unmodeled_of(s.session, s.recording, data.blocks, model, {}, {}, true);
   const kernel::Effects& effects = data.unmodeled.effects;
   const auto errors_at_the_end = [&](const Recording& recording, const Matrix3d& start) {
@@ -154,7 +154,7 @@ TEST(Separation, ColumnsAreTheDerivativesOfTheNavigation) {
   state.full_rate = data.unmodeled.full_rate;
   for (Index k = 0; k < effects.size(); ++k) {
     const EffectColumn& column = effects.columns()[static_cast<std::size_t>(k)];
-    if (column.number % 5 != 0) continue;                                                                     // other axes and functions are alike
+    if (column.number % 5 != 0) continue;                                                                     // other axes and functions are similar
     if (column.effect->name == "accel.hysteresis" || column.effect->name == "accel.rectification") continue;  // these depend on more than the sample
     const double c = 1e-5 / std::max({1.0, column.at({.force = {5, 5, 5}, .rate = {1, 1, 1}, .time = 0.5}).force.norm()});
     Recording changed = s.recording;
@@ -165,7 +165,7 @@ TEST(Separation, ColumnsAreTheDerivativesOfTheNavigation) {
     Linearization about{model, place, aligned.C_nb};
     about.effects = c * VectorXd::Unit(effects.size(), k);
     const VectorXd predicted = filter_pass(data, about, states, known, {.effects = false}).x.tail(6);
-    // Steps of 0.05 rad, and the middle of ramps.
+    // The steps are 0.05 rad, with the middles of ramps.
     for (const Index part : {0, 3})
       EXPECT_LT((difference - predicted).segment<3>(part).norm(), 0.02 * difference.segment<3>(part).norm() + (part == 0 ? 1e-11 : 1e-8))
           << column.effect->name << " " << column.number << ": " << difference.transpose() << " predicted " << predicted.transpose();

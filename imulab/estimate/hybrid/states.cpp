@@ -21,7 +21,7 @@ using in_place::Errors6;
 
 namespace {
 
-/// The inputs of a group's prior and presence.
+/// The inputs for a group's prior and presence.
 struct Setting {
   const Terms& terms;
   const Place& place;
@@ -29,7 +29,7 @@ struct Setting {
   bool slow() const { return noise.accel_slow.any() || noise.gyro_slow.any(); }
 };
 
-/// Errors of attitude and velocity after a block by a state of a group, which is the k-th in it.
+/// Errors of attitude and velocity after a block by the k-th state of a group.
 struct Column {
   const in_place::BlockSums& sums;
   const States& states;
@@ -37,7 +37,7 @@ struct Column {
   Errors6 by_coefficient(Index constant) const { return sums.by_coefficient(coefficient(states.corrects(constant))); }
 };
 
-/// All about a group. Without a size its states correct the coefficients of that name, and prior and column are theirs.
+/// The properties of a group. Without a size, its states correct the coefficients of that name and use their prior and column.
 struct Row {
   Group group;
   std::string_view name;
@@ -45,7 +45,7 @@ struct Row {
   Linearity linearity = Linearity::corrected;
   bool (*present)(const Setting&) = [](const Setting&) { return true; };
   double (*prior)(const Setting&, Index k) = nullptr;   ///< one sigma of the k-th state
-  Errors6 (*column)(const Column&, Index k) = nullptr;  ///< null: none acts on a single block
+  Errors6 (*column)(const Column&, Index k) = nullptr;  ///< null: no state acts on a single block
 };
 
 template <Group group>
@@ -111,7 +111,7 @@ constexpr std::array<Row, 15> table{
         return 0.0;
       }}}};
 
-/// Row by row; of the accelerometers' matrix the lower triangle, by the frame.
+/// Returns the coefficients row by row; for the accelerometer matrix only the lower triangle, because of the frame.
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {
   if (row.size > 0) return std::vector<CoefficientIndex>(static_cast<std::size_t>(row.size), CoefficientIndex(-1));
   std::vector<CoefficientIndex> indices = select_coefficients(row.name);
@@ -119,7 +119,7 @@ std::vector<CoefficientIndex> coefficients_of(const Row& row) {
   return indices;
 }
 
-/// About the coarse solution, which is good to some percent, and to the Earth's rate with the effect of acceleration.
+/// Returns the prior about the coarse solution, which is accurate to some percent and, with the effect of acceleration, to the Earth's rate.
 double prior_of_coefficient(CoefficientIndex index, const Setting& s) {
   kernel::PriorSizes sizes = s.terms.priors.sizes;
   sizes.accel.offset = 0.02 * s.place.gravity, sizes.accel.scale = 0.05, sizes.accel.misalignment = 1e-2;
@@ -145,7 +145,7 @@ bool on_turntable(const Session& session) {
 }
 
 Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const kernel::SeenOfUnit& seen, double interval_s) {
-  // Declared, or half a sample, at least a millisecond; its mean square is of readings that mix neighboring samples.
+  // The delay is as declared, or half a sample but at least a millisecond; its mean square represents readings that mix neighboring samples.
   const double delay = session.imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s));
   Terms out{{}, {}, {kernel::optional_priors(kernel::of_likeliest_grade(session.imu, seen)), delay, delay * interval_s}};
   if (!wanted.empty()) {
@@ -235,7 +235,7 @@ SensorModel with_mean_offsets(const SensorModel& model, const VectorXd& x, const
 }
 
 SensorModel corrected(const SensorModel& model, const VectorXd& x, const States& states) {
-  SensorModel error;  // each at the place of the coefficient it corrects
+  SensorModel error;  // each at the place of the coefficient that it corrects
   error.accel.matrix.setZero(), error.gyro.matrix.setZero();
   for (Index s = 0; s < states.constants(); ++s)
     if (const CoefficientIndex index = states.corrects(s); index >= 0) set_coefficient(error, index, x[s]);
@@ -256,7 +256,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& s
 }
 
 MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states) {
-  constexpr double step = 1e-6;  // the correction is quadratic at most: central differences are exact
+  constexpr double step = 1e-6;  // the correction is at most quadratic: central differences are exact
   MatrixXd jacobian(static_cast<Index>(indices.size()), states.constants());
   for (Index s = 0; s < states.constants(); ++s) {
     const VectorXd x = step * VectorXd::Unit(states.constants(), s);

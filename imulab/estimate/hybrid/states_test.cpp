@@ -57,7 +57,7 @@ TEST(HybridStates, ACorrectionTakesTheErrorsAway) {
   VectorXd x = VectorXd::Zero(states.constants());
   for (const Index s : states.corrections()) x[s] = 1e-3 * states.prior[s];
   const SensorModel out = corrected(model, x, states);
-  // f - (ba + Ma f + q f^2), w - (bg + Mg w + Cg f), of what the model makes of these readings, to first order.
+  // The expected output is f - (ba + Ma f + q f^2), w - (bg + Mg w + Cg f) for the model at these readings, to first order.
   const Vector3d V(3, -2, 9), W(0.2, 0.1, -0.3), f = model.accel.offset + V, w = model.gyro.offset + W + model.g_sensitivity * f;
   Matrix3d Ma = Matrix3d::Zero();
   Ma << x[3], 0, 0, x[4], x[5], 0, x[6], x[7], x[8];

@@ -1,4 +1,4 @@
-// The hybrid method's terms beyond Cheng's 21: found where present, left out where absent.
+// The hybrid method's terms beyond Cheng's 21 are found if present, and left out if absent.
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/model/effects.hpp"
@@ -23,7 +23,7 @@ const TermTest& term_test(const Calibration& c, const std::string& name) {
   throw std::logic_error(name);
 }
 
-/// At 100 Hz, where a ramp of a turn has twenty samples.
+/// Returns a session at 100 Hz, where the ramp of a turn has twenty samples.
 HybridSession session_of(std::uint64_t seed, const SensorModel& unit) {
   return hybrid_session(
       seed, [](Session& session) { session = hybrid_procedure(6, 100); }, unit);
@@ -90,8 +90,8 @@ TEST(HybridTerms, GSensitivityIsFound) {
 }
 
 TEST(HybridTerms, ADelayIsFoundAndHarmsNothing) {
-  HybridSession s = session_of(4, hybrid_unit(4, 0.03));  // with lever arms: what they make of the motion comes late, too
-  // The accelerometers 2 ms late: a fifth of each sample is the one before, which between two means of a slow turn is the same.
+  HybridSession s = session_of(4, hybrid_unit(4, 0.03));  // includes lever arms, whose effect on the motion is also delayed
+  // The accelerometers are 2 ms late: a fifth of each sample is the previous one, which is equivalent for means of a slow turn.
   for (std::vector<double>& axis : s.recording.accel)
     for (std::size_t i = axis.size(); --i > 0;) axis[i] += 0.2 * (axis[i - 1] - axis[i]);
   const Calibration c = calibrated(s).calibration;
@@ -100,7 +100,7 @@ TEST(HybridTerms, ADelayIsFoundAndHarmsNothing) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
-/// Equations that are linear in the delay do not correct three samples.
+/// Equations that are linear in the delay cannot correct three samples.
 TEST(HybridTerms, ALongDelayIsDoubted) {
   HybridSession s = session_of(4, hybrid_unit(4));
   for (std::vector<double>& axis : s.recording.accel)
@@ -118,7 +118,7 @@ TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {  // ctest: long
     ASSERT_EQ(c.quality.term_tests.size(), 4u);
     for (const TermTest& test : c.quality.term_tests) kept += test.kept;
   }
-  // 24 tests at 1 %: more than 2 by chance once in a thousand such runs.
+  // Of 24 tests at 1 %, more than 2 are significant by chance with p = 0.001.
   EXPECT_LE(kept, binomial_quantile(0.999, 4 * sessions, 0.01));
 }
 
@@ -129,7 +129,7 @@ TEST(HybridTerms, OffsetsThatWanderAreTheirMean) {
     const HybridSession s = hybrid_session(seed, [](Session& session) {
       session.imu.gyro_noise.emplace().K = 0.1 * unit::deg_per_h / 60;  // of an hour: 0.1 deg/h
       session.imu.accel_noise.emplace().K = 50 * unit::ug / 60;
-      session.imu.accel_noise->Q = 1e-5;  // and quantized velocities
+      session.imu.accel_noise->Q = 1e-5;  // quantized velocities
     });
     SensorModel mean = s.truth.model;
     for (int axis = 0; axis < 3; ++axis)

@@ -26,7 +26,7 @@ void move_steps(Session& session, const RecordingSource& source, const Late& lat
 
 void correct_offset(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
   const std::optional<ClockOffset> offset = clock_offset(recording, session.steps_of(source));
-  // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
+  // If commanded turns are absent from the data, nothing correlates: the plan belongs to another recording, not to another clock.
   if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.001) return;
   move_steps(session, source, [&](double) { return offset->offset_s; });
   said.push_back(fmt::format(
@@ -38,7 +38,7 @@ void correct_offset(Session& session, const RecordingSource& source, const Recor
 const char* gains_or_loses(const ClockRate& clock) { return clock.rate > 0 ? "gains" : "loses"; }
 
 std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
-  constexpr double allowed_s = 0.1;  // steps are declared to that; the methods allow for it
+  constexpr double allowed_s = 0.1;  // steps are declared to 0.1 s, and the methods tolerate such an error
   const std::optional<ClockRate> found = clock_rate(recording, session.steps_of(source));
   if (!found) return std::nullopt;
   ClockGain gain{recording.name, *found, recording.gyro_increment};
@@ -50,7 +50,7 @@ std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& s
   return gain;
 }
 
-/// The best known of the gyros' scales, relative; infinite where none is estimated.
+/// Returns the smallest relative uncertainty of the gyro scales; infinite if none is estimated.
 double gyro_scale_sigma(const Calibration& calibration) {
   double sigma = std::numeric_limits<double>::infinity();
   for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"}) {
@@ -86,7 +86,7 @@ void state_clock(Calibration& calibration, const Session& session, const std::ve
   double information = 1 / std::pow(unstamped ? nominal : stamped, 2), sum = 0;
   for (const ClockGain& gain : gains) information += std::pow(gain.clock.sigma, -2), sum += gain.clock.rate * std::pow(gain.clock.sigma, -2);
   ClockScale clock{session.imu.clock, sum / information, 1 / std::sqrt(information)};
-  // A clock that gains has short seconds: per true second the unit turns by more.
+  // A clock that gains has short seconds: the unit turns by a larger angle per true second.
   if (clock.seconds == "true") {
     TriadModel& gyro = calibration.model.gyro;
     VectorXd value(std::ssize(of_gyros));
@@ -101,13 +101,13 @@ void state_clock(Calibration& calibration, const Session& session, const std::ve
 }
 
 void doubt_clock(Calibration& calibration, const ClockGain& gain) {
-  constexpr double declared_s = 0.1;  // to which steps are declared
+  constexpr double declared_s = 0.1;  // accuracy of declared step times
   if (gain.clock.lost_s > declared_s) {
     calibration.quality.findings.add<Code::samples_lost>(Subject{gain.recording}, gain.clock.lost_s);
     if (!calibration.quality.cause) calibration.quality.cause = "lost samples";
     return;
   }
-  constexpr double of_clocks = 250 * unit::ppm;  // five sigmas of one that stamps
+  constexpr double of_clocks = 250 * unit::ppm;  // five sigmas of a clock that stamps samples
   const double rate = gain.clock.rate;
   if (!gain.increments || !gain.significant() || rate > 0 || std::abs(rate) < std::max(of_clocks, gyro_scale_sigma(calibration))) return;
   calibration.quality.findings.add<Code::clock_loses>(Subject{gain.recording}, 1e6 * std::abs(rate));

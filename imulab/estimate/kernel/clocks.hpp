@@ -1,4 +1,4 @@
-// The clocks of a recording and of its steps, where they are not one.
+// Differences between the clock of a recording and the clock of its steps.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -12,25 +12,25 @@
 
 namespace imulab::kernel {
 
-/// By how much a recording's clock gains on that of its steps.
+/// The rate by which a recording's clock gains on the clock of its steps.
 struct ClockGain {
   std::string recording;
   ClockRate clock;
-  bool increments = false;  ///< of the gyros
+  bool increments = false;  ///< the gyros output increments
 
   bool significant() const { return std::abs(clock.rate) >= 5 * clock.sigma; }
 };
 
-/// Moves the steps of recordings whose rig's log has another clock, and says so; the gains that the steps show.
+/// Shifts the steps of recordings whose rig log has another clock and describes the shifts in `said`. Returns the estimated clock gains.
 std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said);
 
-/// States whose seconds the gyros' scales are in, and what is known of that clock: by the prior (50 ppm for a clock that stamped, 2 % where the rate
-/// is only nominal: docs/reference/conventions.md) and by the steps' times. With [imu] clock = "true" the gyros' model becomes that of true seconds,
-/// as uncertain as the clock.
+/// States the time unit of the gyro scales and the uncertainty of that clock. It combines a prior (50 ppm for a clock that stamped the samples, 2 %
+/// if the rate is only nominal: docs/reference/conventions.md) with the step times. With [imu] clock = "true", converts the gyro model to true
+/// seconds and adds the uncertainty of the clock.
 void state_clock(Calibration& calibration, const Session& session, const std::vector<ClockGain>& gains);
 
-/// Samples that were lost without a trace in the stamps are missing in the turns: doubtful where the turns come too early at once. A clock that
-/// evenly loses is none of increments' concern, unless it loses more than clocks do, and more than the gyros' scales are stated to be known.
+/// Doubts the calibration if the timing of turns implies samples that were lost without a gap in the stamps. An evenly slow clock matters only for
+/// increments, and only if it loses more than real clocks do and more than the stated uncertainty of the gyro scales.
 void doubt_clock(Calibration& calibration, const ClockGain& gain);
 
 }  // namespace imulab::kernel

@@ -11,7 +11,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// That of a calibration whose scale of the gyros is known to 10 ppm.
+/// Returns the quality of a calibration with a gyro scale uncertainty of 10 ppm.
 Quality doubted(const ClockGain& gain) {
   Calibration c;
   c.estimated = {coefficient_index("gyro.matrix.xx")};
@@ -29,7 +29,7 @@ TEST(DoubtClock, LostSamplesAreDoubtfulAndASlowClockIsNot) {
     EXPECT_THAT(doubted({"a.csv", {.rate = -1e-4, .sigma = 5e-5, .lost_s = 0.05}, increments}).findings.reasons(),
                 IsEmpty());  // as steps are declared
   }
-  // Sums that are too small by more than any clock is slow; rates are of the recording's own seconds.
+  // Increments are too small by more than any clock is slow; rates refer to the recording's own seconds.
   EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, true}).findings.reasons(), Contains(HasSubstr("its clock loses 1000 ppm")));
   EXPECT_THAT(doubted({"a.csv", {.rate = -1e-3, .sigma = 1e-6}, false}).findings.reasons(), IsEmpty());
 }

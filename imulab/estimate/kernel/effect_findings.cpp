@@ -17,23 +17,23 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// What the data say of an effect by themselves, without its prior.
+/// The test of one effect on the data alone, without its prior.
 struct EffectTest {
   const Effect* effect = nullptr;
-  int rank = 0;          ///< of its columns: those that the data see
-  double statistic = 0;  ///< chi-square of that rank where the effect is absent
+  int rank = 0;          ///< number of observable combinations of its columns
+  double statistic = 0;  ///< chi-square with `rank` degrees of freedom if the effect is absent
   double p_value = 1;
-  VectorXd value, sigma;  ///< of its columns, with the prior
+  VectorXd value, sigma;  ///< one element per column, including the prior
 };
 
-/// From the joint fit: with P_kk the covariance of effect k and S_k its prior, V_k = P_kk^-1 - S_k^-1 and s_k = P_kk^-1 c_k.
+/// Computes the test from the joint fit. With P_kk the covariance of effect k and S_k its prior, V_k = P_kk^-1 - S_k^-1 and s_k = P_kk^-1 c_k.
 EffectTest tested(const EffectGroup& group, const VectorXd& value, const MatrixXd& covariance) {
   EffectTest out{.effect = group.effect, .value = value, .sigma = covariance.diagonal().cwiseSqrt()};
   // In units of the prior, along the eigenvectors u of P with eigenvalues p: V = 1/p - 1, s = u.c / p.
   const SymmetricEigen P = symmetric_eigen(covariance / (group.sigma * group.sigma));
   const VectorXd along = P.vectors.transpose() * value / group.sigma;
-  constexpr double seen = 1e-3, hardly = 1e-6;  // of the prior's information
-  constexpr double obvious = 30;                // chi-square of one: five and a half sigma, of a prior that is far too narrow
+  constexpr double seen = 1e-3, hardly = 1e-6;  // relative to the information of the prior
+  constexpr double obvious = 30;                // chi-square of one degree of freedom: 5.5 sigma, with a prior that is far too narrow
   for (Index i = 0; i < along.size(); ++i) {
     const double p = std::clamp(P.values[i], 1e-12, 1.0), V = 1 / p - 1, s = along[i] / p;
     if (!(V > seen) && !(V > hardly && s * s / V > obvious)) continue;
@@ -44,7 +44,7 @@ EffectTest tested(const EffectGroup& group, const VectorXd& value, const MatrixX
   return out;
 }
 
-/// Every effect once.
+/// Tests every effect once.
 std::vector<EffectTest> test_effects(const Effects& effects, const MatrixXd& covariance) {
   std::vector<EffectTest> tests;
   for (const EffectGroup& g : effects.groups()) {
@@ -59,9 +59,9 @@ double significance_of(const EffectTest& test, const std::vector<EffectTest>& al
   return test.rank > 0 ? test.p_value * static_cast<double>(seen) : 1;
 }
 
-/// Notes the effects that could be ten times as large as expected and neither show nor be covered: along the change of an effect by which a
-/// coefficient follows it most, less than a fifth of what is known of it comes from the data, and ten sigmas of the prior shift the coefficient by
-/// more than three of its own. From a fifth on ten sigmas are seen to two, as surely more than the four that are a doubt.
+/// Names effects as assumed if they could be ten times as large as expected without being observed or covered. In the direction of the effect that
+/// moves a coefficient most, the data supply less than a fifth of the information, and ten prior sigmas shift the coefficient by more than three of
+/// its own sigmas. With at least a fifth, ten sigmas are known to two, hence certainly exceed the four sigmas of a doubt.
 void name_assumed(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance,
                   const std::vector<CoefficientIndex>& coefficients) {
   constexpr double told = 0.2, follows = 0.3;
@@ -85,7 +85,7 @@ void name_assumed(Calibration& calibration, Findings& findings, const Effects& e
   }
 }
 
-/// States how large the IMU's effects are against those of its class; the grade that fits is told where that is not the declared one.
+/// States the size of the IMU's effects relative to its class, and the grade that fits if it is not the declared one.
 void judge_unit_size(Quality& quality, Findings& findings, const Effects& effects) {
   constexpr double worse = 4, better = 0.1, much_worse = 10, sure = 0.99;
   const SizePosterior& found = *effects.posterior();
@@ -106,7 +106,7 @@ void judge_unit_size(Quality& quality, Findings& findings, const Effects& effect
   quality.unit_size = std::move(size);
 }
 
-/// The offsets of n recorded switch-ons that differ by one sigma s are those of the IMU, or of its next switch-on, to s / sqrt(n) or s sqrt(1 + 1/n).
+/// The mean offset of n recorded switch-ons with standard deviation s represents the IMU to s / sqrt(n), and its next switch-on to s sqrt(1 + 1/n).
 void state_turn_on(Calibration& calibration, const Effects& effects) {
   for (const EffectGroup& g : effects.groups()) {
     const bool accel = g.effect->name == "accel.turn_on";
@@ -120,10 +120,10 @@ void state_turn_on(Calibration& calibration, const Effects& effects) {
   }
 }
 
-/// Doubts a result for these: names of effects, or of terms.
+/// Doubts a result because of these effects or terms.
 void doubt_causes(Quality& quality, Findings& findings, const std::vector<std::string>& causes) {
   if (causes.empty()) return;
-  std::vector<std::string> words, advice;  // several effects may have one of them
+  std::vector<std::string> words, advice;  // several effects can have the same text
   const auto add = [](std::vector<std::string>& to, std::string text) {
     if (std::ranges::find(to, text) == to.end()) to.push_back(std::move(text));
   };

@@ -1,4 +1,4 @@
-// What a result says of its effects.
+// Findings about the effects of a calibration.
 #pragma once
 
 #include "imulab/estimate/kernel/effects.hpp"
@@ -8,13 +8,13 @@
 
 namespace imulab::kernel {
 
-/// Adds the effects to a result: each with value and uncertainty [user units], and whether it is significant among all at `level`; what contradicts
-/// its expected size, as a doubt; and which are assumed to be as small as expected: larger ones would not show, though they shift coefficients.
-/// The first rows of the covariance are those of `coefficients`, where it has any.
+/// Adds the effects to a result: value and uncertainty in user units, and significance at `level` for all effects together. An effect that
+/// contradicts its expected size becomes a doubt. Effects that are only assumed to have their expected size are named: larger ones would shift
+/// coefficients unnoticed. The first rows of `covariance` belong to `coefficients`, if any.
 void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const Eigen::MatrixXd& covariance, double level,
                  const std::vector<CoefficientIndex>& coefficients = {});
 
-/// Doubts data that Effects::p_value finds improbable.
+/// Adds a doubt if the data are improbable; `p_value` is that of Effects::p_value.
 void doubt_improbable(Findings& findings, const Effects& effects, double p_value);
 
 }  // namespace imulab::kernel

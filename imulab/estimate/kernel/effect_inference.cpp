@@ -1,4 +1,4 @@
-// Inference of the sizes (size_inference.hpp) from a solution, and what follows from them: tests of the data, and causes of a doubt.
+// Infers effect sizes (size_inference.hpp) from a solution, and derives tests of the data and causes of a doubt.
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/effects.hpp"
@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 namespace {
 
 SizedGroup::Of owner_of(const Coefficient& term, const ImuDeclaration& imu) {
-  return is_declared(imu.term_sigmas, term) ? SizedGroup::Of::declared : SizedGroup::Of::rig;  // an IMU without effects may have it all the same
+  return is_declared(imu.term_sigmas, term) ? SizedGroup::Of::declared : SizedGroup::Of::rig;  // an IMU without effects may still have the term
 }
 
 double size_in(PriorSizes sizes, const Coefficient& c) {
@@ -27,11 +27,11 @@ double size_in(PriorSizes sizes, const Coefficient& c) {
   return size != nullptr ? *size : 0;
 }
 
-/// From values with their covariance under these sigmas, in units of the sigmas: along the eigenvectors u of P with eigenvalues p the data alone say
-/// V = 1/p - 1 and s = u.c / p.
+/// Removes the priors from values and their covariance, both in units of the prior sigmas. Along an eigenvector u of P with eigenvalue p, the
+/// information of the data is V = 1/p - 1, and s = u.c / p.
 ReducedEffects without_priors(const VectorXd& value, const MatrixXd& covariance) {
   if (value.size() == 0) return {};
-  constexpr double nothing = 1e-10;  // rounding of p
+  constexpr double nothing = 1e-10;  // rounding error of p
   const SymmetricEigen P = symmetric_eigen(covariance);
   const VectorXd along = P.vectors.transpose() * value;
   VectorXd V = VectorXd::Zero(value.size()), s = V;
@@ -40,11 +40,12 @@ ReducedEffects without_priors(const VectorXd& value, const MatrixXd& covariance)
   return {P.vectors * V.asDiagonal() * P.vectors.transpose(), P.vectors * s};
 }
 
-/// Do they say the same of columns of these sizes, to some percent of a sigma? So they do under other priors where the equations are linear.
+/// Returns true if a and b imply the same values for columns of these sizes, to a few percent of a sigma. Linear equations make this independent of
+/// priors.
 bool alike(const ReducedEffects& a, const ReducedEffects& b, const VectorXd& size) {
   constexpr double close = 0.02;
   if (a.eta.size() != b.eta.size()) return false;
-  const VectorXd sigmas = size.cwiseProduct(b.L.diagonal().cwiseSqrt());  // before the data, of what they say
+  const VectorXd sigmas = size.cwiseProduct(b.L.diagonal().cwiseSqrt());  // sigmas of eta before the data
   const auto differs = [&](double difference, double scale) { return std::abs(difference) > close * (1 + scale); };
   for (Index i = 0; i < size.size(); ++i) {
     if (differs(size[i] * (a.eta[i] - b.eta[i]), std::abs(size[i] * b.eta[i]))) return false;
@@ -54,8 +55,8 @@ bool alike(const ReducedEffects& a, const ReducedEffects& b, const VectorXd& siz
   return true;
 }
 
-/// An inferred size, within bounds. What is far beyond the expected size is no effect, and the equations hold for small ones. And that an IMU is
-/// better than its class says little of an effect that the data would not show: it keeps half of what is expected of it, or of what they resolve.
+/// Limits an inferred size. A value far beyond the expected size is not an effect, and the equations hold for small effects only. An effect that the
+/// data do not resolve keeps at least half of its expected size or of the data's resolution, even if the IMU is better than its class.
 double limited(double size, double expected, const SizedGroup& group, const ReducedEffects& data) {
   constexpr double most = 100, least = 0.5;
   if (group.of == SizedGroup::Of::declared) return size;
@@ -92,7 +93,7 @@ Effects::Sized Effects::sized(const Parameters& parameters, const Solution& solu
     out.terms.push_back(&c);
   }
   const VectorXd sigma = parameters.sigma(at), per_sigma = sigma.cwiseInverse();
-  VectorXd per_size(std::ssize(at));  // of the group, by column: a column of size 1 has the sigma of its parameter
+  VectorXd per_size(std::ssize(at));  // by column: a column of size 1 has the sigma of its parameter
   for (std::size_t k = 0; k < out.groups.size(); ++k) per_size.segment(out.groups[k].first, out.groups[k].size).setConstant(1 / out.in_use[k]);
   out.data = without_priors((solution.x - parameters.offset)(at).cwiseProduct(per_sigma),
                             per_sigma.asDiagonal() * solution.covariance(at, at) * per_sigma.asDiagonal());
@@ -126,7 +127,7 @@ bool Effects::infer(const Parameters& parameters, const Solution& solution, cons
   log_gain_over_before_ = posterior_->log_evidence - log_evidence(sized_.data, before);
   cost_gain_ = explained_cost(sized_.data, by_column(sized_, posterior_->rms)) - explained_cost(sized_.data, before);
   sized_.in_use = rms;
-  constexpr double settled = 0.05;  // uncertainties to a few percent
+  constexpr double settled = 0.05;  // uncertainties converge to a few percent
   return change > settled;
 }
 
@@ -144,14 +145,14 @@ double Effects::cost_of_limits(const Parameters& parameters, const Solution& sol
 
 double Effects::p_value(const Parameters& parameters, const Solution& solution, int rows, std::size_t dropped,
                         const std::vector<CoefficientIndex>& coefficients) const {
-  // What chance does once in a hundred.
+  // Each dropped row adds the cost of an event with a probability of 1 %.
   double cost = solution.chi2 + cost_of_limits(parameters, solution, coefficients) + 2 * std::log(100.0) * static_cast<double>(dropped);
   double degrees = rows;
   for (const Index i : parameters.with(Role::estimated)) {
     const auto k = static_cast<std::size_t>(i);
     const bool has_prior = std::isfinite(parameters.sigma[i]);
     if (has_prior) cost += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2);
-    // The priors of offsets and matrices are as good as none.
+    // The priors of offsets and matrices are so wide that they do not count.
     if (!has_prior || (k < coefficients.size() && !(size_in(terms_, coefficient(coefficients[k])) > 0))) degrees -= 1;
   }
   return chi_square_tail(cost, std::max(1.0, degrees));
@@ -172,7 +173,7 @@ MatrixXd Effects::constant_part(const Parameters& parameters, const MatrixXd& co
 std::string Effects::grade_of_factor(double factor) const {
   std::string_view nearest = grade();
   double least = std::abs(std::log(factor));
-  for (const std::string_view name : graded_names()) {  // by the mean ratio of the sizes that a grade sets
+  for (const std::string_view name : graded_names()) {  // by the mean ratio of the sizes that depend on the grade
     double sum = 0, n = 0;
     for (const EffectGroup& g : groups_)
       if (g.of != SizedGroup::Of::declared && g.of != SizedGroup::Of::rig)
@@ -183,7 +184,7 @@ std::string Effects::grade_of_factor(double factor) const {
 }
 
 std::vector<std::string> Effects::contradicting() const {
-  constexpr double far = 4, sure = 0.99, apart = 2, likely = 0.9;  // times the expected size; apart: from the other effects of the IMU
+  constexpr double far = 4, sure = 0.99, apart = 2, likely = 0.9;  // `far` is relative to the expected size, `apart` to the other effects of the IMU
   const double told_apart = std::log(3);
   if (!posterior_) return {};
   const auto sizes = [&](std::size_t wider, double factor) {
@@ -195,7 +196,7 @@ std::vector<std::string> Effects::contradicting() const {
   for (std::size_t k = 0; k < sized_.groups.size(); ++k)
     if (posterior_->exceeds(k, far) > sure && posterior_->stands_out(k, apart) > likely) found.push_back(k);
   if (found.empty()) return {};
-  // Which others explain the data as well, if all but one have the expected sizes.
+  // Find other effects that explain the data as well while all but one have their expected sizes.
   std::vector<double> evidence(sized_.groups.size(), -HUGE_VAL);
   for (std::size_t k = 0; k < evidence.size(); ++k)
     for (double factor = far; factor < 1000; factor *= 2) evidence[k] = std::max(evidence[k], log_evidence(sized_.data, sizes(k, factor)));

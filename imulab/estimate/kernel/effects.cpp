@@ -10,7 +10,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Whose factors are in an effect's size.
+/// Returns the owner of the factors that determine the size of an effect.
 SizedGroup::Of owner_of(const Effect& effect, const EffectSizes& sizes) {
   if (sizes.declared.contains(effect.name)) return SizedGroup::Of::declared;
   constexpr unsigned of_rig =

@@ -44,7 +44,7 @@ void add_dropped(Findings& findings, const std::vector<std::string>& names, std:
 
 void check_gyro_steps(Findings& findings, const MeanNoise& noise) {
   for (Eigen::Index j = 0; j < 3; ++j)
-    if (noise.rounding.gyro[j] > 0.025 * noise.step.gyro[j])  // the noise is below a third of the step: slopes within it are off by a fifth
+    if (noise.rounding.gyro[j] > 0.025 * noise.step.gyro[j])  // if noise is below a third of the step, slopes within a step are wrong by a fifth
       return void(findings.add<Code::coarse_steps>());
 }
 
@@ -64,21 +64,21 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   if (!quality.unobservable.empty())
     findings.add<Code::undetermined>(quality.unobservable.size() == 1 ? "a coefficient is"
                                                                       : fmt::format("{} coefficients are", quality.unobservable.size()));
-  // Below about six degrees of freedom the residuals, and effects by their priors, can hardly contradict the model or the noise.
+  // With fewer than about six degrees of freedom, residuals and effects cannot contradict the model or the noise significantly.
   if (const double degrees = std::round(quality.degrees_of_freedom + in_effects); degrees < 6)
     findings.add<Code::few_degrees_of_freedom>(degrees, degrees == 1 ? "" : "s", degrees == 1 ? "s" : "");
-  // Real sensors in a hand show 1 to 10; five times the noise is another sensor, another motion or another place than was declared.
+  // Real hand-held sensors give 1 to 10; five times the noise implies another sensor, motion or place than declared.
   if (quality.chi2_per_dof > 25) findings.add<Code::large_residuals>(std::sqrt(quality.chi2_per_dof));
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
     if (!is_scale(c)) continue;
     const auto row = triad_model(calibration.model, c.triad).matrix.row(c.row);
     const double relative = *standard_uncertainty(calibration, index) / row.norm();
-    if (relative > 0.01) findings.add<Code::uncertain_scale>(Subject{c.name}, 100 * relative);  // uncalibrated: a few percent
+    if (relative > 0.01) findings.add<Code::uncertain_scale>(Subject{c.name}, 100 * relative);  // an uncalibrated unit has a few percent
   }
   if (!site.given_gravity) return;
-  // Normal gravity is true to 0.005 m/s^2 at a known height, and up to 0.03 m/s^2 too large up to 10 km; on Earth's surface g is between 9.76
-  // and 9.84.
+  // Normal gravity is accurate to 0.005 m/s^2 at a known height, and up to 0.03 m/s^2 too large at unknown heights up to 10 km. On the Earth's
+  // surface, g is between 9.76 and 9.84 m/s^2.
   const double expected = site.latitude ? normal_gravity(*site.latitude, site.height.value_or(0)) : 9.80;
   const double off = *site.given_gravity - expected;
   const double largest = !site.latitude ? 0.05 : site.height || off > 0 ? 0.005 : 0.03;
@@ -88,11 +88,11 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
 
 namespace {
 
-/// The part of the g-sensitivity that is equal on all axes, and the rest.
+/// The part of the g-sensitivity that is equal on all axes, and the remainder.
 struct EqualPart {
   double value, variance;
-  double rest;   ///< RMS of an element
-  bool differs;  ///< there is a rest
+  double rest;   ///< RMS of an element of the remainder
+  bool differs;  ///< the remainder is significant
 };
 std::optional<EqualPart> equal_g_sensitivity(const Calibration& c) {
   std::vector<Index> at;
@@ -124,7 +124,7 @@ void doubt_latitude(Findings& findings, const Calibration& calibration, double l
   const auto equal = equal_g_sensitivity(calibration);
   if (!equal) return;
   if (equal->differs) {
-    // What the other sign makes of an equal part, within what this IMU has of its own: the rest scatters as much.
+    // The other sign of the latitude requires this equal part. It could be hidden in the IMU's own g-sensitivity if the remainder is as large.
     constexpr double few = 3;
     const double other = std::abs(2 * earth_rate * std::sin(latitude) / gravity);
     if (other > few * std::sqrt(equal->variance) && other < few * equal->rest)

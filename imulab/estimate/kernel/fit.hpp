@@ -1,5 +1,5 @@
 // The fit iteration of all methods: steps until the correction is small; then priors that the data contradict are widened, or suspects dropped, and
-// the steps are repeated. Suspects are parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
+// the steps are repeated. A suspect is a part of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -13,11 +13,11 @@
 
 namespace imulab::kernel {
 
-/// The result of a step of a fit.
+/// The result of one step of a fit.
 enum class Progress { moving, converged, stuck };
 
-/// Takes steps until one converges or is stuck, at most `most` of them: step(number) returns its progress. Returns whether the fit converged. Throws
-/// Stopped between two steps where the work was asked to stop.
+/// Takes at most `most` steps until one converges or is stuck; step(number) returns its progress. Returns true if the fit converged. Throws Stopped
+/// between two steps if a stop was requested.
 template <class Step>
 bool iterate(int most, Step&& step) {
   for (int number = 0; number < most; ++number) {
@@ -27,13 +27,13 @@ bool iterate(int most, Step&& step) {
   return false;
 }
 
-/// Is the correction of every parameter below a hundredth of its standard deviation? Fixed parameters, whose sigma is zero, count as converged.
+/// Returns true if every correction is below 1 % of the parameter's standard deviation. Fixed parameters (sigma 0) count as converged.
 inline bool is_small(const Eigen::VectorXd& correction, const Eigen::VectorXd& sigma) {
   return (sigma.array() > 0).select(correction.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;
 }
 
-/// Fits, and fits again while an amendment finds something to change, at most `rounds` times. Amendments are tried in their order; each widens priors
-/// or drops suspects, and returns whether it did.
+/// Fits, and repeats the fit while an amendment changes something, at most `rounds` times. Amendments are tried in order; each widens priors or drops
+/// suspects, and returns true if it did.
 template <class Fit, class... Amendment>
 void refine(int rounds, Fit&& fit, Amendment&&... amend) {
   fit();
@@ -41,26 +41,26 @@ void refine(int rounds, Fit&& fit, Amendment&&... amend) {
 }
 
 struct Suspect {
-  std::string name;            ///< for messages: "the rest at 12.3 s"
-  double log_probability = 0;  ///< natural logarithm of the probability that chance makes it deviate as much
+  std::string name;            ///< name in messages: "the rest at 12.3 s"
+  double log_probability = 0;  ///< natural logarithm of the p-value of its deviation
 };
 
-/// The deviation of a part of the data: the chi-square that leaving it out saves, and its degrees of freedom.
+/// The deviation of a part of the data: the decrease of chi-square if it is left out, and its degrees of freedom.
 struct Deviation {
   double chi2 = 0;
   int degrees_of_freedom = 0;
-  /// Natural logarithm of the probability that chance does as much; where the size of the residuals was itself estimated from a finite number of
-  /// `residual_degrees`, by the F distribution.
+  /// Returns the natural logarithm of the p-value. If the size of the residuals was itself estimated with finite `residual_degrees`, this uses the F
+  /// distribution.
   double log_probability(double residual_degrees = std::numeric_limits<double>::infinity()) const;
-  /// Logarithm of the ratio of the residuals' probabilities with the size that makes them most probable, and with the expected one.
+  /// Returns the log likelihood ratio between the most probable and the expected size of the residuals.
   double evidence() const;
 };
 
-/// From a part's residuals after the fit (or any linear map of them), their covariance, and the covariance that they would have if the fit did not
-/// follow them. Combinations that the fit follows for any value (a millionth of the variance remains) do not count.
+/// Computes the deviation from a part's residuals after the fit (or a linear map of them), their covariance, and the covariance without adaptation of
+/// the fit. Combinations to which the fit adapts fully (a millionth of the variance remains) do not count.
 Deviation deviation(const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& unfitted);
 
-/// Places of the suspects that chance explains with less than `level`, the least probable first.
+/// Returns the indices of suspects with p-values below `level`, the least probable first.
 inline std::vector<std::size_t> improbable(const std::vector<Suspect>& suspects, double level) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < suspects.size(); ++i)
@@ -73,12 +73,12 @@ inline std::vector<std::size_t> improbable(const std::vector<Suspect>& suspects,
 template <class Fit>
 struct Cleaned {
   Fit fit;
-  std::vector<std::string> dropped;  ///< names, in the order they were dropped
-  std::string worst;                 ///< the first that was improbable; empty for none
-  bool clean = true;                 ///< false: improbable ones remain that the fit cannot do without
+  std::vector<std::string> dropped;  ///< names in the order of rejection
+  std::string worst;                 ///< first improbable suspect; empty if there is none
+  bool clean = true;                 ///< false: improbable suspects remain that the fit needs
 };
 
-/// Drops suspects one by one, the least probable first, while chance explains it with less than `level` shared among all (Bonferroni). A Fit has
+/// Drops suspects one by one, the least probable first, while the p-value is below `level` divided by their number (Bonferroni). A Fit has
 ///   std::vector<Suspect> suspects()
 ///   bool may_drop(std::size_t suspect)  enough remains without it
 ///   Fit without(std::size_t suspect)    the fit of the other data

@@ -8,7 +8,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// Values about zero with unit noise: log probability -x^2 / 2.
+/// Values about zero with unit noise; the log probability is -x^2 / 2.
 struct Values {
   std::vector<double> values;
   std::size_t most = 2;
@@ -41,7 +41,7 @@ TEST(DropSuspects, SaysWhereMoreAreBadThanMayGo) {
 }
 
 TEST(DropSuspects, TheLevelIsSharedAmongAll) {
-  // exp(-x^2 / 2) = 1e-3 at x = 3.717; shared among a hundred, 1e-5 at 4.799.
+  // exp(-x^2 / 2) is 1e-3 at x = 3.717; for one of a hundred suspects, 1e-5 at 4.799.
   EXPECT_THAT(drop_suspects(Values{{4}}, 1e-3).dropped, ElementsAre("4"));
   std::vector<double> many(100, 0.0);
   many[7] = 4;

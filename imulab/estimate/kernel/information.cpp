@@ -51,8 +51,8 @@ Information Information::operator-(const Information& other) const {
 
 namespace {
 
-/// The inverse of a positive matrix, of wrong size where it is not. A large one with few elements (many parameters that each meet a few others) is
-/// factored as what it is.
+/// Returns the inverse of a positive definite matrix, or an empty matrix if it is not positive definite. Large sparse matrices (each of many
+/// parameters is coupled to a few others) are factored as sparse matrices.
 MatrixXd inverse_of(const MatrixXd& matrix) {
   constexpr Index large = 64;
   const Index n = matrix.rows();
@@ -65,11 +65,11 @@ MatrixXd inverse_of(const MatrixXd& matrix) {
   return factor.positive_definite() ? factor.inverse() : MatrixXd();
 }
 
-/// Normal equations of the parameters that are not fixed, scaled to unit diagonal.
+/// Normal equations of the parameters that are not fixed, scaled to a unit diagonal.
 struct NormalEquations {
   std::vector<Index> loose;
-  VectorXd fixed;   ///< the values of the others
-  VectorXd weight;  ///< of the priors; zero without one
+  VectorXd fixed;   ///< values of the other parameters
+  VectorXd weight;  ///< weights of the priors; zero without a prior
   VectorXd right, scale;
   MatrixXd normal;
 };
@@ -99,11 +99,11 @@ NormalEquations normal_equations(const Information& data, const Parameters& para
   return e;
 }
 
-/// The derivatives by the parameters that are not fixed, and a row for each prior, in columns of unit length, as Q R.
+/// Derivatives by the parameters that are not fixed, and one row per prior, as Q R, with columns of unit length.
 struct RootEquations {
   std::vector<Index> loose;
-  VectorXd fixed, weight;  ///< as of the normal equations
-  VectorXd scale;          ///< of the columns
+  VectorXd fixed, weight;  ///< as in the normal equations
+  VectorXd scale;          ///< scale of each column
   OrthogonalTriangular factors;
 
   MatrixXd by_triangle(const MatrixXd& right) const {  // scale R^-1 right
@@ -129,7 +129,7 @@ RootEquations root_equations(const MatrixXd& jacobian, const Parameters& paramet
   return e;
 }
 
-constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone makes pivots of 1e-14
+constexpr double singular = 1e-13;  // with a unit diagonal, rounding alone makes pivots of 1e-14
 
 [[noreturn]] void refuse(std::string_view what) {
   throw Unsupported(std::string(what) +
@@ -139,7 +139,7 @@ constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone m
 
 RootEquations regular_root_equations(const MatrixXd& jacobian, const Parameters& parameters, std::string_view what) {
   RootEquations e = root_equations(jacobian, parameters);
-  constexpr double singular_root = 1e-12;  // columns of unit length: rounding alone makes pivots of 1e-15
+  constexpr double singular_root = 1e-12;  // with columns of unit length, rounding alone makes pivots of 1e-15
   if (!e.factors.R.allFinite() || !(e.loose.empty() || e.factors.R.diagonal().minCoeff() > singular_root)) refuse(what);
   return e;
 }

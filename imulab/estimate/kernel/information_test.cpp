@@ -31,7 +31,7 @@ TEST(Solve, EqualsTheNormalEquationsWithPriors) {
   const VectorXd weight = parameters.sigma.cwiseAbs2().cwiseInverse();
   const MatrixXd p = (j.transpose() * j + MatrixXd(weight.asDiagonal())).inverse();
   const VectorXd x = p * (weight.cwiseProduct(parameters.offset) - j.transpose() * e);
-  // Exact but for rounding of well-conditioned matrices.
+  // The solution is exact except for rounding of well-conditioned matrices.
   EXPECT_LT((s.x - x).norm(), 1e-12);
   EXPECT_LT((s.covariance - p).norm(), 1e-12 * p.norm());
   EXPECT_NEAR(s.chi2, (e + j * x).squaredNorm(), 1e-11 * s.chi2);
@@ -61,7 +61,7 @@ TEST(Solve, WhatIsConsideredCountsAsNoiseOfTheData) {
   const Solution s = solve(Information(j, e), parameters), exact = solve(Information(j, e), fixed);
   EXPECT_LT((s.x - exact.x).norm(), 1e-12) << "the estimate is that with the parameter at its prior value";
   EXPECT_NEAR(s.covariance(3, 3), 0.16, 1e-12);
-  // The estimate's errors from noise of the data and from the considered parameter: P (J^T J + J^T j3 0.16 j3^T J) P.
+  // The errors of the estimate come from the data's noise and the considered parameter: P (J^T J + J^T j3 0.16 j3^T J) P.
   const MatrixXd known = j.leftCols(3), p = (known.transpose() * known).inverse();
   const VectorXd leak = p * known.transpose() * j.col(3);
   EXPECT_LT((s.covariance.topLeftCorner(3, 3) - p - 0.16 * leak * leak.transpose()).norm(), 1e-12);
@@ -107,7 +107,7 @@ TEST(ConditionNumber, IsThatOfTheCorrelations) {
   EXPECT_NEAR(condition_number(m), 2, 1e-12);
 }
 
-/// Many parameters of which each meets a few others: factored as a sparse matrix, and the same as densely.
+/// Many parameters, each coupled to a few others: the sparse factorization gives the same result as the dense one.
 TEST(Solve, ManyParametersOfWhichEachMeetsAFew) {
   constexpr Index shared = 6, parts = 60, own = 2, rows = 9, all = shared + parts * own;
   MatrixXd jacobian = MatrixXd::Zero(parts * rows, all);
@@ -154,7 +154,7 @@ TEST(Solve, WithoutTheNormalEquationsItIsTheSame) {
   EXPECT_TRUE((-by_residuals * residual).isApprox(solve(jacobian, residual, parameters).x, 1e-12));
 }
 
-/// x + y is known to 1, x - y to 1e-8 of that: the squares differ by 1e16, of which the normal equations keep nothing.
+/// x + y is known to 1, x - y to 1e-8: the squares differ by a factor of 1e16, which normal equations cannot represent.
 TEST(Solve, WithoutTheNormalEquationsItKeepsWhatTheSquaresLose) {
   constexpr double much = 1e8;
   MatrixXd jacobian(2, 2);

@@ -1,4 +1,4 @@
-// The input of a method with one recording, and the coefficients that it was asked for.
+// The input of a method with one recording, and the requested coefficients.
 #pragma once
 
 #include "imulab/calibrate.hpp"
@@ -10,19 +10,19 @@
 
 namespace imulab::kernel {
 
-/// The only recording, validated. Throws Error that lists them where there are several, or none.
+/// Returns the only recording, validated. Throws Error if there is none, or with a list if there are several.
 const Recording& only_recording(const CalibrationInput& input, std::string_view method);
 
-/// The source of a procedure's only recording; one that declares nothing where it has none. Throws Error for several.
+/// Returns the source of a procedure's only recording, or an empty one if it has none. Throws Error for several.
 RecordingSource only_source(const Session& procedure);
 
-/// The rests of that recording: those given, else the session's holds, else those found in the data, with a note of their source.
+/// Returns the given rests, else the session's holds, else rests found in the data, with a note of their source.
 Rests rests_of(const CalibrationInput& input, const Recording& recording);
 
-/// Throws Unsupported where an axis reads the same in every sample.
+/// Throws Unsupported if an axis has the same reading in every sample.
 void expect_alive(const Recording& recording, Triad triad, std::string_view consequence);
 
-/// Those of `supplied` that are `wanted`, all of them where none is named. Throws TermsError naming one that the method does not estimate.
+/// Returns the `supplied` coefficients that are `wanted`, or all if none is wanted. Throws TermsError with a name that the method does not estimate.
 std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
                                                   std::string_view method);
 

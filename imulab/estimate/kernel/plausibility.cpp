@@ -21,7 +21,7 @@ constexpr double scale_tolerance = 0.2;  // uncalibrated MEMS sensors are within
 
 bool near(double value, double expected) { return std::abs(value / expected - 1) < scale_tolerance; }
 
-/// A scale that readings in another unit than the declared one have.
+/// A scale that results if readings are in another unit than declared.
 struct MistakenUnit {
   Triad triad;
   double scale;
@@ -38,7 +38,7 @@ constexpr std::array mistaken_units{MistakenUnit{Triad::gyro, unit::deg, "deg/s"
                                     MistakenUnit{Triad::accel, 1e-3 * unit::g, "mg"},
                                     MistakenUnit{Triad::accel, 1e3 / unit::g, "m/s^2"}};
 
-/// The declaration in the session that explains such a scale.
+/// Returns the declaration in the session that explains such a scale.
 std::string cause_of(Triad triad, double scale, const Recording& recording) {
   const std::string_view read = mistaken_unit(triad, scale);
   const std::string unit = read.empty() ? "" : fmt::format("the readings are in {}, not in the declared unit", read),
@@ -54,7 +54,7 @@ std::string cause_of(Triad triad, double scale, const Recording& recording) {
   return "check the declared unit, whether the readings are rates or increments, and the unit of the stamps";
 }
 
-/// The input axis with the largest part in each output axis.
+/// Returns the input axis with the largest element in each output axis.
 std::array<int, 3> strongest(const Matrix3d& matrix) {
   std::array<int, 3> at{};
   for (int row = 0; row < 3; ++row) {
@@ -70,7 +70,7 @@ void judge_axes(Findings& found, const char* name, const Matrix3d& matrix, bool 
   std::string wrong;
   for (int row = 0; row < 3; ++row) {
     const int column = at[static_cast<std::size_t>(row)];
-    const bool reversed = matrix(row, column) < 0 && !counts;  // counts may fall where the quantity rises
+    const bool reversed = matrix(row, column) < 0 && !counts;  // counts may decrease when the quantity increases
     if (column != row || reversed)
       wrong += fmt::format("{}{} is along the {}{} reading", wrong.empty() ? "" : ", ", "xyz"[row], reversed ? "-" : "", "xyz"[column]);
   }
@@ -88,7 +88,7 @@ std::string_view mistaken_unit(Triad triad, double scale) {
 
 namespace {
 
-/// A scale beyond the tolerance: of all axes, or of the worst.
+/// A scale beyond the tolerance, of all axes or of the worst axis.
 struct WrongScale {
   std::string words;  ///< "the gyros' scale is 2.01 in the declared unit, where 1 is expected"
   bool common = false;
@@ -152,10 +152,10 @@ void judge_interval(const Recording& r, bool declared, Quality& quality) {
   double time = 0, samples = 0;
   for (std::size_t i = 1; i < r.size(); ++i)
     if (!r.follows_gap(i)) time += r.time_s(i) - r.time_s(i - 1), samples += 1;
-  const double ratio = r.interval_s * samples / time;  // that all scales are too small by
+  const double ratio = r.interval_s * samples / time;  // factor by which all scales are too small
   constexpr std::size_t enough = 200;
   const bool increments = r.gyro_increment || r.accel_increment;
-  // Crystals are good to 1e-4, and the ends of a recording to a part of a sample; a rate is often declared in round numbers.
+  // Crystals are accurate to 1e-4, and the ends of a recording to a fraction of a sample; declared rates are often rounded.
   const double allowed = increments ? 5e-4 : 2e-3;
   if (samples < enough || !(std::abs(ratio - 1) > allowed)) return;
   const double off = 100 * std::abs(ratio - 1);

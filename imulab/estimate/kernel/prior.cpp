@@ -12,8 +12,8 @@ namespace imulab::kernel {
 
 namespace {
 
-/// What each seen quantity says of a grade. Sizes are within a factor of 5 of the grade's. One offset of ten was taken out by the maker or the
-/// firmware, and may have any smaller size.
+/// Returns the log probability of each observed quantity under a grade. Sizes are within a factor of 5 of the grade's. One offset in ten was removed
+/// by the manufacturer or firmware and may be arbitrarily small.
 Eigen::Vector4d log_probabilities(const Grade& of, const SeenOfUnit& seen) {
   const auto within = [](double value, double usual) {
     const double spread = std::log(5);
@@ -28,17 +28,17 @@ Eigen::Vector4d log_probabilities(const Grade& of, const SeenOfUnit& seen) {
           offset(seen.gyro_offset, of.gyro_bias)};
 }
 
-/// Is another grade more likely by more than one quantity? One alone may be a fault of the data: the one that speaks most for the other does not
-/// count.
+/// Returns true if another grade is more probable even without the quantity that favors it most, because a single quantity may be a fault of the
+/// data.
 bool contradicts(const SeenOfUnit& seen, std::string_view declared) {
-  constexpr double clearly = 1;  // of the logarithm
+  constexpr double clearly = 1;  // difference of the logarithm
   return std::ranges::any_of(graded_names(), [&](std::string_view other) {
     const Eigen::Vector4d for_other = log_probabilities(grade(other), seen) - log_probabilities(grade(declared), seen);
     return for_other.sum() - std::max(0.0, for_other.maxCoeff()) > clearly;
   });
 }
 
-/// Not inlined: valgrind takes a choice between two optional values at once for a read of values never written.
+/// Not inlined: valgrind reports a choice between two optional values as a read of uninitialized memory.
 [[gnu::noinline]] double stated(const std::optional<double>& declared, double usual) { return declared.value_or(usual); }
 
 }  // namespace
@@ -102,7 +102,7 @@ bool is_declared(const TermSigmas& declared, const Coefficient& c) {
 PriorSizes optional_priors(const ImuDeclaration& imu) {
   const TermSizes usual = grade(likeliest(likely_grades(imu, {})).name).terms;
   const TermSigmas& declared = imu.term_sigmas;
-  constexpr double lever_arm = 0.05;  // m: of a unit that a hand holds
+  constexpr double lever_arm = 0.05;  // [m], of a unit held in a hand
   PriorSizes sizes;
   sizes.accel.quadratic = stated(declared.accel_quadratic, usual.accel_quadratic);
   sizes.accel.cubic = stated(declared.accel_cubic, usual.accel_cubic);

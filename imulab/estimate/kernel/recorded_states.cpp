@@ -8,7 +8,7 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
     : recording_(&recording), thermometer_(thermometer_of(recording, session.source_of(recording.name))) {
   common_.gravity = session.site.gravity();
   common_.full_force = common_.gravity;
-  common_.full_rate = 1;  // rad/s: no gyro has a smaller range, and turns that are all slower show no higher order
+  common_.full_rate = 1;  // rad/s: no gyro has a smaller range, and slower turns do not excite higher-order terms
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const Vector3d force = linear_output(model.accel, scaling.accel(reading_at(recording.accel, i)));
     const Vector3d rate = linear_output(model.gyro, scaling.gyro(reading_at(recording.gyro, i)));

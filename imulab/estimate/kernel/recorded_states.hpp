@@ -1,4 +1,4 @@
-// The part of the effects' states that follows from a recording alone: time, temperature, the largest force and rate.
+// The part of the effects' states that follows from a recording alone: time, temperature, and the largest force and rate.
 #pragma once
 
 #include "imulab/model/effects.hpp"
@@ -12,13 +12,13 @@
 
 namespace imulab::kernel {
 
-/// Of one recording, or of several that were joined, which must outlive it. Time is that of each of them.
+/// States of one recording or of joined recordings, which must outlive this object. Time is relative to each recording.
 class RecordedStates {
  public:
-  /// The model is of scaled readings.
+  /// The model applies to scaled readings.
   RecordedStates(const Recording& recording, const Session& session, const SensorModel& scaled_model, const Scaling& scaling);
 
-  /// Without force and rate.
+  /// Returns the state of a sample without force and rate.
   EffectState at(std::size_t sample) const;
   int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
   bool thermometer() const { return thermometer_.has_value(); }

@@ -9,7 +9,7 @@ namespace imulab::kernel {
 
 namespace {
 
-/// The samples of a recording in the rests that the fit used.
+/// Returns the samples of a recording in the rests that the fit used.
 std::vector<Range> used_rests(const Quality& quality, const Recording& recording) {
   std::vector<Range> ranges;
   for (const PartResidual& rest : quality.rests) {
@@ -20,7 +20,7 @@ std::vector<Range> used_rests(const Quality& quality, const Recording& recording
   return ranges;
 }
 
-/// Of the output, for independent noise of the readings.
+/// Returns the variance of the output for independent noise of the readings.
 Vector3d output_variance(const Matrix3d& matrix, const Vector3d& sigma) { return matrix.cwiseAbs2() * sigma.cwiseAbs2(); }
 
 }  // namespace

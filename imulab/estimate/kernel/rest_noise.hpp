@@ -1,4 +1,4 @@
-// The white noise of an IMU in the rests of its calibration: for filters whose noise nobody has measured otherwise.
+// White noise of an IMU in the rests of its calibration, for filters that have no better noise measurement.
 #pragma once
 
 #include "imulab/calibrate.hpp"
@@ -7,7 +7,7 @@
 
 namespace imulab::kernel {
 
-/// Pooled over the rests that the fit used; of a method that does not list them, those of its input. Absent where there are none.
+/// Pools the noise over the rests that the fit used, or over the rests of the input if the method does not list them. Absent without rests.
 std::optional<RestNoise> rest_noise(const Calibration& calibration, const CalibrationInput& input);
 
 }  // namespace imulab::kernel

@@ -1,4 +1,4 @@
-// The rests that a method works on, with what was lost of them.
+// The rests that a method uses, and findings about rejected ones.
 #pragma once
 
 #include "imulab/estimate/kernel/findings.hpp"
@@ -6,7 +6,7 @@
 
 namespace imulab::kernel {
 
-/// As rests_of, with its notes; rests that were rejected are dropped data: a warning, and where they are more than a fifth of all a doubt.
+/// Like rests_of, with its notes. Rejected rests cause a warning, or a doubt if they are more than a fifth of all.
 std::vector<Range> rests_found(const CalibrationInput& input, const Recording& recording, Findings& findings);
 
 }  // namespace imulab::kernel

@@ -13,7 +13,7 @@
 namespace imulab::kernel {
 
 std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const Calibration& other) {
-  constexpr double least = 0.1;  // of the larger variance: less is the same data under the same weights
+  constexpr double least = 0.1;  // fraction of the larger variance; a smaller difference means the same data with the same weights
   const Calibration a = in_accelerometer_frame(estimate), b = in_accelerometer_frame(other);
   struct Pair {
     CoefficientIndex index;
@@ -30,7 +30,7 @@ std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const C
   for (const Pair& p : pairs) {
     const bool independent = a_is_better && b_is_better;
     if (!independent && !(std::abs(p.of_b - p.of_a) >= least * std::max(p.of_a, p.of_b))) continue;
-    // Each infers the sizes of effects from its own part of the data: the estimates may differ by as much as the better one is uncertain.
+    // Each method infers effect sizes from its own part of the data: the estimates may differ by the uncertainty of the better one.
     const double variance = independent ? p.of_a + p.of_b : std::max(std::abs(p.of_b - p.of_a), std::min(p.of_a, p.of_b));
     const double sigmas = (coefficient_value(b.model, p.index) - coefficient_value(a.model, p.index)) / std::sqrt(variance);
     if (!worst || std::abs(sigmas) > std::abs(worst->sigmas)) worst = SecondOpinion{b.method, std::string(coefficient(p.index).name), sigmas};

@@ -1,7 +1,6 @@
-// Two methods on the same data. The more efficient one's estimate is a, the other's b; the covariance of b - a is P_b - P_a (Hausman 1978), since
-// what b adds to a's error is independent of it. Where each of two methods knows some coefficient better, neither is efficient: what they have in
-// common is not known, and their errors count as independent. A model that is wrong in one of them, or a rig that is not as declared, sets them
-// apart.
+// Comparison of two methods on the same data. If a is the more efficient estimate and b the other, the covariance of b - a is P_b - P_a (Hausman
+// 1978), because the additional error of b is independent of a's. If each method determines some coefficients better, neither is efficient, their
+// correlation is unknown, and their errors count as independent. A wrong model in one method, or a rig that is not as declared, makes them differ.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -11,12 +10,12 @@
 
 namespace imulab::kernel {
 
-/// The coefficient that differs most in standard deviations of the difference, among those that both determine; in the accelerometers' frame.
-/// Variances that hardly differ (by less than a tenth) tell nothing and are left out. None where no coefficient is left.
+/// Returns the coefficient with the largest difference in its standard deviations, among those that both determine, in the accelerometers' frame.
+/// Variances that differ by less than a tenth contain no information and are skipped; absent if no coefficient remains.
 std::optional<SecondOpinion> second_opinion(const Calibration& estimate, const Calibration& other);
 
-/// Adds it to the result: beyond 3.7 sigma (one in some 200 among 24 coefficients by chance) as a doubt. Where the other method doubts its own
-/// estimate it has none; what it doubts of the session holds for any method.
+/// Adds the opinion to the result, as a doubt beyond 3.7 sigma (p = 0.005 for 24 coefficients). A method that doubts its own estimate gives no
+/// opinion, but its doubts about the session apply to any method.
 void add_second_opinion(Calibration& calibration, const Calibration& other);
 
 }  // namespace imulab::kernel

@@ -14,7 +14,7 @@
 namespace imulab::kernel {
 namespace {
 
-/// Offsets known to `sigma`, off by `error`.
+/// Returns a calibration with offsets known to `sigma` and wrong by `error`.
 Calibration offsets(double sigma, const Vector3d& error) {
   Calibration c;
   c.method = "some";
@@ -68,7 +68,7 @@ TEST(SecondOpinion, OfOneThatDoubtsItselfCountsForTheSessionAlone) {
   }
 }
 
-// The mean of n readings and that of n / 4 of them: the difference has the variance of the latter less that of the former.
+// The mean of n readings and the mean of n / 4 of them: their difference has the difference of the variances.
 TEST(SecondOpinion, HoldsForAnEfficientEstimateAndAPartOfItsData) {
   const RandomStream random(7, "second opinion");
   constexpr int trials = 4000, n = 16;

@@ -17,7 +17,7 @@ SiteChanges::SiteChanges(const Site& site) {
     const auto gravity = [&](double at) { return normal_gravity(at, site.height.value_or(0)); };
     by_latitude_.force.z() = (gravity(latitude + step) - gravity(latitude - step)) / (2 * step);
   }
-  by_heading_.rate = earth_rate_enu(latitude).cross(Vector3d::UnitZ());  // of R(up, heading)^T w
+  by_heading_.rate = earth_rate_enu(latitude).cross(Vector3d::UnitZ());  // derivative of R(up, heading)^T w
 }
 
 void SiteChanges::fill(EffectState& state, const Matrix3d& C_bn) const {
@@ -27,7 +27,7 @@ void SiteChanges::fill(EffectState& state, const Matrix3d& C_bn) const {
 }
 
 Site farther_north(Site site, double angle) {
-  constexpr double most = std::numbers::pi / 2 - 1e-3;  // beside a pole, where there is a north
+  constexpr double most = std::numbers::pi / 2 - 1e-3;  // next to a pole, where north is still defined
   if (site.latitude) site.latitude = std::clamp(*site.latitude + angle, std::min(-most, *site.latitude), std::max(most, *site.latitude));
   return site;
 }

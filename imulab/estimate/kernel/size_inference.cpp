@@ -19,15 +19,15 @@ namespace {
 
 constexpr double log_unit_spread = 1.6094379124341003;  // ln 5, one sigma of ln lambda
 constexpr double log_own_spread = std::numbers::ln2;    // one sigma of ln t and ln o
-constexpr int grid_points = 24;                         // of ln lambda, four sigmas to either side
-constexpr double negligible = 8;                        // of ln weight below the largest: three ten thousandths
+constexpr int grid_points = 24;                         // of ln lambda, within four sigmas on either side
+constexpr double negligible = 8;                        // difference of ln weight from the largest: a weight of 3e-4
 
 double log_lambda(int point) {
   const double begin = std::log(0.0016), end = std::log(125.0);
   return begin + (end - begin) * point / (grid_points - 1);
 }
 
-/// The most probable ln of a factor, and its variance.
+/// The most probable logarithm of a factor, and its variance.
 struct Factor {
   double log = 0, variance = log_own_spread * log_own_spread;
 };
@@ -35,7 +35,7 @@ struct Factor {
 bool has_unit_factor(SizedGroup::Of of) { return of != SizedGroup::Of::declared && of != SizedGroup::Of::rig; }
 int triad_of(SizedGroup::Of of) { return of == SizedGroup::Of::accel ? 0 : of == SizedGroup::Of::gyro ? 1 : -1; }
 
-/// The factors of all groups and triads at one lambda.
+/// Factors of all groups and triads at one lambda.
 struct Factors {
   std::vector<Factor> own;
   std::array<Factor, 2> triad = {};
@@ -48,14 +48,14 @@ struct Factors {
   }
 };
 
-/// Of c under given sizes.
+/// Values, variances and evidence of c under given sizes.
 struct Conditional {
   VectorXd value, variance;
   double log_evidence = 0;
 };
 
-/// With S = diag(size^2): P = (L + S^-1)^-1, c = P eta, ln p(r | sizes) = -1/2 ln det(I + S^1/2 L S^1/2) + 1/2 eta.c. Of columns that the data do not
-/// see at this size, P = S: it is a matter of a ten thousandth.
+/// With S = diag(size^2): P = (L + S^-1)^-1, c = P eta, ln p(r | sizes) = -1/2 ln det(I + S^1/2 L S^1/2) + 1/2 eta.c. For columns that the data do
+/// not resolve at this size, P = S, with an error of about 1e-4.
 Conditional conditional(const ReducedEffects& data, const VectorXd& size) {
   constexpr double unseen = 1e-4;
   Conditional out{size.cwiseAbs2().cwiseProduct(data.eta), size.cwiseAbs2()};
@@ -74,13 +74,13 @@ Conditional conditional(const ReducedEffects& data, const VectorXd& size) {
   return out;
 }
 
-/// One hypothesis.
+/// The inference under one hypothesis.
 class Sizes {
  public:
   Sizes(const ReducedEffects& data, const std::vector<SizedGroup>& groups, const SizeHypothesis& hypothesis)
       : data_(data), groups_(groups), hypothesis_(hypothesis) {}
 
-  /// Not yet weighed against the others. `factors` are the start, and then those of this node: the next one's start.
+  /// Returns a node before normalization of weights. `factors` are the start, and are replaced by those of this node, the start of the next.
   SizeNode at(double log_factor, Factors& factors) const {
     constexpr int most_rounds = 20;
     constexpr double still = 0.01;
@@ -90,7 +90,7 @@ class Sizes {
     SizeNode node;
     node.log_factor = log_factor;
     node.weight = c.log_evidence + hypothesis_.log_weight - 0.5 * std::pow(log_factor / log_unit_spread, 2);
-    const auto add = [&](const Factor& f) {  // Laplace: the density at the most probable value times its width
+    const auto add = [&](const Factor& f) {  // Laplace approximation: the largest density times the width
       node.weight += 0.5 * (std::log(f.variance) - std::pow(f.log / log_own_spread, 2)) - std::log(log_own_spread);
     };
     for (const Factor& f : factors.triad) add(f);
@@ -104,13 +104,13 @@ class Sizes {
   }
 
  private:
-  /// Logarithm of all factors in a group's size.
+  /// Returns the logarithm of the product of all factors in a group's size.
   double log_size(std::size_t k, double log_factor, const Factors& factors) const {
     const SizedGroup::Of of = groups_[k].of;
     return (has_unit_factor(of) ? log_factor : 0) + (of == SizedGroup::Of::declared ? 0 : factors.log_of(k, of));
   }
 
-  /// By column, the most probable sizes.
+  /// Returns the most probable sizes by column.
   VectorXd sizes(double log_factor, const Factors& factors) const {
     VectorXd out(data_.eta.size());
     for (std::size_t k = 0; k < groups_.size(); ++k)
@@ -118,14 +118,14 @@ class Sizes {
     return out;
   }
 
-  /// A step to the most probable factors, about this answer; returns the largest change of a logarithm. By u = ln o_k of m columns with squares
-  /// q = (|c|^2 + tr P) / size^2 the derivative of the evidence is q - m - u/spread^2, and of q what it is where columns do not depend on each other,
-  /// with g = 1 - P/size^2, which the data have of a column: -2 sum(c^2/size^2 (2g - 1) + g P/size^2). A triad's factor moves all of its groups.
+  /// Takes a step to the most probable factors about this answer; returns the largest change of a logarithm. For u = ln o_k of m columns with squares
+  /// q = (|c|^2 + tr P) / size^2, the derivative of the evidence is q - m - u/spread^2. That of q, for columns that do not depend on each other, is
+  /// -2 sum(c^2/size^2 (2g - 1) + g P/size^2) with the data's share g = 1 - P/size^2. A triad's factor moves all of its groups.
   double update(Factors& factors, const Conditional& c, double log_factor, int round) const {
     static constexpr double weight = 1 / (log_own_spread * log_own_spread), longest = 1;
-    constexpr int patience = 3;  // then columns do depend on each other: at least half of what it is where c is known
+    constexpr int patience = 3;  // then columns are correlated, and the bend is at least q, its value for known c
     struct Slope {
-      double value = 0, bend = 0;  // the second without that of the factor's own spread
+      double value = 0, bend = 0;  // `bend` excludes the spread of the factor itself
       double step(double by_others = 0) const { return std::clamp((value - by_others) / (bend + weight), -longest, longest); }
     };
     std::vector<Slope> own(groups_.size());
@@ -144,7 +144,7 @@ class Sizes {
       own[k] = {pull - weight * factors.own[k].log, bend};
       factors.own[k].variance = 1 / (2 * q + weight);
       if (triad_of(g.of) < 0) continue;
-      Slope& t = of_triad[triad_at(k)];  // with what the group's own factor does about it
+      Slope& t = of_triad[triad_at(k)];  // includes the reaction of the group's own factor
       t.value += pull - bend * own[k].value / (bend + weight), t.bend += bend * weight / (bend + weight);
       squares[triad_at(k)] += q;
     }
@@ -169,7 +169,7 @@ class Sizes {
   const SizeHypothesis& hypothesis_;
 };
 
-/// Factors of the next lambda as the last two continue: most of them follow lambda at a constant rate.
+/// Extrapolates the factors to the next lambda: most of them change at a constant rate with lambda.
 Factors continued(const Factors& last, const Factors& before) {
   Factors out = last;
   for (std::size_t k = 0; k < out.own.size(); ++k) out.own[k].log += last.own[k].log - before.own[k].log;
@@ -177,7 +177,7 @@ Factors continued(const Factors& last, const Factors& before) {
   return out;
 }
 
-/// The nodes of a hypothesis that matter, from the middle of the grid to either side. `most_of_others`: the largest weight of those before.
+/// Returns the relevant nodes of a hypothesis, from the middle of the grid to both sides. `most_of_others`: largest weight of earlier hypotheses.
 std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups, double most_of_others) {
   std::vector<SizeNode> out;
   double most = -HUGE_VAL;
@@ -200,7 +200,7 @@ std::vector<SizeNode> nodes_of(const Sizes& sizes, std::size_t groups, double mo
   return out;
 }
 
-/// Probability that a normal variable is above a limit; without a variance: whether it is.
+/// Returns the probability that a normal variable exceeds a limit; with zero variance 0 or 1.
 double above(double limit, double mean, double variance) {
   return variance > 0 ? 0.5 * std::erfc((limit - mean) / std::sqrt(2 * variance)) : mean > limit ? 1 : 0;
 }
@@ -236,7 +236,7 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
   std::iota(likeliest_first.begin(), likeliest_first.end(), std::size_t{0});
   std::ranges::sort(likeliest_first, std::greater<>(), [&](std::size_t h) { return hypotheses[h].log_weight; });
   for (const std::size_t h : likeliest_first) {
-    // The factors let any hypothesis have the sizes of any other, at a price.
+    // The factors allow any hypothesis to take the sizes of any other, but with a lower probability.
     constexpr double hopeless = 20;
     if (hypotheses[h].log_weight < hypotheses[likeliest_first.front()].log_weight - hopeless) break;
     for (SizeNode& node : nodes_of(Sizes(data, groups, hypotheses[h]), groups.size(), most)) {
@@ -249,7 +249,7 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
   for (SizeNode& node : out.nodes) sum += node.weight = std::exp(node.weight - most);
   for (SizeNode& node : out.nodes) node.weight /= sum;
   out.log_evidence = most + std::log(sum);
-  // A unit far worse than its class is not assumed where the data do not make it likelier than it was: that would be the mean square of a guess.
+  // A unit counts as far worse than its class only if the data at least double the odds: otherwise the result is the mean square of the prior.
   constexpr double far_worse = 4, was = 0.195, ratio = 2;
   const double worse = out.factor_exceeds(far_worse);
   const bool of_class = worse < ratio * was / (1 - was + ratio * was);
@@ -261,7 +261,7 @@ SizePosterior infer_sizes(const ReducedEffects& data, const std::vector<SizedGro
     out.log_factor += w * log_factor, out.sigma += w * log_factor * log_factor;
     if (of_class && log_factor > std::log(far_worse)) continue;
     kept += w;
-    // The mean square of a size: the most probable one is too small where the data hardly show the effect.
+    // Use the mean square of a size: the most probable size is too small for weakly observable effects.
     for (std::size_t k = 0; k < groups.size(); ++k)
       out.rms[k] += w * std::pow(hypotheses[node.hypothesis].sizes[k] * std::exp(node.log_all[k] + node.all_variance[k]), 2);
   }

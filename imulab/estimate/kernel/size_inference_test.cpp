@@ -1,4 +1,4 @@
-// A linear problem with known truth: do the inferred sizes follow the units, and do the coefficients' uncertainties hold?
+// A linear problem with known truth tests whether inferred sizes follow the units and whether the coefficients' uncertainties are correct.
 #include "imulab/estimate/kernel/size_inference.hpp"
 
 #include "imulab/core/decomposition.hpp"
@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 constexpr Index rows = 120, coefficients = 9, effects_of_unit = 8, columns_each = 3, columns = effects_of_unit * columns_each;
 
-/// Standard normal draws, one after the other.
+/// A sequence of standard normal draws.
 class NormalDraws {
  public:
   NormalDraws(std::uint64_t seed, std::uint64_t stream) : stream_(seed, stream) {}
@@ -39,7 +39,7 @@ struct Linear {
     NormalDraws random(seed, 0);
     for (MatrixXd* m : {&X, &E})
       for (Index k = 0; k < m->cols(); ++k) m->col(k) = random.vector(rows);
-    for (Index k = 0; k < columns / 2; ++k) {  // a hundredth of the column is its own
+    for (Index k = 0; k < columns / 2; ++k) {  // a hundredth of the column is outside the span
       const VectorXd mix = random.vector(coefficients);
       E.col(k) = 0.01 * E.col(k) + X * mix / std::sqrt(static_cast<double>(coefficients));
     }
@@ -58,13 +58,13 @@ std::vector<SizedGroup> groups_of_unit(SizedGroup::Of of = SizedGroup::Of::unit)
 }
 
 struct Outcome {
-  double nees = 0;   ///< mean e^T P^-1 e / m of the coefficients
-  double wider = 0;  ///< mean of sigma over that without effects
+  double nees = 0;   ///< mean of e^T P^-1 e / m for the coefficients
+  double wider = 0;  ///< mean ratio of sigma to that without effects
 };
 
-/// Draws units whose effects are `over` times the table's, scattered by `scatter` in the logarithm.
+/// Simulates units with effects `over` times the table's, scattered by `scatter` in the logarithm.
 Outcome drawn(double over, double scatter, SizedGroup::Of of, int draws = 40) {
-  constexpr double table = 2;  // of the noise: an effect moves a coefficient by several of its sigmas
+  constexpr double table = 2;  // in units of the noise: an effect moves a coefficient by several of its sigmas
   Outcome out;
   for (int draw = 0; draw < draws; ++draw) {
     const Linear problem(100 + static_cast<std::uint64_t>(draw));
@@ -91,7 +91,7 @@ Outcome drawn(double over, double scatter, SizedGroup::Of of, int draws = 40) {
   return out;
 }
 
-// 360 squares a mean, correlated little: it scatters by 0.08.
+// Each mean has 360 weakly correlated squares and therefore scatters by 0.08.
 TEST(SizeInference, UnitsBetterThanTheirClassAreNotChargedForIt) {
   for (const double over : {0.0, 0.1}) {
     const Outcome fixed = drawn(over, std::log(2), SizedGroup::Of::declared), inferred = drawn(over, std::log(2), SizedGroup::Of::unit);
@@ -114,7 +114,7 @@ TEST(SizeInference, AnEffectFarBeyondItsUnitStandsOut) {
   const Linear problem(5);
   NormalDraws random(9, 0);
   VectorXd c = random.vector(columns);
-  c.segment<columns_each>(15) *= 30;  // one of those that are seen
+  c.segment<columns_each>(15) *= 30;  // an observable effect
   const SizePosterior found =
       infer_sizes(problem.reduced(problem.E * c + random.vector(rows)), groups_of_unit(), {{"", 0, std::vector<double>(effects_of_unit, 1.0)}});
   EXPECT_GT(found.exceeds(5, 4), 0.99);

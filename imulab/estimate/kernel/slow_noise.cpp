@@ -11,12 +11,12 @@ using Eigen::Index;
 
 namespace {
 
-/// The covariance of flicker and walk in the means over two times, by cells that are taken as their middles; far apart, one cell a time is exact
-/// enough.
+/// Returns the covariance of flicker and random walk between the means over two times, with cells represented by their middles. If the times are far
+/// apart, one cell each is accurate enough.
 double covariance(const FlickerCovariance& flicker, double K, const TimeSpan& a, const TimeSpan& b) {
   const double longer = std::max(a.end - a.begin, b.end - b.begin);
   const int cells = std::abs(a.middle() - b.middle()) > 4 * longer ? 1 : 8;
-  // Between two points of a cell, in the mean of the lag's logarithm, which flicker goes with.
+  // The effective lag within a cell is the mean of the logarithm of the lag, on which flicker depends.
   const double least_lag = std::exp(-1.5) * longer / cells;
   const auto time = [&](const TimeSpan& t, int cell) { return t.begin + (cell + 0.5) * (t.end - t.begin) / cells; };
   double sum = 0;

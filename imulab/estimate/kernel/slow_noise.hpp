@@ -1,4 +1,4 @@
-// Declared noise that lasts longer than a sample, in means over times: bias instability, rate random walk and ramp.
+// Declared noise with long correlation, in means over time: bias instability, rate random walk and ramp.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -13,8 +13,8 @@ struct TimeSpan {
   double middle() const { return 0.5 * (begin + end); }
 };
 
-/// Covariance of one axis's means over these times, in the unit of the noise. Walk and ramp begin at the time 0; bias instability is as the
-/// simulation draws it at this interval of the samples. Empty where no such noise is declared.
+/// Returns the covariance of one axis's means over these times, in the unit of the noise. Walk and ramp begin at time 0; bias instability is that of
+/// the simulation at this sample interval. Empty if no such noise is declared.
 Eigen::MatrixXd slow_noise(const std::vector<TimeSpan>& times, const NoiseModel& noise, double interval_s);
 
 }  // namespace imulab::kernel

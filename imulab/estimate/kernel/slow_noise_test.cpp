@@ -28,7 +28,7 @@ TEST(SlowNoise, CovarianceOfMeansIsThatOfDraws) {
     drawn += mean * mean.transpose() / draws;
   }
   const Eigen::MatrixXd expected = slow_noise(times, noise, 1);
-  // A product's standard deviation, at most sqrt(2 / draws) of the variances; cells are good to a few percent of flicker's.
+  // The sampled covariance scatters by at most sqrt(2 / draws) of the variances; cells are accurate to a few percent of flicker.
   const double scale = expected.diagonal().maxCoeff();
   EXPECT_LT((drawn - expected).cwiseAbs().maxCoeff(), (4.5 * std::sqrt(2.0 / draws) + 0.02) * scale) << drawn << "\n\n" << expected;
   EXPECT_EQ(slow_noise(times, {.N = 1}, 1).size(), 0);

@@ -26,13 +26,13 @@ TermTest wald(std::string name, const VectorXd& value, const MatrixXd& covarianc
 TermTest wald_without_prior(std::string name, const VectorXd& value, const MatrixXd& covariance, const VectorXd& prior_sigma, double significance) {
   TermTest test{std::move(name), 0, static_cast<int>(value.size()), 1, false};
   if (value.size() == 0) return test;
-  // In units of the prior: the data's information is P^-1 - I, and P^-1 x is what they say of x.
+  // In units of the prior, the information of the data is P^-1 - I, with the information vector P^-1 x.
   const MatrixXd unit = prior_sigma.cwiseInverse().asDiagonal();
   const SymmetricEigen posterior = symmetric_eigen(unit * covariance * unit);
   const VectorXd along = posterior.vectors.transpose() * (unit * value);
   for (Eigen::Index i = 0; i < value.size(); ++i) {
     const double variance = posterior.values[i];
-    if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // else it is not observable
+    if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // otherwise the combination is not observable
   }
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
   test.kept = test.p_value <= significance;
@@ -46,7 +46,7 @@ CrossValidation cross_validation(const std::vector<Information>& parts, const In
     const Solution s = solve(all - part, parameters);
     out.with += part.at(s.x);
     for (std::size_t k = 0; k < groups.size(); ++k) {
-      // What holding the group does to the others: x - P_k P_kk^-1 (x_k - prior value).
+      // Fixing the group changes the others: x - P_k P_kk^-1 (x_k - prior value).
       const std::vector<Index>& at = groups[k].members;
       const VectorXd off = s.x(at) - parameters.offset(at);
       out.without[k] += part.at(s.x - s.covariance(Eigen::all, at) * solve_semidefinite(MatrixXd(s.covariance(at, at)), off));

@@ -24,7 +24,7 @@ TEST(Wald, IsTheSquaredDistanceInSigmas) {
 }
 
 TEST(ChooseTerms, TheLeastSignificantGoesFirstAndTheOthersAreTestedAgain) {
-  // b is significant only once a, which resembles it, has gone.
+  // b becomes significant only after a, with which it is correlated, has been removed.
   std::vector<std::string> left_out;
   const auto test = [&](const std::vector<TermGroup>& groups) {
     std::vector<TermTest> tests;
@@ -43,7 +43,7 @@ TEST(ChooseTerms, TheLeastSignificantGoesFirstAndTheOthersAreTestedAgain) {
 }
 
 TEST(CrossValidation, PredictsEachPartFromTheOthers) {
-  // A constant: each value against the mean of the others.
+  // A constant is fitted: each value is compared with the mean of the others.
   const VectorXd value = (VectorXd(4) << 1, 2, 4, 9).finished();
   std::vector<Information> parts;
   Information all;

@@ -1,4 +1,4 @@
-// A unit that is turned as the advice says reaches what is required in no more rests than one that is turned at random.
+// A unit that follows the advised turns reaches its requirements in no more rests than a unit that is turned at random.
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -17,7 +17,7 @@ using ::testing::IsEmpty;
 
 CalibrationOptions options_for(const std::vector<Requirement>& requirements, std::size_t turns = 1) {
   CalibrationOptions options;
-  options.effects = false;  // those of a MEMS unit put an offset of 100 ug out of reach
+  options.effects = false;  // the priors of a MEMS unit's effects make an offset of 100 ug unreachable
   options.handheld.requirements = requirements;
   options.handheld.advised_turns = turns;
   return options;
@@ -38,7 +38,7 @@ int poses_at_random(const std::vector<Requirement>& requirements, std::uint64_t 
   return most_poses;
 }
 
-/// The result of the last step, where a unit is turned by what the step before says; `poses` counts its rests.
+/// Returns the result of the last step if each turn of the unit is the advice of the step before; `poses` counts the rests.
 CalibrationResult by_advice(TurnedUnit& unit, const std::vector<Requirement>& requirements, int& poses) {
   for (poses = 1; poses < most_poses; ++poses) {
     HandTurn next = opening_turn(static_cast<std::size_t>(poses));
@@ -47,7 +47,7 @@ CalibrationResult by_advice(TurnedUnit& unit, const std::vector<Requirement>& re
       const CalibrationResult result = calibrate("handheld", input_of(unit.session, recording), options_for(requirements));
       if (reached(result.calibration, requirements)) return result;
       if (!result.missing_turns.empty()) next = result.missing_turns.front();
-    } catch (const Unsupported&) {  // of readings in counts, as long as their scale is not known
+    } catch (const Unsupported&) {  // for readings in counts while their scale is unknown
     }
     unit.turn(next, 4);
   }
@@ -71,7 +71,7 @@ TEST(Advice, NeedsNoMoreRestsThanThirtyPercentAboveTheBestRandomPoses) {  // cte
   }
 }
 
-/// Two rests that differ by nothing but a turn about the vertical tell next to nothing: what is missing begins with another face.
+/// Two rests that differ only by a turn about the vertical are nearly uninformative: the advice begins with another face.
 TEST(Advice, NamesTheTurnsThatPoorDataLack) {
   TurnedUnit unit({}, 1);
   for (int k = 0; k < 3; ++k) unit.turn({Vector3d::UnitZ(), Vector3d::UnitZ(), 1}, 4);

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Squares of the residuals of one kind, over the redundancy of their rows, and their variances without the spread.
+/// Squared residuals of one kind divided by the redundancy of their rows, and their variances without the spread.
 struct KindResiduals {
   std::vector<double> squares, variances;
   double degrees = 0;
@@ -22,7 +22,7 @@ struct KindResiduals {
   KindResiduals(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current_spread) {
     for (Index i = 0; i < conditions.value.size(); ++i) {
       const double variance = adjustment.variance[i], redundancy = adjustment.residual_variance[i] / variance;
-      if (conditions.kind[static_cast<std::size_t>(i)] != kind || redundancy < 1e-3) continue;  // such a row says nothing: the fit follows it
+      if (conditions.kind[static_cast<std::size_t>(i)] != kind || redundancy < 1e-3) continue;  // the fit follows such a row: it is uninformative
       squares.push_back(adjustment.residual[i] * adjustment.residual[i] / redundancy);
       variances.push_back(std::max(variance - current_spread * current_spread, 1e-12 * variance));
       degrees += redundancy;
@@ -31,7 +31,7 @@ struct KindResiduals {
   bool enough() const { return squares.size() >= 3 && degrees >= 1; }
 };
 
-/// Parameters that some rows depend on.
+/// Returns the parameters on which some rows depend.
 std::vector<Index> columns_of(const Eigen::Ref<const MatrixXd>& rows) {
   std::vector<Index> columns;
   for (Index j = 0; j < rows.cols(); ++j)
@@ -39,14 +39,14 @@ std::vector<Index> columns_of(const Eigen::Ref<const MatrixXd>& rows) {
   return columns;
 }
 
-/// Rows whose noise is coupled, with the parameters that they depend on. Where motion is missing the coupling ends, and a stretch begins with
-/// parameters of its own: of all the parameters a stretch's rows see a few.
+/// Rows with coupled noise, and the parameters on which they depend. The coupling ends where motion is missing, and the next stretch has parameters
+/// of its own. The rows of a stretch therefore depend on few of the parameters.
 struct Stretch {
   Index first = 0, size = 0;
   std::vector<Index> columns;
 };
 
-/// A stretch in pieces, of which its first row and its number of rows are given: a matrix with the rests of a day is not copied.
+/// Visits a stretch in pieces, given by first row and number of rows, to avoid copies of a matrix with the rests of a day.
 template <class Each>
 void for_each_piece(const Stretch& stretch, const Each& each) {
   constexpr Index rows = 1024;
@@ -101,7 +101,7 @@ Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters) {
       fitted.segment(begin, size) = (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
     });
   }
-  out.residual_variance = (out.variance - fitted).cwiseMax(1e-9 * out.variance);  // rounding, where the fit follows a row
+  out.residual_variance = (out.variance - fitted).cwiseMax(1e-9 * out.variance);  // rounding, if the fit follows a row
   return out;
 }
 
@@ -113,9 +113,8 @@ double redundancy(const Conditions& conditions, const Adjustment& adjustment, Ki
 }
 
 bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, Kind kind) {
-  // Few rests hardly show a spread as large as the sample noise, and without it the uncertainties would be too small; with one that chance made
-  // (once in six sessions) they are a little too large. Less than a tenth of the deviations does not matter. Measured on simulated sessions with and
-  // without drift.
+  // With few rests, a spread as large as the sample noise is rarely significant, but uncertainties without it would be too small; with a spurious one
+  // (p = 1/6) they are slightly too large. Deviations below a tenth do not matter. Verified on simulated sessions with and without drift.
   constexpr double level = 1.0 / 6, least_ratio = 1.2;
   const KindResiduals r(conditions, adjustment, kind, 0);
   if (!r.enough()) return false;
@@ -126,7 +125,7 @@ bool spread_is_significant(const Conditions& conditions, const Adjustment& adjus
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current) {
   const KindResiduals r(conditions, adjustment, kind, current);
   if (!r.enough()) return 0;
-  // Deviations over a spread from n degrees of freedom follow Student's t, whose variance is n / (n - 2).
+  // Deviations relative to a spread from n degrees of freedom follow Student's t with variance n / (n - 2).
   std::vector<double> squares = r.squares;
   for (double& square : squares) square *= r.degrees / std::max(1.0, r.degrees - 2);
   return std::sqrt(additional_variance(squares, r.variances));

@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Random conditions of `blocks` blocks of three rows whose neighbors are correlated, and their covariance in full.
+/// Random conditions with `blocks` blocks of three rows, correlated neighbors, and the full covariance.
 struct Example {
   Conditions conditions;
   MatrixXd covariance;
@@ -30,7 +30,7 @@ Example example(int blocks, std::uint64_t seed) {
   std::uint64_t next = 0;
   const auto random = [&](Index r, Index c) { return MatrixXd::NullaryExpr(r, c, [&] { return draws.normal(next++); }); };
   const Index rows = 3 * blocks;
-  MatrixXd lower = MatrixXd::Zero(rows, rows);  // a banded factor gives a block-tridiagonal covariance
+  MatrixXd lower = MatrixXd::Zero(rows, rows);  // a banded factor gives a block tridiagonal covariance
   for (Index k = 0; k < blocks; ++k) {
     lower.block(3 * k, 3 * k, 3, 3) = 2 * MatrixXd::Identity(3, 3) + 0.3 * random(3, 3);
     if (k > 0) lower.block(3 * k, 3 * (k - 1), 3, 3) = 0.4 * random(3, 3);
@@ -44,7 +44,7 @@ Example example(int blocks, std::uint64_t seed) {
   return e;
 }
 
-/// Four unknowns with a prior of 100, which says next to nothing.
+/// Returns four unknowns with an almost uninformative prior of 100.
 kernel::Parameters loose() {
   kernel::Parameters parameters(unknowns);
   parameters.sigma.setConstant(100);
@@ -58,12 +58,12 @@ TEST(Adjustment, EqualsGeneralizedLeastSquares) {
   const MatrixXd weight = e.covariance.inverse();
   const MatrixXd p = (c.jacobian.transpose() * weight * c.jacobian + 1e-4 * MatrixXd::Identity(4, 4)).inverse();
   const VectorXd x = -p * c.jacobian.transpose() * weight * c.value, r = c.value + c.jacobian * x;
-  // Both are exact: rounding of matrices of condition below 1e4.
+  // Both are exact except for rounding of matrices with a condition number below 1e4.
   EXPECT_LT((a.solution.x - x).norm(), 1e-10 * x.norm());
   EXPECT_LT((a.solution.covariance - p).norm(), 1e-10 * p.norm());
   EXPECT_NEAR(a.solution.chi2, r.dot(weight * r), 1e-9 * a.solution.chi2);
   EXPECT_NEAR(a.solution.degrees_of_freedom, 20, 1e-4) << "24 rows and 4 parameters whose priors say next to nothing";
-  // A row that the fit follows has a residual variance of rounding; none is that near here.
+  // If the fit followed a row, its residual variance would be rounding error; this does not occur here.
   EXPECT_LT((a.residual_variance - (e.covariance - c.jacobian * p * c.jacobian.transpose()).diagonal()).norm(), 1e-9);
 }
 
@@ -77,19 +77,19 @@ TEST(Adjustment, WhatIsConsideredDoesNotShrinkTheResidualsItIsNotFittedTo) {
 TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {
   Example e = example(10, 7);
   Conditions& with = e.conditions;
-  with.blocks[9].coupling = MatrixXd();  // so that the rest keeps its covariance without this block
+  with.blocks[9].coupling = MatrixXd();  // the rest keeps its covariance without this block
   Conditions without = with;
   without.blocks[9].covariance *= 1e12;
-  const auto total = [](const Adjustment& a) { return a.solution.chi2 + a.solution.x.squaredNorm() / 1e4; };  // with the priors' part
-  for (const double shift : {0.0, 1000.0}) {  // once within double's range and once beyond it
+  const auto total = [](const Adjustment& a) { return a.solution.chi2 + a.solution.x.squaredNorm() / 1e4; };  // includes the priors
+  for (const double shift : {0.0, 1000.0}) {  // within the range of double and beyond it
     with.value[28] += shift;
     without.value[28] += shift;
     const Adjustment all = adjust(with, loose());
     const double saved = total(all) - total(adjust(without, loose()));
     const kernel::Deviation deviation = deviation_of(with, all, {27, 28, 29});
     EXPECT_EQ(deviation.degrees_of_freedom, 3);
-    EXPECT_NEAR(deviation.chi2, saved, 1e-6 * saved);  // the weight of 1e-12 that remains
-    // chi-square with 3 degrees of freedom: P(X > x) = erfc(sqrt(x/2)) + sqrt(2x/pi) exp(-x/2); the second term alone far out
+    EXPECT_NEAR(deviation.chi2, saved, 1e-6 * saved);  // the remaining weight is 1e-12
+    // chi-square with 3 degrees of freedom: P(X > x) = erfc(sqrt(x/2)) + sqrt(2x/pi) exp(-x/2); far out only the second term
     const double x = deviation.chi2;
     const double log_tail =
         shift == 0 ? std::log(std::erfc(std::sqrt(x / 2)) + std::sqrt(2 * x / M_PI) * std::exp(-x / 2)) : 0.5 * std::log(2 * x / M_PI) - x / 2;

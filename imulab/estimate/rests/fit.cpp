@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A triad's scale farther from its prior than an IMU can be, of those that the fit `determined`: the data are too poor, and the fit has moved
-/// along what they do not determine.
+/// Returns a `determined` scale of the triad that is implausibly far from its prior. The data are then too poor, and the fit has moved along
+/// directions that they do not determine.
 const Coefficient* implausible_scale(const RestProblem& problem, const std::vector<char>& determined, Triad triad) {
   for (std::size_t i = 0; i < determined.size(); ++i) {
     const CoefficientIndex index = problem.indices()[i];
@@ -31,8 +31,8 @@ const Coefficient* implausible_scale(const RestProblem& problem, const std::vect
   return nullptr;
 }
 
-/// Which of the problem's coefficients the result states: those that the fit determines, and the optional ones with at least their prior. An
-/// implausible triad is not stated; without the accelerometers nothing is.
+/// The coefficients that the result states: determined ones, and optional ones at least with their prior. An implausible triad is not stated; if it
+/// is the accelerometers, no coefficient is.
 struct Stated {
   std::vector<char> kept;
   bool implausible = false;
@@ -64,8 +64,8 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, Fin
   return result;
 }
 
-/// Corrects the others for those that are not stated, which go back to their prior: an offset was estimated with the scale that multiplies the
-/// readings at rest, and is as uncertain as the prior leaves that scale.
+/// Corrects the other coefficients for unstated ones, which return to their prior. For example, an offset was estimated together with the scale of
+/// the readings at rest, and inherits the prior uncertainty of that scale.
 VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<char>& kept, Eigen::MatrixXd& covariance) {
   kernel::Parameters parameters(covariance.rows());
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -81,11 +81,11 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
   return correction;
 }
 
-/// The residual of a part that the fit used.
+/// Returns the residual of a part that the fit used.
 PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
   PartResidual out{part.begin_s, part.end_s, 0, true};
   int rows = 0;
-  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
+  for (const Index i : part.rows) {  // the rows of a rest include the rotation before it, which is a part of its own
     if ((fit.conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
     out.residual += fit.adjustment.residual[i] * fit.adjustment.residual[i] / fit.adjustment.variance[i];
     ++rows;
@@ -98,9 +98,9 @@ PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
 
 namespace {
 
-/// Without the uncertainty of g.
+/// Returns the raw covariance for an exact g.
 Eigen::MatrixXd raw_covariance_at_g(const RestProblem& problem, Eigen::MatrixXd covariance) {
-  for (Index i = 0; i < covariance.rows(); ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
+  for (Index i = 0; i < covariance.rows(); ++i)  // the term is defined about the center of the readings and must not propagate to their zero
     if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
   return covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, problem.indices(), covariance);
 }
@@ -110,7 +110,7 @@ Eigen::MatrixXd raw_covariance_at_g(const RestProblem& problem, Eigen::MatrixXd 
 Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
   const std::vector<CoefficientIndex>& indices = problem.indices();
   covariance = raw_covariance_at_g(problem, std::move(covariance));
-  // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
+  // g defines the scale: accelerations are proportional to it, g-sensitivity is inversely proportional.
   const SensorModel raw = to_raw(problem.model(), problem.scaling());
   VectorXd by_gravity = VectorXd::Zero(covariance.rows());
   for (std::size_t i = 0; i < indices.size(); ++i) {
@@ -210,7 +210,7 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
     findings.add<Code::uncertain_combinations>();
   }
   kernel::add_dropped(findings, dropped, all);
-  // The spread is enlarged for its few degrees of freedom, but from fewer than five errors of five sigmas happen (once in 500).
+  // The spread is enlarged for few degrees of freedom, but with fewer than five, errors of five sigmas occur (p = 0.002).
   if (const double degrees = fit.spread_degrees(); degrees < 5) findings.add<Code::uncertain_spread>(degrees);
 }
 

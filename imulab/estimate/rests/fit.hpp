@@ -1,26 +1,26 @@
-// The problem. Nothing but gravity and the Earth's rate is known of a unit that was turned by hand, so there are no readings with known inputs. There
-// are conditions F(x, v) = 0 between the coefficients x and the mean readings v of rests, as |A1 v + A0| = g. A condition errs by the noise of its
-// readings, times its derivative by them, which depends on x. Two things are not known besides x: whether the noise of a mean is only that of its
-// samples (a hand trembles, an offset wanders from rest to rest), and which rests are bad.
+// The problem. Only gravity and the Earth's rate are known for a unit that was turned by hand, so no reading has a known input. The coefficients x
+// and the mean readings v of rests satisfy conditions F(x, v) = 0, for example |A1 v + A0| = g. The error of a condition is the noise of its readings
+// times its derivative with respect to them, which depends on x. Two more things are unknown: whether a mean has only the noise of its samples (a
+// hand trembles, an offset changes from rest to rest), and which rests are bad.
 //
-// A small case. One axis points up, down and up again, and its means are v1 = 9.910, v2 = -9.710 and v3 = 9.930 m/s^2, each with a standard deviation
-// of 0.001 by the samples' noise, g = 9.810. The conditions are
+// A small example. One axis points up, down and up again. Its means are v1 = 9.910, v2 = -9.710 and v3 = 9.930 m/s^2, each with a standard deviation
+// of 0.001 from the noise of the samples, and g = 9.810. The conditions are
 //
 //     k v1 + b - g = 0,   -(k v2 + b) - g = 0,   k v3 + b - g = 0.
 //
-// Least squares gives k = 2g / (9.920 + 9.710) = 0.99949 and b = -0.105. The second condition holds, the others miss by -0.010 and +0.010. With one
-// degree of freedom chi-square is 2 (0.010 / 0.001)^2 = 200: chance does not explain that. Either the means spread by more than the samples' noise,
-// by about 0.014, and b is uncertain by 0.009 instead of 0.0006. Or one rest is bad; but three rests cannot tell which. With twenty rests they can: a
-// bad rest stands alone, a spread is in all.
+// Least squares gives k = 2g / (9.920 + 9.710) = 0.99949 and b = -0.105. The second condition is satisfied; the others have errors of -0.010 and
+// +0.010. With one degree of freedom, chi-square is 2 (0.010 / 0.001)^2 = 200, far beyond chance. Either the means have an additional spread of about
+// 0.014, and b has an uncertainty of 0.009 instead of 0.0006, or one rest is bad. Three rests cannot distinguish these cases. Twenty can: a bad rest
+// deviates alone, a spread affects all.
 //
-// So a fit has three loops, one in the other:
-// - `converge`: Gauss-Newton steps under the present spreads; then the spread of each kind of condition is estimated until both stand still.
-// - `converge_with_sizes`: effects and optional terms get priors of the size that the data infer.
-// - SuspectFit: the worst suspect is judged by the fit without it, since with it the spread would grow until the suspect fits; what it deviates is
-//   compared with a spread of few degrees of freedom (F distribution), and shared among all suspects.
-// `fit_determined` last leaves the optional terms that the data do not show at zero, considered.
+// A fit therefore has three nested loops:
+// - `converge`: Gauss-Newton steps under the current spreads; then the spread of each kind of condition is estimated, until both converge.
+// - `converge_with_sizes`: effects and optional terms get priors of the sizes that the data imply.
+// - SuspectFit: the worst suspect is tested against the fit without it, because a spread estimated with it would grow until the suspect fits. The
+//   test allows for the few degrees of freedom of a spread (F distribution) and for the number of suspects.
+// Finally, `fit_determined` sets optional terms that the data do not determine to zero, considered.
 //
-// A Problem is a RestProblem with conditions(spreads), parameters(), longest_step(), correct(correction), suspects(conditions) and drop(suspect).
+// A Problem is a RestProblem with conditions(spreads), parameters(), longest_step(), correct(correction), suspects(conditions), drop(suspect).
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
@@ -43,15 +43,15 @@ struct Fit {
   Conditions conditions{0, 0};
   kernel::Parameters parameters;
   Adjustment adjustment;
-  Adjustment under_noise{};  ///< by the sample noise alone, of what `fit_determined` arrives at
+  Adjustment under_noise{};  ///< result of `fit_determined` with the sample noise alone
   Spreads spreads{};
-  double p_value = 1;  ///< as Effects::p_value
-  double excess = 1;   ///< of the residuals over their size with the spreads, where chance does not explain it
+  double p_value = 1;  ///< from Effects::p_value
+  double excess = 1;   ///< ratio of the residuals to their size with the spreads, if significant; else 1
   bool converged = false;
 
-  /// With the effect of the considered parameters on the others.
+  /// Returns the covariance, including the effect of considered parameters on the others.
   Eigen::MatrixXd covariance() const { return kernel::solve(conditions.information(), parameters, "the rests").covariance; }
-  /// Degrees of freedom behind the least known of the spreads in use; infinite where none is.
+  /// Returns the smallest degrees of freedom of the spreads in use; infinite if there are none.
   double spread_degrees() const {
     double degrees = std::numeric_limits<double>::infinity();
     for (int k = 0; k < kinds; ++k)
@@ -60,12 +60,12 @@ struct Fit {
   }
 };
 
-/// One standard deviation along the least known combination of the matrices' elements, which the other parameters follow.
+/// Returns one standard deviation along the least determined combination of the matrix elements, with the reaction of the other parameters.
 Eigen::VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance);
 
-/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too
-/// large, with that kind's spread, until the spreads converge, or with the spreads that are `kept`. Steps longer than `longest_step` are shortened:
-/// poor data would be linearized far from the solution.
+/// Iterates Gauss-Newton steps until every correction is below 1 % of its standard deviation. If the residuals of a kind are then significantly too
+/// large, repeats this with that kind's spread until the spreads converge, or with the spreads `kept`. Steps longer than `longest_step` are shortened
+/// to keep the linearization of poor data near the solution.
 template <class Problem>
 Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   constexpr int most_iterations = 30, most_before_spreads = 8;
@@ -93,8 +93,8 @@ Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   return fit;
 }
 
-/// The change of the solution, in chi-square, when it is linearized one standard deviation away along the least determined combination of the
-/// matrices. Their products are linear in neither: where misalignments of 1e-3 are not determined, combinations known to 1e-6 bend away.
+/// Returns the change of the solution, in chi-square, if it is linearized one standard deviation away along the least determined combination of the
+/// matrix elements. Products of elements are nonlinear: if misalignments of 1e-3 are not determined, combinations known to 1e-6 change.
 template <class Problem>
 double curvature(Problem problem, const Fit& fit) {
   const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
@@ -103,12 +103,12 @@ double curvature(Problem problem, const Fit& fit) {
   away += adjust(problem.conditions(fit.spreads), problem.parameters()).solution.x;
   return squared_norm_in(covariance, away);
 }
-/// The deviation that one coefficient may have: beyond it, chi-square of all together no longer agrees with the covariance.
+/// Largest permitted curvature, for one coefficient. Beyond it, the total chi-square no longer agrees with the covariance.
 inline constexpr double most_curvature = 1;
 
-/// Infers the sizes of effects and optional terms from a fit, and fits again. Without effects terms have their expected sizes, unless the data
-/// contradict one; where the equations are not linear within the uncertainties that means nothing, since second-order misalignment residuals mimic
-/// terms.
+/// Infers the sizes of effects and optional terms from a fit, and fits again. Without effects, terms keep their expected sizes unless the data
+/// contradict one. Such a contradiction is ignored if the equations are nonlinear within the uncertainties, since second-order misalignment residuals
+/// mimic terms.
 template <class Problem>
 Fit with_inferred_sizes(Problem& problem, Fit fit) {
   constexpr int most_rounds = 5;
@@ -124,7 +124,7 @@ Fit with_inferred_sizes(Problem& problem, Fit fit) {
   return fit;
 }
 
-/// Logarithm of the data's probability, whatever coefficients, effects, and the effects' sizes are within their priors.
+/// Returns the log probability of the data, averaged over the priors of coefficients, effects and effect sizes.
 template <class Problem>
 double log_probability(Problem& problem, const Fit& fit) {
   const Conditions conditions = problem.conditions(fit.spreads);
@@ -132,7 +132,7 @@ double log_probability(Problem& problem, const Fit& fit) {
          problem.effects().log_gain();
 }
 
-/// Residuals that are larger than the noise may be effects or spreads, each of which hides the other: of both starts the more probable end counts.
+/// Residuals beyond the noise can come from effects or from spreads, and each hides the other. Starts with both and keeps the more probable result.
 template <class Problem>
 Fit converge_with_sizes(Problem& problem) {
   Problem by_effects = problem;
@@ -144,7 +144,7 @@ Fit converge_with_sizes(Problem& problem) {
   return other;
 }
 
-/// The predictive test. Offsets may scatter from rest to rest by four times the bias instability of the grade, turns by what a hand does.
+/// Computes the predictive test. Offsets may vary between rests by four times the grade's bias instability, turns by the accuracy of a hand.
 template <class Problem>
 double p_value(Problem& problem, Spreads spreads) {
   constexpr double most = 4;
@@ -160,10 +160,10 @@ double p_value(Problem& problem, Spreads spreads) {
   return effects.p_value(parameters, adjust(conditions, parameters).solution, static_cast<int>(conditions.value.size()), 0, problem.indices());
 }
 
-/// From a fit with all terms. Optional terms that the data do not show go back to zero, and the others are fitted again. The spreads are those of the
-/// fit with all terms. Other coefficients stay in the fit under their prior, determined or not: a weakly determined one does not bias those that
-/// hardly depend on it. But a gyro's scale that diverged goes back to its prior, with all of the matrix; then rotations carry no information, since
-/// the angle that the gyros measure in one is wrong by their scales.
+/// Fits the determined coefficients, starting from a fit with all terms. Optional terms that the data do not determine return to zero, and the others
+/// are fitted again with the same spreads. Other coefficients remain under their prior, determined or not: a weakly determined one does not bias
+/// those that hardly depend on it. If a gyro scale has diverged, the whole gyro matrix returns to its prior, and rotations are not used because their
+/// measured angles are wrong by the scales.
 template <class Problem>
 Fit fit_determined(Problem& problem, Fit fit) {
   if (const std::vector<Eigen::Index> matrix = problem.runaway_gyro_matrix(fit.parameters, fit.covariance()); !matrix.empty()) {
@@ -182,7 +182,7 @@ Fit fit_determined(Problem& problem, Fit fit) {
   return fit;
 }
 
-/// Foresees the fit before any data, at a problem of ideal readings: the estimate where the residuals are those of the noise.
+/// Predicts the fit before any data from a problem with ideal readings: the residuals are those of the noise.
 template <class Problem>
 Fit foreseen(Problem& problem) {
   Fit fit;
@@ -197,7 +197,7 @@ Fit foreseen(Problem& problem) {
   return fit;
 }
 
-/// A rest or a rotation that is left out.
+/// A rest or rotation that was left out.
 struct DroppedPart {
   bool rotation;
   PartResidual residual;
@@ -208,15 +208,15 @@ template <class Problem>
 struct SuspectFit {
   Problem problem;
   Fit fit;
-  std::size_t most;                    ///< that may still be dropped
-  std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
+  std::size_t most;                    ///< number of suspects that may still be dropped
+  std::shared_ptr<SuspectFit> next{};  ///< fit without the worst suspect
   std::vector<DroppedPart> dropped{};
 
   SuspectFit(const Problem& p, std::size_t m, const std::vector<DroppedPart>& d) : problem(p), most(m), dropped(d) {}  ///< not yet fitted
   explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_with_sizes(problem)), most(problem.rests().size() / 3) {}
 
-  /// The suspect whose removal would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide
-  /// it in the spreads, which count with the degrees of freedom behind them.
+  /// The suspect whose removal saves the most chi-square per degree of freedom is tested against a fit without it: its own deviation would enlarge
+  /// the spreads and hide it. The test includes the degrees of freedom of the spreads.
   std::vector<kernel::Suspect> suspects() {
     std::vector<kernel::Suspect> all;
     std::size_t worst = 0;
@@ -232,10 +232,10 @@ struct SuspectFit {
     next->problem.drop(worst);
     try {
       next->fit = converge(next->problem);
-    } catch (const Unsupported&) {  // the others do not determine it
+    } catch (const Unsupported&) {  // the other parts do not determine the suspect
       return all;
     }
-    // With fewer degrees of freedom left nothing can be called an outlier.
+    // With fewer remaining degrees of freedom, no part can be called an outlier.
     if (next->fit.adjustment.solution.degrees_of_freedom < 5) return all;
     const Conditions judged = problem.conditions(next->fit.spreads);
     const SuspectRows part = problem.suspects(judged)[worst];
@@ -253,19 +253,19 @@ struct SuspectFit {
   }
 };
 
-/// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.
+/// Converts a covariance of the scaled model's coefficients to raw readings and adds the uncertainty of g.
 Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance);
 
-/// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
+/// Returns model, covariance and quality of a fit in raw units, with the uncertainty of g and the names of undetermined coefficients.
 Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session);
 
-/// Adds the residual of each rest and each rotation; of those left out, the deviation from the others.
+/// Adds the residual of each rest and rotation; for omitted parts, their deviation from the others.
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped);
 
-/// Wald's test of each optional term's coefficients, without those that the data do not show.
+/// Tests the coefficients of each optional term by Wald's test, without those that are not observable.
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance);
 
-/// The findings of a fit: widened priors, spreads, dropped parts of `all`, and what makes it doubtful.
+/// Adds the findings of a fit: widened priors, spreads, dropped parts of `all`, and causes of doubt.
 void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, double curvature,
                   const Site& site, const std::vector<std::string>& dropped, std::size_t all);
 

@@ -32,16 +32,16 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// A turn and how willingly a hand does it: a part of its gain counts.
+/// A turn with a weight for its ease by hand, which multiplies its gain.
 struct Candidate {
   HandTurn turn;
   double handy;
 };
 
-/// From a pose with `up` up: to each face, edge and corner by the short and the long way; over to the other side about each axis.
+/// Returns turns from a pose with `up` up: to each face, edge and corner in both directions; and to the opposite side about each axis.
 std::vector<Candidate> candidates(const Vector3d& up) {
-  constexpr double shortest = 40 * unit::deg, longest = 290 * unit::deg;  // an eighth to three quarters of a turn, from a pose that is not quite
-  constexpr double opposite = 160 * unit::deg;                            // as it was asked for
+  constexpr double shortest = 40 * unit::deg, longest = 290 * unit::deg;  // an eighth to three quarters of a turn,
+  constexpr double opposite = 160 * unit::deg;                            // from an inexact pose
   constexpr double rests[] = {1, 0.9, 0.8}, long_way = 0.9;               // a face needs no support
   std::vector<Candidate> out;
   for (int code = 0; code < 27; ++code) {
@@ -55,9 +55,9 @@ std::vector<Candidate> candidates(const Vector3d& up) {
       out.push_back({{axis, to, angle}, rests[elements - 1]});
       if (2 * pi - angle < longest) out.push_back({{-axis, to, 2 * pi - angle}, long_way * rests[elements - 1]});
     }
-    if (const Vector3d level = to - up * up.dot(to); elements < 3 && level.norm() > -std::cos(opposite))  // both ways round: `to` and its opposite
+    if (const Vector3d level = to - up * up.dot(to); elements < 3 && level.norm() > -std::cos(opposite))  // both directions: `to` and its opposite
       out.push_back({{level.normalized(), -up, pi}, 1});
-    // About an edge by half a turn, or a corner by a third: one face takes the place of another, and two or three gyros turn.
+    // Half a turn about an edge, or a third about a corner: one face replaces another, and two or three gyros turn.
     if (elements > 1)
       for (const double by : {pi, 2 * pi / 3})
         if (const Vector3d then = rotation_exp(Vector3d(-by * to)) * up; (by == pi) == (elements == 2) && then.dot(up) < std::cos(shortest))
@@ -66,7 +66,7 @@ std::vector<Candidate> candidates(const Vector3d& up) {
   return out;
 }
 
-/// The distance of a covariance from the goal.
+/// Compares a covariance with the goal.
 class Ratios {
  public:
   Ratios(const HandheldProblem& problem, const std::vector<Requirement>& requirements)
@@ -84,7 +84,7 @@ class Ratios {
     }
   }
 
-  /// The ratios of all coefficients, each at most one where the goal is reached.
+  /// Returns the ratios of all coefficients; each is at most one if the goal is reached.
   VectorXd of(HandheldProblem& problem, const Fit& fit) const {
     const Index n = needed_.size();
     const Conditions conditions = problem.conditions(fit.spreads);
@@ -94,9 +94,9 @@ class Ratios {
     const double degrees = std::max(solution.degrees_of_freedom, 1.0), factor = StatedSigma{1, degrees}.compared();
     const VectorXd ratio = covariance.diagonal().cwiseSqrt().cwiseQuotient(needed_).cwiseMax((factor * raw).cwiseQuotient(limit_));
     const bool unmet = std::isfinite(limit_.minCoeff()) && !StatedSigma{1, degrees}.has_enough();
-    return unmet ? VectorXd(ratio.cwiseMax(4 - degrees)) : ratio;  // above 1: until the residuals check the uncertainties
+    return unmet ? VectorXd(ratio.cwiseMax(4 - degrees)) : ratio;  // above 1 until the residuals can check the uncertainties
   }
-  /// Sum of the logarithms of the ratios above nearly one, and a little of the worst.
+  /// Returns the sum of the logarithms of ratios above nearly one, plus a small part of the largest.
   double distance(HandheldProblem& problem, const Fit& fit) const {
     constexpr double nearly = 0.8, little = 0.01;
     const VectorXd ratio = of(problem, fit);
@@ -104,18 +104,18 @@ class Ratios {
   }
 
  private:
-  VectorXd needed_, limit_;  ///< to be determined, of scaled readings; to meet the requirements, of raw ones
+  VectorXd needed_, limit_;  ///< to be determined, scaled readings; to meet the requirements, raw readings
 };
 
-/// The turns that a calibration by hand needs next. Each is the one after which the sum of the logarithms of uncertainty over requirement (where that
-/// is not yet reached) is smallest, of turns about horizontal axes until a face, an edge or a corner of the unit points up, the short or the long
-/// way. The information of what was measured is that of the fit, with its spreads; future information is that of the same conditions. Ends where
-/// everything is reached: without requirements, where every coefficient that all IMUs have is determined.
+/// Returns the most useful next turns of a calibration by hand. Each minimizes the sum of the logarithms of uncertainty over requirement (for
+/// coefficients that do not reach it) among turns about horizontal axes, in both directions, that point a face, edge or corner of the unit up. The
+/// fit supplies the information of the past with its spreads; future rests use the same conditions. Ends when the goal is reached: without
+/// requirements, when every coefficient that all IMUs have is determined.
 std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const CalibrationOptions::Handheld& goal) {
   const Ratios ratios(problem, goal.requirements);
   std::vector<HandTurn> out;
   if (ratios.of(problem, fit).maxCoeff() <= 1) return out;
-  problem.release();  // terms that blur the others because the rests so far do not tell them from these
+  problem.release();  // releases terms that widen others because the rests so far do not separate them
   while (out.size() < goal.advised_turns && (out.empty() || ratios.of(problem, fit).maxCoeff() > 1)) {
     const double distance = ratios.distance(problem, fit);
     double best_gain = 0;
@@ -137,14 +137,14 @@ bool near_diagonal(const Matrix3d& matrix) {
   return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
 }
 
-/// Axes may be swapped or turned, but gyros in SI are as long as declared and at right angles. Motion about too few axes gives any matrix.
+/// Axes may be swapped or rotated, but gyros in SI must have the declared scale and orthogonal axes. Motion about too few axes gives any matrix.
 bool possible(const Matrix3d& matrix) {
   const Vector3d lengths = singular_values(matrix).values;
-  return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
+  return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scale errors are a few percent
 }
 
-/// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says. Turns of a declared angle tell
-/// whether it is as declared better than fast motion of a hand does.
+/// Sets the gyros' starting offset and matrix from the motion if that determines them, else from the declared unit. Turns with declared angles verify
+/// the unit better than fast motion by hand.
 void start_gyro(RestStart& start, const Recording& recording, bool declared_turns) {
   const bool counts = recording.gyro_unit == "count";
   std::optional<Matrix3d> coarse = coarse::coarse_gyro_in_common_turns(recording, start);
@@ -157,7 +157,7 @@ void start_gyro(RestStart& start, const Recording& recording, bool declared_turn
   if (!counts && coarse) kernel::expect_gyro_scale(*coarse, recording);
   if (!counts && !possible(gyro.matrix)) gyro.matrix.setIdentity();
   gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
-  // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.
+  // For axes that are not as declared (swapped, rotated) and for counts, the best prior is the coarse solution itself.
   if (counts) {
     start.prior.gyro.offset = gyro.offset;
     start.prior.gyro.matrix = near_diagonal(gyro.matrix) ? Matrix3d(gyro.matrix.diagonal().asDiagonal()) : gyro.matrix;
@@ -166,8 +166,8 @@ void start_gyro(RestStart& start, const Recording& recording, bool declared_turn
   }
 }
 
-/// Gravity as the gyros carry it across a rotation against gravity as it is found after it, each tenth of the rotations predicted without it.
-/// Rotations of less than 10 deg do not count: any gyro would predict them well.
+/// Cross-validation: gravity propagated by the gyros across a rotation, compared with gravity measured after it, for each tenth of the rotations left
+/// out. Rotations below 10 deg are skipped because any gyro predicts them well.
 struct CrossValidation {
   double rms_deg = 0;
   std::size_t rotations = 0;
@@ -200,8 +200,8 @@ void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const
   if (problem.turns(true) > 0) findings.add<Code::wrong_turn>();
 }
 
-/// The other hemisphere is another minimum, which no step reaches. Of two latitudes the wrong one is as much more probable in at most one of 140
-/// sessions, whatever the gyros resolve: in P(Z > sqrt(2 x)).
+/// The other hemisphere is another minimum that steps do not reach. The wrong latitude is more probable by x in at most 1 of 140 sessions, for any
+/// gyro resolution: P(Z > sqrt(2 x)).
 void doubt_hemisphere(kernel::Findings& findings, const HandheldProblem& problem, const Fit& fit) {
   constexpr double more_likely = 3;  // logarithm
   if (problem.effects().size() == 0 || findings.has(Code::wrong_latitude)) return;
@@ -217,7 +217,7 @@ void doubt_hemisphere(kernel::Findings& findings, const HandheldProblem& problem
 }  // namespace
 
 HandTurn opening_turn(std::size_t rests) {
-  // Each time the axis that comes up was level, and the one about which the unit turns stays level.
+  // Each axis that is turned up was level before, and the turn is about an axis that remains level.
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const HandTurn turns[] = {{-y, x, pi / 2}, {-z, y, pi / 2}, {-x, z, pi / 2}, {y, -x, pi / 2}, {-z, -y, pi / 2}, {-x, -z, pi / 2}};
   return turns[(rests + 5) % 6];
@@ -237,7 +237,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   HandheldProblem whole(recording, start, session.site, indices, turns);
   const std::size_t usable_turns = whole.turns(), parts = start.rests.size() + whole.rotations();
   auto cleaned = kernel::drop_suspects(SuspectFit(std::move(whole)), options.outlier_level);
-  cleaned.fit.next.reset();  // as large as the fit that follows
+  cleaned.fit.next.reset();  // releases memory as large as the next fit's
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem, std::move(cleaned.fit.fit));
 
@@ -249,14 +249,14 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   findings.add<Code::parts_used>(fmt::format("{} rests and {} rotations between them", problem.rests().size(), problem.rotations())).numbers = {
       static_cast<double>(problem.rests().size()), static_cast<double>(problem.rotations())};
   add_turns(findings, session.steps, turns, usable_turns, problem);
-  if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
+  if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is less than one rotation
     quality.rotation_residual_deg = check.rms_deg;
     findings.add<Code::held_out_rotations>(check.rms_deg, check.rotations);
   }
   if (!session.site.latitude) findings.add<Code::no_latitude>("is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
   add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, parts);
   if (session.site.latitude) doubt_hemisphere(findings, problem, fit);
-  // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
+  // An uncalibrated gyro with 2 % error predicts right-angle turns to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1) findings.add<Code::poor_rotations>(*quality.rotation_residual_deg);
   kernel::add_effects(result.calibration, findings, problem.effects(), fit.covariance(), 1e-3, problem.indices());
   kernel::conclude(result.calibration, findings);

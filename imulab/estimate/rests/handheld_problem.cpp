@@ -22,7 +22,7 @@ using Matrix23 = Eigen::Matrix<double, 2, 3>;
 
 const Vector3d up_n = Vector3d::UnitZ();
 
-/// Which of a rotation's integrals is its derivative by a gyro coefficient.
+/// Returns the index of the rotation's integral that is its derivative with respect to a gyro coefficient.
 std::size_t integral_of(const Coefficient& c) {
   if (c.term == Term::quadratic || c.term == Term::cubic) return c.term == Term::quadratic ? 7 : 8;
   return static_cast<std::size_t>(c.term == Term::offset ? 0 : c.term == Term::matrix ? 1 + c.column : 4 + c.column);
@@ -52,7 +52,7 @@ HandheldProblem::HandheldProblem(const Recording& recording, const coarse::RestS
 Vector3d HandheldProblem::rounding_in_common() const {
   Vector3d common = Vector3d::Zero(), low = Vector3d::Constant(HUGE_VAL), high = -low;
   for (const Rest& rest : rests_) low = low.cwiseMin(scaling_.gyro(rest.gyro)), high = high.cwiseMax(scaling_.gyro(rest.gyro));
-  for (Index j = 0; j < 3; ++j)  // means within a step of each other: the true values are, too
+  for (Index j = 0; j < 3; ++j)  // if means are within a step of each other, so are the true values
     if (high[j] - low[j] <= noise_.step.gyro[j]) common[j] = noise_.rounding.gyro[j];
   return common;
 }
@@ -67,16 +67,16 @@ void HandheldProblem::follow_attitudes() {
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     const Vector3d up = force_at(rests_[k]).normalized();
     Matrix3d carried = Matrix3d::Identity();
-    if (k > 0 && linked(k - 1))  // the gyros turn against inertial space, and n turns with the Earth meanwhile
+    if (k > 0 && linked(k - 1))  // gyros measure the turn relative to inertial space, while n turns with the Earth
       carried = rotation_exp(-links_[k - 1].now.duration_s * earth_rate_of(k - 1)) * C_nb_[k - 1] * links_[k - 1].now.C;
-    C_nb_[k] = shortest_rotation(carried * up, up_n) * carried;  // the accelerometers level it, the gyros keep its heading
+    C_nb_[k] = shortest_rotation(carried * up, up_n) * carried;  // accelerometers level it; gyros preserve its heading
   }
 }
 
-// Places of the unknowns: coefficients, then (without latitude) the vertical Earth rate, then two for each stretch, then three of the rounding.
+// Indices of the unknowns: coefficients, (without latitude) the vertical Earth rate, two for each stretch, three for the rounding.
 Index HandheldProblem::earth_column(std::size_t stretch) const { return static_cast<Index>(indices_.size() + (latitude_ ? 0 : 1) + 2 * stretch); }
 
-/// Without a usable heading the horizontal Earth rate is a vector of known length and unknown direction; without a latitude only its size is known.
+/// Without a usable heading, the horizontal Earth rate is a vector of known length and unknown direction; without a latitude, only its size is known.
 kernel::Parameters HandheldProblem::parameters() const {
   const auto first = static_cast<Index>(indices_.size());
   kernel::Parameters out = RestProblem::parameters(nuisances());
@@ -111,7 +111,7 @@ Conditions HandheldProblem::conditions(const Spreads& spreads) {
   return c;
 }
 
-/// Tedaldi 2014. While the unit turns, so does the Earth.
+/// Implements Tedaldi 2014; the Earth turns during the turn of the unit.
 HandheldProblem::Carried HandheldProblem::carried(std::size_t k) const {
   const IntegratedRotation& rotation = links_[k].now;
   const Vector3d force = force_at(rests_[k]), up = force.normalized(), next_force = force_at(rests_[k + 1]), next_up = next_force.normalized();
@@ -125,7 +125,7 @@ HandheldProblem::Carried HandheldProblem::carried(std::size_t k) const {
           rows_by_rotation};
 }
 
-/// The noise of a rest's rows: of its force, its rate and the rotation after it. Neighbors share the force of the rest between them.
+/// Returns the noise of a rest's rows: force, rate, and the following rotation. Neighboring blocks share the force of the rest between them.
 CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spreads& spreads) const {
   CovarianceBlock block{row, 4 + rotation_rows_after(k), {}, {}};
   const Matrix3d p = force_covariance(rests_[k], spreads[0]);
@@ -134,7 +134,7 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   rows_by_force.row(0) = up.transpose();
   block.covariance.setZero(block.size, block.size);
   block.covariance.block<3, 3>(1, 1) = rate_covariance(rests_[k], spreads[1]);
-  // By the wander of both halves the mean rate is not the Earth's.
+  // Wander in both halves makes the mean rate differ from the Earth's.
   const double duration = static_cast<double>(rests_[k].range.size()) * recording_->interval_s;
   block.covariance.diagonal().segment<3>(1).array() += 2 * std::pow(stillness_.wander / duration, 2);
   if (linked(k)) {
@@ -153,14 +153,14 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   if (k > 0 && linked(k - 1)) {
     block.coupling.setZero(block.size, 4 + rotation_rows_after(k - 1));
     block.coupling.middleCols<2>(4) = rows_by_force * p * carried(k - 1).difference_by_next_force.transpose();
-    if (turned(k) && turned(k - 1) && links_[k].turn->axis == links_[k - 1].turn->axis)  // one begins where the other ended
+    if (turned(k) && turned(k - 1) && links_[k].turn->axis == links_[k - 1].turn->axis)  // one turn begins where the other ended
       block.coupling(6, 6) = -std::pow(links_[k].turn->sigma, 2);
   }
   return block;
 }
 
-/// |f| - g = 0, and W0 + W1 (v - r) + C f - C_bn w_ie = 0 with the part r of the rounding that all rests share. That the force turns C_bn and enters
-/// C f is of second order: w_ie and C are small.
+/// |f| - g = 0, and W0 + W1 (v - r) + C f - C_bn w_ie = 0, where r is the part of the rounding that all rests share. The dependence of C_bn and C f
+/// on the force is of second order because w_ie and C are small.
 void HandheldProblem::add_rest_rows(Conditions& c, Index row, std::size_t k) const {
   const Rest& rest = rests_[k];
   const Vector3d force = force_at(rest);
@@ -180,7 +180,7 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
   const Carried up = carried(k);
   c.value.segment<2>(row) = up.basis * up.difference;
   std::fill_n(c.kind.begin() + row, 2, Kind::rotation);
-  if (turned(k)) {  // against the Earth
+  if (turned(k)) {  // relative to the Earth
     const Vector3d earth_b = C_nb_[k].transpose() * earth_rate_of(k);
     c.value[row + 2] = angle_beyond(*links_[k].turn, rotation_exp(-rotation.duration_s * earth_b) * rotation.C, swept(links_[k]));
     c.kind[static_cast<std::size_t>(row + 2)] = Kind::turn;
@@ -211,8 +211,8 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
 }
 
 void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
-  constexpr int pieces = 40;                      // of the turn: of a few degrees each
-  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2: of a hand
+  constexpr int pieces = 40;                      // of the turn, a few degrees each
+  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2, typical of a hand
   const Vector3d force = gravity_ * last_up();
   const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();
   const double duration = turn_duration(angle, rate, acceleration), dt = duration / pieces;
@@ -265,7 +265,7 @@ std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions)
                         rests_[k + 1].begin_s,
                         true};
     for (Index row = 0; row < rotation_rows_after(k); ++row) suspect.rows.push_back(conditions.blocks[k].first + 4 + row);
-    std::vector<Index>& next_rest = all[k + 1].rows;  // its force is in the rotation, too
+    std::vector<Index>& next_rest = all[k + 1].rows;  // the rotation contains the force of the next rest
     next_rest.insert(next_rest.end(), suspect.rows.begin(), suspect.rows.end());
     all.push_back(std::move(suspect));
   }

@@ -1,4 +1,4 @@
-// The rotations between the rests of a handheld calibration: which are usable, and what the gyros integrate.
+// The rotations between the rests of a handheld calibration: which ones are usable, and their integrals of the gyros.
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
@@ -15,7 +15,7 @@ using Eigen::Index;
 
 void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
   if (turns.empty()) return;
-  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // of counts it is taken from the motion; else as far as anywhere
+  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // the scale of counts comes from the motion; otherwise the usual tolerance
   integrate();
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const auto between = [&](const DeclaredTurn& turn) { return rests_[k].mid_s < turn.middle() && turn.middle() < rests_[k + 1].mid_s; };
@@ -32,7 +32,7 @@ void HandheldProblem::relink() {
   const GyroSaturation saturation(*recording_);
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
-    // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
+    // A gap before sample `end` also means missing motion. Adjacent rests have no rotation between them.
     links_[k].usable = !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && saturation.in({begin, end}) == 0;
   }
   stretch_.assign(rests_.size(), 0);
@@ -71,7 +71,7 @@ void HandheldProblem::integrate() {
   for (std::size_t k = 0; k < links_.size(); ++k) {
     Link& link = links_[k];
     if (!link.usable) continue;
-    if (link.at) {  // a small step follows from the derivatives: its square is below a hundredth of the noise, or 1e-8 rad
+    if (link.at) {  // a small step uses the derivatives: its square is below 1 % of the noise, or 1e-8 rad
       const double small = std::max(1e-8, 0.01 * std::sqrt(link.rotation.covariance.trace() / 3));
       const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
       if (angle.squaredNorm() < small &&

@@ -28,11 +28,11 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
   Session holds = s.session;
   CalibrationOptions options;
   options.outlier_level = 0;
-  options.effects = false;  // their priors are 1e8 times this noise
+  options.effects = false;  // the effects' priors are 1e8 times this noise
   const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, holds).ranges, imu, site, options);
   for (const CoefficientIndex index : c.estimated) {
     const Coefficient& row = coefficient(index);
-    // The accelerometers see gravity alone: what is left of the noise. The gyros keep what coning leaves of single samples at 100 Hz, about 1e-6.
+    // The accelerometers measure only gravity and have the remaining noise. The gyros keep about 1e-6 from coning within single samples at 100 Hz.
     const double tolerance = row.triad == Triad::accel ? 1e-9 : 1e-5;
     EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(s.truth.model, index), tolerance) << row.name;
   }
@@ -40,7 +40,7 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
 
 TEST(Handheld, KnocksBeyondTheAccelerometersRangeLeaveTheTurns) {
   SimulatedSession s = simulate_session(short_hand_held(), 5);
-  for (const Range& rest : s.rests)  // as it is put down, half a second before it rests
+  for (const Range& rest : s.rests)  // the unit is put down half a second before it rests
     if (const std::size_t knock = rest.begin - std::min<std::size_t>(rest.begin, 50); knock > 0)
       s.recording.accel[2][knock] = 39.2, s.recording.saturated.push_back(knock);
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
@@ -77,7 +77,7 @@ TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) 
   const SimulatedSession s = simulate_session(short_hand_held(), 4, [](Truth& t) { t.model.g_sensitivity.setZero(); });
   ImuDeclaration imu;
   imu.grade = "mems";
-  imu.term_sigmas.g_sensitivity = 10 * unit::deg_per_h / unit::g;  // an equal part of 20 deg/h/g, as the wrong sign makes it, is within two sigmas
+  imu.term_sigmas.g_sensitivity = 10 * unit::deg_per_h / unit::g;  // an equal part of 20 deg/h/g, due to the wrong sign, is within two sigmas
   Site south = s.site();
   south.latitude = -*south.latitude;
   EXPECT_EQ(calibrated("handheld", s.recording, s.rests, imu, s.site()).quality.verdict, Verdict::good);
@@ -86,7 +86,7 @@ TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) 
   EXPECT_EQ(c.quality.cause, "site.latitude");
 }
 
-/// The readings of a unit whose offsets follow a logged temperature: from 5 degC, up by 22 K.
+/// Returns the readings of a unit whose offsets follow a logged temperature, from 5 degC up by 22 K.
 Recording warming(const SimulatedSession& s, const Vector3d& accel_per_K, const Vector3d& gyro_per_K) {
   Recording out = s.recording;
   for (auto& column : out.accel_temperature) column.resize(out.size());
@@ -118,7 +118,7 @@ TEST(Handheld, OffsetsThatFollowTheThermometerAreNamed) {
 
 TEST(Handheld, CountsGiveTheSameUnitAsSi) {
   SimulatedSession s = simulate_session(short_hand_held(), 2);
-  // Counts far from their zero have no nonlinearity of their own, and no offset that says how large the g-sensitivity may be.
+  // Counts far from their zero have no nonlinearity of their own, and no offset that indicates the size of the g-sensitivity.
   ImuDeclaration imu;
   imu.grade = "mems";
   CalibrationOptions options;
@@ -132,7 +132,7 @@ TEST(Handheld, CountsGiveTheSameUnitAsSi) {
     for (double& v : counts.gyro[j]) v = zero + 10 * gain * v;
   }
   const Calibration c = calibrated("handheld", counts, s.rests, imu, s.site(), options);
-  // Least squares agree in other units: converged to a hundredth of a sigma both times.
+  // Least squares agree in other units: both converge to a hundredth of a sigma.
   for (int r = 0; r < 3; ++r)
     for (int k = 0; k <= r; ++k)
       EXPECT_NEAR(gain * c.model.accel.matrix(r, k), si.model.accel.matrix(r, k),
@@ -162,7 +162,7 @@ TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
   EXPECT_TRUE(test_of(seen, "gyro.g_sensitivity").kept);
   EXPECT_LT(test_of(seen, "gyro.g_sensitivity").p_value, 1e-6);
 
-  // Without the term the test sees it in 1 % of the sessions: at most 3 of 30 (99.97 %). It is stated all the same.
+  // Without the term, the test is significant in 1 % of the sessions: in at most 3 of 30 (99.97 %). The term is stated anyway.
   int wrongly_seen = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const SimulatedSession without = simulate_session(short_hand_held(), seed, [](Truth& t) { t.model.g_sensitivity.setZero(); });
@@ -176,12 +176,12 @@ TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
 TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
   const SimulatedSession s = simulate_session(short_hand_held(), 3);
   ImuDeclaration imu;
-  imu.term_sigmas.gyro_cubic = 1e-15;  // far less than rotations by hand can show
+  imu.term_sigmas.gyro_cubic = 1e-15;  // far below the resolution of rotations by hand
   const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
   for (const CoefficientIndex index : select_coefficients("gyro.cubic")) {
     EXPECT_THAT(c.quality.considered, testing::Contains(std::string(coefficient(index).name)));
     EXPECT_EQ(coefficient_value(c.model, index), 0);
-    EXPECT_NEAR(standard_uncertainty(c, index).value(), 1e-15, 1e-17);  // what it entered with; the scale is 1 within a percent
+    EXPECT_NEAR(standard_uncertainty(c, index).value(), 1e-15, 1e-17);  // equals the prior; the scale is 1 within a percent
   }
   EXPECT_TRUE(c.quality.unobservable.empty());
   EXPECT_EQ(c.quality.verdict, Verdict::good);
@@ -190,7 +190,7 @@ TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
 TEST(Handheld, ABadRestIsDroppedAndNamed) {
   SimulatedSession s = simulate_session(short_hand_held(), 4);
   const Range bad = s.rests[10];
-  for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;  // as if the hand had pushed
+  for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;  // simulates a push of the hand
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
   ASSERT_EQ(c.quality.findings.warnings().size(), 1u);
   EXPECT_THAT(c.quality.findings.warnings()[0], HasSubstr("dropped as an outlier: the rest at"));
@@ -200,7 +200,7 @@ TEST(Handheld, ABadRestIsDroppedAndNamed) {
 
 TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
   SimulatedSession s = simulate_session(short_hand_held(), 12);
-  for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // ten samples clipped, say
+  for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // simulates ten clipped samples
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
   ASSERT_EQ(c.quality.findings.warnings().size(), 1u);
   EXPECT_THAT(c.quality.findings.warnings()[0], HasSubstr("dropped as an outlier: the rotation between"));
@@ -217,7 +217,7 @@ TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
 }
 
 TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
-  // Each rest's accelerometers are off by their own 2 mg: the offsets' uncertainty is that of 24 such rests, not of the samples.
+  // The accelerometers of each rest have errors of their own of 2 mg: the offsets' uncertainty is that of 24 such rests, not of the samples.
   SimulatedSession s = simulate_session(short_hand_held(), 7);
   const RandomStream draws(7, "spread");
   const double spread = 2e-3 * unit::g;
@@ -318,7 +318,7 @@ TEST(Handheld, WhatIsStatedHoldsWithFewOrCardinalRests) {
 }
 
 TEST(Handheld, NavigationGradeKeepsItsHeadings) {
-  // Gyros that see Earth's rate: half an hour during which the Earth turns by 8 deg under the headings that the gyros carry.
+  // These gyros resolve the Earth's rate: in half an hour, the Earth turns by 8 deg under the headings that the gyros propagate.
   HandHeldOptions options;
   options.poses = 24;
   options.first_rest = options.rest = 30;
@@ -327,7 +327,7 @@ TEST(Handheld, NavigationGradeKeepsItsHeadings) {
   const SimulatedSession s = simulate_session(options, 13);
   const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
-  // 160 degrees of freedom: chi-square per degree of freedom above 1.39 once in a thousand sessions.
+  // With 160 degrees of freedom, chi-square per degree of freedom exceeds 1.39 with p = 0.001.
   EXPECT_LT(c.quality.chi2_per_dof, 1.39);
   EXPECT_FALSE(test_of(c, "gyro.g_sensitivity").kept) << "this grade has no g-sensitivity; seen once in a hundred sessions";
 }

@@ -1,4 +1,4 @@
-// The handheld method's uncertainties where the unit bends or its readings are coarse, and what it says of the parts of a recording.
+// The handheld method's uncertainties for units with nonlinearity or coarse readings, and its findings about parts of a recording.
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/effects.hpp"
@@ -16,7 +16,7 @@ namespace imulab {
 namespace {
 
 TEST(HandheldUncertainty, AQuadraticTermDoesNotBendTheOffsetsBeyondTheirUncertainty) {
-  // A term that its test does not see, and one that it does: ten sessions of each, 21 coefficients that every IMU has.
+  // One size is not significant, the other is: ten sessions of each, with 21 coefficients that every IMU has.
   for (const double size : {20.0, 200.0}) {
     double squares = 0, count = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -35,7 +35,7 @@ TEST(HandheldUncertainty, AQuadraticTermDoesNotBendTheOffsetsBeyondTheirUncertai
 }
 
 TEST(HandheldUncertainty, ATremblingHandDoesNotShortenTheTurns) {
-  // The tremor (2, 3.3 and 5.1 Hz, 0.05 deg RMS about each axis) makes the rests' thresholds so wide that the turns' slow ends count as rest.
+  // The tremor (2, 3.3 and 5.1 Hz, 0.05 deg RMS about each axis) widens the rest thresholds so much that slow ends of turns count as rest.
   double errors = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SimulatedSession s = simulate_session(short_hand_held(), seed);
@@ -67,7 +67,7 @@ TEST(HandheldUncertainty, ATremblingHandDoesNotShortenTheTurns) {
 }
 
 TEST(HandheldUncertainty, RoundedReadingsAreNoBetterThanTheirSteps) {
-  for (const double step : {0.1, 0.0}) {  // m/s^2, and the gyros by 0.005 rad/s
+  for (const double step : {0.1, 0.0}) {  // m/s^2; the gyros have steps of 0.005 rad/s
     double squares = 0, count = 0;
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
       SimulatedSession s = simulate_session(short_hand_held(), seed);
@@ -81,7 +81,7 @@ TEST(HandheldUncertainty, RoundedReadingsAreNoBetterThanTheirSteps) {
         ++count;
       }
     }
-    // 252 squares, correlated by about three: above 1.35 about once in a hundred with independent ones, 2 only where the rounding is not counted.
+    // Of 252 squares, correlated in groups of about three, the mean exceeds 1.35 with p = 0.01 if independent; it is 2 only if rounding is ignored.
     EXPECT_LT(squares / count, 1.6) << step;
   }
 }
@@ -91,7 +91,7 @@ TEST(HandheldUncertainty, PartsOfTheRecordingAreListedWithTheirResiduals) {
   const Range bad = s.rests[10];
   for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;
   CalibrationOptions options;
-  options.effects = false;  // those of a MEMS unit would take up most of what is left
+  options.effects = false;  // the effects of a MEMS unit would absorb most of the remainder
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site(), options);
   ASSERT_EQ(c.quality.rests.size(), 24u);
   EXPECT_EQ(c.quality.rotations.size(), 22u) << "two became one";

@@ -1,4 +1,4 @@
-// The uncertainties of both methods before any data: their own conditions, at the ideal readings of a procedure with the declared noise.
+// Uncertainties of both methods before any data, from their own conditions at the ideal readings of a procedure with the declared noise.
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
@@ -21,14 +21,14 @@ namespace imulab::rests {
 
 namespace {
 
-/// The readings of an ideal IMU with the declared noise on a procedure.
+/// The readings of an ideal IMU in a procedure, with the declared noise.
 struct Foreseen {
-  Session session;  ///< with the noise densities
+  Session session;  ///< includes the noise densities
   Recording recording;
   coarse::RestStart start;
 };
 
-/// Sets the noise of a triad's three axes: of a sample, and the part of a mean that the rounding of readings hides.
+/// Sets the noise of a triad's three axes: of a sample, and the rounding error that remains in a mean.
 void set_noise(MeanNoise& means, Vector3d SampleNoise::*triad, const NoiseModel& noise, double interval_s) {
   const double sigma = noise.N / std::sqrt(interval_s);
   means.sample.*triad = Vector3d::Constant(sigma);
@@ -42,11 +42,11 @@ Foreseen foresee(const Session& procedure) {
   const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   out.session.imu.accel_noise_density = noise.accel.N, out.session.imu.gyro_noise_density = noise.gyro.N;
   const double gravity = errors_at(procedure.file, [&] { return procedure.site.gravity(); });
-  // Without a latitude the method estimates both parts of Earth's rate, at any latitude alike.
+  // Without a latitude, the method estimates both parts of the Earth's rate; the result is the same for any latitude.
   const double latitude = procedure.site.latitude.value_or(45 * unit::deg);
   out.recording = ideal_recording(procedure, source, {earth_rate_enu(latitude), gravity});
   const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
-  std::vector<Range> rests;  // of the holds: an ideal recording shows no others
+  std::vector<Range> rests;  // rests are the holds: an ideal recording has no others
   if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;
   if (rests.empty()) throw Error(procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
   coarse::RestStart& start = out.start;

@@ -1,4 +1,4 @@
-// Predictions of the methods on rests. Agreement with their calibrations: tests/methods_test.cpp.
+// Predictions of the methods on rests. tests/methods_test.cpp compares them with calibrations.
 #include "imulab/estimate/prediction.hpp"
 
 #include "imulab/error.hpp"
@@ -16,7 +16,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Rests at random attitudes; `grade` sets the noise, which is declared.
+/// Returns rests at random attitudes; `grade` sets the declared noise.
 Session procedure_of(const char* grade_name, int poses) {
   HandHeldOptions options;
   options.poses = poses, options.first_rest = 10, options.grade = grade_name;

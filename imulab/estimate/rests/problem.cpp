@@ -25,7 +25,7 @@ Matrix3d mean_covariance(const TriadModel& model, const Vector3d& sample_sigma, 
   return model.matrix * variance.asDiagonal() * model.matrix.transpose() + spread * spread * Matrix3d::Identity();
 }
 
-/// Iterations that pass a scale near zero would find no noise there, and stay.
+/// Keeps scales away from zero, where the noise would vanish and the iteration would stay.
 TriadModel with_half_the_scale_at_least(TriadModel model, const TriadModel& prior) {
   for (int k = 0; k < 3; ++k) {
     const double norm = model.matrix.row(k).norm(), least = 0.5 * prior.matrix.row(k).norm();
@@ -38,7 +38,7 @@ SampleNoise scaled(const SampleNoise& raw, const Scaling& scaling) {
   return {raw.accel.cwiseQuotient(scaling.accel_scale), raw.gyro.cwiseQuotient(scaling.gyro_scale)};
 }
 
-/// The factor of a coefficient in the sensor model.
+/// Returns the factor that multiplies a coefficient in the sensor model.
 double input_of(const Coefficient& c, const Vector3d& reading, const Vector3d& force) {
   if (c.term == Term::g_sensitivity) return force[c.column];
   if (c.term == Term::matrix) return reading[c.column];
@@ -58,7 +58,7 @@ std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
   std::vector<CoefficientIndex> out = select_each({"accel.offset", "accel.matrix", "accel.quadratic", "accel.cubic"});
   std::erase_if(out, zero_by_frame);
   if (!with_gyros) return out;
-  // Earth's rate is far too small to show their nonlinearity.
+  // The Earth's rate is far too small for nonlinearity.
   for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) out.push_back(index);
   return out;
 }
@@ -71,7 +71,7 @@ std::vector<CoefficientIndex> handheld_coefficients() {
 
 namespace {
 
-/// Where gyros at rest find north, a unit vector in body axes, if they resolve the Earth's rate.
+/// Returns north, a unit vector in body axes, from gyros at rest if they resolve the Earth's rate.
 std::optional<Vector3d> north_of(const Vector3d& rate, const Vector3d& up, double latitude) {
   const Vector3d across = rate - up.dot(rate) * up;
   const double horizontal = earth_rate * std::cos(latitude);
@@ -79,7 +79,7 @@ std::optional<Vector3d> north_of(const Vector3d& rate, const Vector3d& up, doubl
   return across.normalized();
 }
 
-/// Do the gyros find north in most rests?
+/// Returns true if the gyros find north in most rests.
 bool find_north(const coarse::RestStart& start, const Site& site) {
   return site.latitude && 2 * std::ranges::count_if(start.rests, [&](const RestMeans& rest) {
                             const Vector3d force = output(start.model.accel, start.accel(rest));
@@ -88,7 +88,7 @@ bool find_north(const coarse::RestStart& start, const Site& site) {
                           }) > std::ssize(start.rests);
 }
 
-/// Gyros that are not calibrated have no effects.
+/// Returns the effects of the setting. Gyros that are not calibrated have no effects.
 kernel::Effects expected_effects(const coarse::RestStart& start, const Recording& recording, const Session& session, bool with_effects, bool gyros) {
   EffectSetting setting;
   if (with_effects)
@@ -189,7 +189,7 @@ kernel::Parameters RestProblem::parameters(Index nuisances) const {
 }
 
 std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
-  constexpr double nothing = 0.9;  // of the prior sigma: the data say less than a quarter of what the prior says
+  constexpr double nothing = 0.9;  // of the prior sigma: the data have less than a quarter of the prior's information
   std::vector<Index> unseen;
   for (const Index i : parameters.with(kernel::Role::estimated))
     if (i < std::ssize(indices_) && is_optional(coefficient(indices_[static_cast<std::size_t>(i)]).term) &&
@@ -199,7 +199,7 @@ std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameter
 }
 
 std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
-  constexpr double away = 2;  // prior sigmas
+  constexpr double away = 2;  // in prior sigmas
   std::vector<Index> matrix;
   bool runaway = false;
   for (const Index i : parameters.with(kernel::Role::estimated)) {

@@ -1,4 +1,4 @@
-// The derivatives of both methods' conditions against differences of the conditions themselves.
+// Compares the derivatives of both methods' conditions with differences of the conditions.
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/model/frame_axes.hpp"
@@ -25,7 +25,7 @@ coarse::RestStart start_at_truth(const SimulatedSession& s) {
   return start;
 }
 
-/// `step(u)`: small enough that the conditions are straight over it, large enough for their rounding.
+/// `step(u)` must be small enough for linearity and large enough compared with rounding.
 template <class Make, class Step>
 void expect_jacobian(Make make, Step step_of, double tolerance) {
   auto problem = make();
@@ -39,7 +39,7 @@ void expect_jacobian(Make make, Step step_of, double tolerance) {
     const Eigen::VectorXd difference = (plus.conditions({}).value - minus.conditions({}).value) / (2 * step[u]);
     const double size = at.jacobian.col(u).cwiseAbs().maxCoeff();
     EXPECT_GT(size, 0) << "unknown " << u;
-    if (size < 1e-12) continue;  // of the Earth's rate to the fourth: below the conditions' rounding
+    if (size < 1e-12) continue;  // fourth power of the Earth's rate: below the rounding error of the conditions
     EXPECT_LT((difference - at.jacobian.col(u)).cwiseAbs().maxCoeff(), tolerance * size) << "unknown " << u;
   }
 }
@@ -57,8 +57,8 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
       if (!latitude) site.latitude.reset();
       return HandheldProblem(s.recording, start, site, all_coefficients());
     };
-    // The derivatives leave out, as stated there, the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals'
-    // midpoint rule and the coning term ((rate dt)^2, 1e-4).
+    // The derivatives neglect, as documented, the dependence of C f (1e-3) and of the Earth's rate direction (1e-4) on the force, the midpoint rule
+    // of the integrals, and the coning term ((rate dt)^2, 1e-4).
     expect_jacobian(
         make, [](Eigen::Index) { return 1e-6; }, 3e-3);
   }
@@ -79,13 +79,13 @@ TEST(HandheldProblem, DerivativesOfDeclaredTurnsEqualDifferences) {
       return HandheldProblem(s.recording, start_at_truth(s), site, all_coefficients(), turns);
     };
     EXPECT_EQ(make().turns(), 3u);
-    // As above; and the turns' angles are off by a degree and their axes by two: 2e-2 to either side is left out.
+    // As above. In addition, angles of the turns are wrong by 1 deg and axes by 2 deg: terms of 2e-2 are neglected.
     expect_jacobian(
         make, [](Eigen::Index) { return 1e-6; }, 2e-2);
   }
 }
 
-/// Rests in which gyros of navigation grade resolve the Earth's rate.
+/// Returns rests in which navigation-grade gyros resolve the Earth's rate.
 SimulatedSession long_rests() {
   HandHeldOptions options;
   options.poses = 8;
@@ -109,16 +109,16 @@ TEST(StaticProblem, DerivativesEqualDifferences) {
     site.given_gravity = s.truth.gravity;
     return StaticProblem(start, site, indices, true);
   };
-  // The horizontal part is the length of a vector as short as 5e-5 rad/s: 1e-8 rad/s bends it by (1e-8 / 5e-5)^2.
+  // The horizontal part is the length of a vector as short as 5e-5 rad/s: 1e-8 rad/s changes it by (1e-8 / 5e-5)^2.
   const auto step = [&](Eigen::Index u) {
     const Coefficient& c = coefficient(indices[static_cast<std::size_t>(u)]);
     return c.triad == Triad::gyro && c.term == Term::offset ? 1e-8 : 1e-5;
   };
-  // The shift by the noise, var / (2 |w|), is held constant: 1e-6 of the size.
+  // The shift due to noise, var / (2 |w|), is kept constant: 1e-6 of the size.
   expect_jacobian(make, step, 1e-5);
 }
 
-/// With the table of effects.
+/// Returns a start with the table of effects.
 coarse::RestStart start_with_effects(const SimulatedSession& s) {
   coarse::RestStart start = start_at_truth(s);
   choose_coefficients(start, s.session, s.recording, true, {}, all_coefficients(), "handheld");
@@ -148,7 +148,7 @@ TEST(StaticProblem, DerivativesByEffectsEqualDifferences) {
                                            : start.effects.columns()[static_cast<std::size_t>(u - coefficients)].effect->changes(Triad::gyro);
     return of_gyros ? 1e-9 : 1e-6;
   };
-  // The horizontal part bends, as above, by the effects, too.
+  // The horizontal part is nonlinear, as above, also in the effects.
   expect_jacobian(make, step, 1e-2);
 }
 

@@ -21,17 +21,17 @@ namespace {
 
 using coarse::RestStart;
 
-/// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
+/// A gyro resolves the Earth's rate if the error of its rest means is below a tenth of it.
 constexpr double resolvable_part = 0.1;
 
-/// Cheng's linear gyro solution where the gyros resolve Earth's rate; else why not.
+/// Cheng's linear gyro solution if the gyros resolve the Earth's rate, else the reason.
 struct GyroStart {
   std::optional<coarse::CoarseGyro> coarse;
   std::string reason;
-  Code doubt = Code::other;  ///< of gyros that resolve it and contradict it
+  Code doubt = Code::other;  ///< set if the gyros resolve the rate but contradict it
 };
 
-/// The error of the rests' means from the samples' noise [rad/s], with a matrix of scaled readings.
+/// Returns the error of the rest means due to sample noise [rad/s], for a matrix of scaled readings.
 double mean_noise(const RestStart& start, const Matrix3d& matrix) {
   double worst = 0;
   for (const RestMeans& rest : start.rests)
@@ -40,7 +40,7 @@ double mean_noise(const RestStart& start, const Matrix3d& matrix) {
   return worst;
 }
 
-/// How far the offsets of such gyros drift in a session [rad/s], one sigma.
+/// Returns one sigma of the offset drift of such gyros in a session [rad/s].
 double expected_drift(const RestStart& start, const Recording& recording, const Session& session) {
   return kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity())).of(*find_effect("gyro.drift"));
 }
@@ -63,16 +63,16 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   constexpr double limit = resolvable_part * earth_rate;
   const double noise = unit ? mean_noise(start, *unit) : 0, drift = expected_drift(start, recording, session);
   if (noise > limit) return not_resolved(noise);
-  // The headings are found from the horizontal part, which vanishes at a pole.
+  // Headings follow from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
   const auto coarse = coarse::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
-  double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
+  double misfit = 0;  // mean square error of the solution in the size of the Earth's rate
   for (const RestMeans& rest : start.rests)
     misfit += std::pow((coarse->offset + coarse->matrix * start.gyro(rest)).norm() - earth_rate, 2) / static_cast<double>(start.rests.size());
   const double by_noise = mean_noise(start, coarse->matrix), error = std::max(by_noise, std::sqrt(misfit));
   const bool resolve = unit && drift <= limit;
-  constexpr double many = 3;  // sigmas
+  constexpr double many = 3;  // in sigmas
   if (error > limit && !(resolve && error > many * std::hypot(noise, drift))) return not_resolved(std::max(by_noise, drift));
   if (error > limit)
     return {{},
@@ -86,11 +86,11 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   return {coarse, {}};
 }
 
-/// Do the rests' means of gyros that nothing else judges have a step that force, noise and drift do not explain? They were set to zero again, or to
-/// another range. `unit`: the matrix of scaled readings.
+/// Returns true if the rest means of otherwise unchecked gyros have a step that force, noise and drift do not explain: they were zeroed or switched
+/// to another range. `unit`: matrix of scaled readings.
 bool output_steps(const RestStart& start, const Matrix3d& unit, double drift) {
-  constexpr double many = 5, most_left = 1.0 / 9;  // sigmas; of the squares: a hand that moves, and warming, make no step
-  constexpr Eigen::Index enough = 4;               // rests on either side: as many as unknowns
+  constexpr double many = 5, most_left = 1.0 / 9;  // in sigmas; fraction of the squares: motion of a hand and warming cause no step
+  constexpr Eigen::Index enough = 4;               // rests on either side, as many as unknowns
   const auto n = std::ssize(start.rests);
   Eigen::MatrixXd by_force(n, 4), means(n, 3);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -126,7 +126,7 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
     coarse::use_declared_gyro_noise(start, recording, session.imu);
     return true;
   }
-  // The scaled model must give back the starting value, one, when it returns to raw readings.
+  // The scaled model must convert to the starting value one for raw readings.
   SensorModel as_read;
   as_read.gyro.raw_unit = recording.gyro_unit;
   start.model.gyro = to_scaled(as_read, start.scaling).gyro;
@@ -144,16 +144,16 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
 
 namespace {
 
-/// Rests alone do not tell a reversed or swapped axis. The gyros do, where the motion between the rests shows theirs at right angles.
+/// Rests alone do not reveal reversed or swapped accelerometer axes. Gyros with orthogonal axes in the motion between rests do.
 void check_axes(RestStart& start, const Recording& recording) {
   const auto in_motion = coarse::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0) || kernel::is_oblique(*in_motion)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty()) start.findings.add<Code::axes_against_gravity>(wrong);
 }
 
-/// At rest gyros that are all reversed measure the Earth's rate of the other hemisphere. Between the rests they turn against gravity.
+/// At rest, gyros that are all reversed measure the Earth's rate of the other hemisphere. Between the rests they turn opposite to gravity.
 void check_turns(RestStart& start, const Recording& recording, const Matrix3d& gyro) {
-  constexpr double least = 0.5;  // as of gyros that turn with the accelerometers at all; calibrated ones explain nearly everything
+  constexpr double least = 0.5;  // as for gyros that turn with the accelerometers; calibrated gyros explain nearly all of the turning
   const auto explained = coarse::explained_turning(recording, start, gyro);
   if (!explained || *explained > least) return;
   const bool reversed = coarse::explained_turning(recording, start, -gyro).value_or(0) > least;

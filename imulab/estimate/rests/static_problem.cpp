@@ -1,4 +1,4 @@
-// The conditions of rests alone.
+// The conditions of rests without rotations.
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/estimate/rests/problem.hpp"
@@ -25,7 +25,7 @@ Conditions StaticProblem::conditions(const Spreads& spreads) const {
 void StaticProblem::add_rest(Conditions& c, Index row, const Rest& rest, const Spreads& spreads) const {
   const Index rows = with_gyros_ ? 3 : 1;
   const Vector3d force = force_at(rest), up = force.normalized();
-  // The derivatives of the rest's rows by its force and by its rate.
+  // These are the derivatives of the rest's rows by its force and by its rate.
   MatrixXd rows_by_force = MatrixXd::Zero(rows, 3), rows_by_rate = MatrixXd::Zero(rows, 3);
   rows_by_force.row(0) = up.transpose();
   c.value[row] = force.norm() - gravity_;
@@ -41,7 +41,7 @@ void StaticProblem::add_rest(Conditions& c, Index row, const Rest& rest, const S
     rows_by_rate.row(2) = north.transpose();
     rows_by_force.row(2) = -vertical * north.transpose() * turn_up;
     c.value[row + 1] = vertical - earth_rate * std::sin(*latitude_);
-    // Noise across north lengthens the horizontal part by var / (2 |w|) on average.
+    // Noise across north increases the horizontal part by var / (2 |w|) on average.
     c.value[row + 2] = across.norm() - east.dot(rate_noise * east) / (2 * across.norm()) - earth_rate * std::cos(*latitude_);
     std::fill_n(c.kind.begin() + row + 1, 2, Kind::gyro_rest);
   }

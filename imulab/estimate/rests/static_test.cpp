@@ -29,7 +29,7 @@ void expect_within(const Calibration& c, const SensorModel& truth, double sigmas
         << coefficient(index).name;
 }
 
-/// A procedure whose rests are six faces.
+/// Returns a procedure with rests on six faces.
 SimulatedSession six_faces(std::uint64_t seed) {
   SimulatedSession s;
   s.session = hand_held_procedure(mems(12), seed);
@@ -48,7 +48,7 @@ TEST(Static, AccelerometersFromRestsAlone) {
   const SimulatedSession s = simulate_session(mems(20), 1);
   const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
   EXPECT_EQ(c.estimated.size(), 15u);
-  expect_within(c, s.truth.model, 4.3);  // 15 coefficients: once in 4000
+  expect_within(c, s.truth.model, 4.3);  // 15 coefficients: p = 1/4000
   EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
   EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity());
   EXPECT_EQ(c.model.gyro.offset, Vector3d::Zero());
@@ -62,7 +62,7 @@ TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
   EXPECT_EQ(c.estimated.size(), 12u);
   EXPECT_EQ(c.model.accel.matrix(1, 0), 0);
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because 3 coefficients are not determined"));
-  // The faces are those of the true body axes, the misalignment of 1 % (one sigma) is unknown: what it does to scale and offset is of second order,
+  // The faces are those of the true body axes, and the misalignment of 1 % (one sigma) is unknown: its effect on scale and offset is of second order,
   // below g (3 x 1e-2)^2 = 9 mm/s^2.
   for (int j = 0; j < 3; ++j) {
     EXPECT_NEAR(c.model.accel.matrix(j, j), s.truth.model.accel.matrix(j, j), 1e-3);
@@ -75,7 +75,7 @@ TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
 }
 
 TEST(Static, OneWeakCoefficientIsNamedAloneAndTheOthersStay) {
-  // Gravity is never on y and z at once: nothing shows the misalignment zy.
+  // Gravity is never on y and z at once: the misalignment zy is not observable.
   SimulatedSession s;
   s.session = hand_held_procedure(mems(14), 3);
   for (std::size_t k = 0; k < s.session.steps.size(); ++k)
@@ -98,7 +98,7 @@ TEST(Static, RestsOnOneAxisDetermineNothing) {
   const Calibration c = calibrated("static", s.recording, up_and_down, {}, s.site());
   EXPECT_THAT(c.quality.unobservable, Contains("accel.matrix.xx"));
   EXPECT_THAT(c.quality.unobservable, Contains("accel.offset.y"));
-  // The upright axis hardly: offsets of the others of up to 20 % of g would change its scale by 1 %.
+  // The scale of the upright axis is weakly observable: offsets of the others of up to 20 % of g would change it by 1 %.
   const CoefficientIndex upright = coefficient_index("accel.matrix.zz");
   if (contains(c.estimated, upright)) EXPECT_GT(*standard_uncertainty(c, upright), 8e-3);
   Recording counts = s.recording;
@@ -124,10 +124,10 @@ TEST(Static, GyrosFromEarthRate) {
 
 TEST(Static, ABadRestIsDroppedAndNamed) {
   HandHeldOptions options = mems(40);
-  options.grade = "tactical";  // what a MEMS unit may do besides the model would explain it
+  options.grade = "tactical";  // the effects of a MEMS unit would explain it
   SimulatedSession s = simulate_session(options, 5);
   for (std::size_t i = s.rests[6].begin; i < s.rests[6].end; ++i)
-    for (std::size_t j = 0; j < 3; ++j) s.recording.accel[j][i] *= 1.005;  // in gravity's direction: across it a rest alone cannot tell
+    for (std::size_t j = 0; j < 3; ++j) s.recording.accel[j][i] *= 1.005;  // along gravity: a rest alone cannot detect a change across it
   const Calibration c = calibrated("static", s.recording, s.rests, s.session.imu, s.site());
   expect_within(c, s.truth.model, 4.3);
   EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("dropped as an outlier: the rest at")));
@@ -135,8 +135,8 @@ TEST(Static, ABadRestIsDroppedAndNamed) {
 }
 
 TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
-  // Few rests, rests that hardly tilt, rests about one axis: coefficients may be named as undetermined, but those that are stated hold, and the
-  // others keep the declared unit.
+  // For few rests, slightly tilted rests, and rests about one axis, coefficients may be undetermined, but stated ones must be correct, and the others
+  // must keep the declared unit.
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     for (const int kind : {0, 1, 2}) {
       SimulatedSession s;
@@ -148,7 +148,7 @@ TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
       s.truth = draw_truth(s.session, seed);
       s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
       const Calibration c = calibrated("static", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
-      expect_within(c, s.truth.model, 5);  // some 150 coefficients in all: beyond 5 sigma once in 10,000 such tests
+      expect_within(c, s.truth.model, 5);  // some 150 coefficients in all: one beyond 5 sigma has p = 1e-4
       for (const std::string& name : c.quality.unobservable) {
         const CoefficientIndex index = coefficient_index(name);
         EXPECT_EQ(coefficient_value(c.model, index), coefficient_value(SensorModel{}, index)) << name;
@@ -162,7 +162,7 @@ TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
 }
 
 TEST(Static, SixFacesOfCountsCountTheMisalignmentInTheOffsets) {
-  // Far from the center of the readings an unknown misalignment moves the offset at raw zero by its share of 32768 counts.
+  // Far from the center of the readings, an unknown misalignment moves the offset at raw zero by its fraction of 32768 counts.
   SimulatedSession s = six_faces(4);
   s.recording.accel_unit = "count";
   for (auto& column : s.recording.accel)
@@ -196,7 +196,7 @@ TEST(Static, TheOtherHemisphereIsNoticed) {
   }
 }
 
-/// Navigation-grade gyros whose readings from half of the recording on are others.
+/// Returns a calibration with navigation-grade gyros whose readings change halfway through the recording.
 template <class Change>
 Calibration changed_midway(Change change) {
   HandHeldOptions options = mems(24);
@@ -213,7 +213,7 @@ TEST(Static, GyrosThatChangeMidwayAreDoubted) {
     EXPECT_THAT(verdict_text(c.quality), HasSubstr("the gyros' output changes between the rests"));
     EXPECT_THAT(c.quality.findings.warnings(), testing::Not(Contains(HasSubstr("do not resolve"))));
   };
-  is_said(changed_midway([](double rate) { return rate - 5 * unit::deg_per_h; }));  // set to zero again
+  is_said(changed_midway([](double rate) { return rate - 5 * unit::deg_per_h; }));  // zeroed again
   is_said(changed_midway([](double rate) { return -rate; }));
   is_said(changed_midway([](double rate) { return 2 * rate; }));
   EXPECT_EQ(changed_midway([](double rate) { return rate; }).quality.verdict, Verdict::good);
@@ -241,7 +241,7 @@ TEST(Static, TermsThatAreNotAskedForKeepTheDeclaredUnit) {
   EXPECT_THROW(calibrated("static", counts, s.rests, {}, s.site(), options), Error) << "counts have no scale to start from";
 }
 
-/// The rests fit as well with an axis reversed; the gyros, between them, do not.
+/// The rests fit equally well with a reversed axis; the gyros between them do not.
 TEST(Static, AReversedAxisIsDoubtedByTheMotion) {
   for (const bool swapped : {false, true}) {
     SimulatedSession s = simulate_session(mems(20), 3);
@@ -255,7 +255,7 @@ TEST(Static, AReversedAxisIsDoubtedByTheMotion) {
   }
 }
 
-/// Increments divided by 101.9 Hz where the stamps have 100: every scale is too small by 1.9 %.
+/// The increments were divided by 101.9 Hz although the stamps imply 100 Hz: every scale is too small by 1.9 %.
 TEST(Static, IncrementsOfAWrongRateAreDoubted) {
   SimulatedSession s = simulate_session(mems(20), 4);
   s.recording.accel_increment = true;
@@ -276,7 +276,7 @@ TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
 }
 
 TEST(Static, CombinationsThatBendAreTrueOrDoubted) {
-  // Rests on faces alone leave misalignments open that gyros of navigation grade see the products of.
+  // Rests on faces alone do not determine misalignments whose products navigation-grade gyros resolve.
   TableProcedureOptions table;
   table.rate_hz = 20, table.rest = 15;
   int doubted = 0;

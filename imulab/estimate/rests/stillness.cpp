@@ -13,15 +13,15 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// The integral of the rate beyond the rests' common one, body axes: angles so small that their order does not matter.
+/// Returns the integral of the rate beyond the rests' common rate, body axes; the angles are so small that their order does not matter.
 Vector3d turned(const Recording& recording, Range range, const Vector3d& mean, const SensorModel& model, const Scaling& scaling) {
   Vector3d sum = Vector3d::Zero();
   for (std::size_t i = range.begin; i < range.end; ++i) sum += scaling.gyro(reading_at(recording.gyro, i)) - mean;
   return recording.interval_s * (model.gyro.matrix * sum);
 }
 
-/// The scaled mean of the gyros in the middle half of each rest, where no turn has a tail. (Of the integral of white noise over half a rest, less so
-/// much of this mean, the variance is at most that of the integral.)
+/// Returns the scaled gyro means in the middle half of each rest, which contains no end of a turn. (For white noise, the variance of the integral
+/// over half a rest minus this mean is at most that of the integral.)
 std::vector<Vector3d> middle_means(const Recording& recording, std::span<const RestMeans> rests, const Scaling& scaling) {
   std::vector<Vector3d> out;
   for (const RestMeans& rest : rests) {
@@ -33,8 +33,8 @@ std::vector<Vector3d> middle_means(const Recording& recording, std::span<const R
   return out;
 }
 
-/// The scaled gyro readings at the rests, as an offset that drifts and a g-sensitivity explain them: what is left of a rest's mean is the Earth's
-/// rate, noise and a turn. Few rests do not tell a steady turn from a g-sensitivity: of them, all of the mean is taken as explained.
+/// Returns the scaled gyro readings at the rests as explained by a drifting offset and a g-sensitivity: the remainder is Earth's rate, noise and a
+/// turn. Few rests do not separate a steady turn from a g-sensitivity: their whole mean counts as explained.
 std::vector<Vector3d> explained_means(const Recording& recording, std::span<const RestMeans> rests, const SensorModel& model,
                                       const Scaling& scaling) {
   constexpr std::size_t enough = 16;
@@ -51,7 +51,7 @@ std::vector<Vector3d> explained_means(const Recording& recording, std::span<cons
     design(row, 4) = time, design(row, 5) = time * time;
   }
   MatrixXd normal = design.transpose() * design;
-  normal.diagonal().array() += 1e-6 * static_cast<double>(rests.size());  // rests in one direction show no g-sensitivity
+  normal.diagonal().array() += 1e-6 * static_cast<double>(rests.size());  // rests in one direction do not determine a g-sensitivity
   const MatrixXd coefficients = solve_semidefinite(normal, MatrixXd(design.transpose() * mean));
   for (std::size_t k = 0; k < rests.size(); ++k) out[k] = (design.row(static_cast<Index>(k)) * coefficients).transpose();
   return out;
@@ -69,7 +69,7 @@ Range turn_between(const Recording& recording, Range rest, Range next, const Sti
 
 Stillness stillness_of(const Recording& recording, std::span<const RestMeans> rests, const SensorModel& model, const Scaling& scaling,
                        const Vector3d& sample_sigma, const Vector3d& rounding_sigma) {
-  constexpr double level = 1e-3, sure = 3.3;  // the same, in standard deviations
+  constexpr double level = 1e-3, sure = 3.3;  // probability, and the equivalent number of standard deviations
   constexpr double end_s = 0.5;               // a hand stops within some tenths of a second
   Stillness out;
   out.end = static_cast<std::size_t>(std::round(end_s / recording.interval_s));
@@ -81,7 +81,7 @@ Stillness stillness_of(const Recording& recording, std::span<const RestMeans> re
   const auto add = [&](std::size_t k, Range part, Range turn) {
     if (part.size() == 0 || recording.gaps_in(part) > 0) return;
     const double duration = static_cast<double>(part.size()) * recording.interval_s;
-    // The Earth's rate, in other axes at each rest, is not told from a wander.
+    // The Earth's rate, in other axes at each rest, cannot be distinguished from wander.
     const double expected =
         sample * sample * duration * recording.interval_s + std::pow(rounding * duration, 2) + std::pow(earth_rate * duration, 2) / 3;
     const Vector3d seen = turned(recording, part, means[k], model, scaling);
@@ -98,7 +98,7 @@ Stillness stillness_of(const Recording& recording, std::span<const RestMeans> re
     add(k, {middle, rest.end - end}, {rest.end, k + 1 == rests.size() ? rest.end : rests[k + 1].range.begin});
   }
   if (count == 0) return out;
-  const bool tails = std::abs(along) > sure * std::sqrt(along_square);  // of parts of either sign, whatever their sizes, the ratio is about N(0, 1)
+  const bool tails = std::abs(along) > sure * std::sqrt(along_square);  // for parts of random sign and any size, the ratio is about N(0, 1)
   out.moves = tails || chi_square_tail(chi2, count) < level;
   if (out.moves) out.wander = std::sqrt(std::max(0.0, (square - variance) / count));
   return out;
@@ -117,7 +117,7 @@ void level_at_middle(const Recording& recording, std::vector<RestMeans>& rests, 
       angle += turned(recording, {i, i + 1}, means[k], model, scaling);
       sum += angle;
     }
-    // A sample's force in the axes at the middle is f + angle x f.
+    // The force of a sample in the axes at the middle is f + angle x f.
     rest.accel += to_raw * (sum / static_cast<double>(rest.range.size())).cross(force);
   }
 }

@@ -1,5 +1,5 @@
-// Rests that are not still: a hand trembles, a body wanders, and a rest that was found in the data contains the ends of the turns beside it. The
-// gyros see the rotation from a rest's middle to its edges; whether they are believed, or "it was at rest", the data decide.
+// Rests with motion: a hand trembles, a body wanders, and a rest found in the data contains the ends of the adjacent turns. The gyros measure the
+// rotation from a rest's middle to its edges; a test on the data decides whether it is used.
 #pragma once
 
 #include "imulab/navigation/integration/integrated_rotation.hpp"
@@ -11,24 +11,24 @@
 
 namespace imulab::rests {
 
-/// The ends of the rests that count as part of the turns beside them. A rest that was found in the data contains the turns' slow ends: all of one
-/// sign, so that without them every scale factor is wrong. Where the gyros show more than that, all of it counts, to the middle.
+/// The ends of rests that count as part of the adjacent turns. A rest found in the data contains the slow ends of turns, which have a common sign, so
+/// that ignoring them biases every scale factor. If the gyros measure more motion, the whole rest counts, up to its middle.
 struct Stillness {
-  std::size_t end = 0;  ///< samples, at most half a rest
-  bool moves = false;   ///< to the middle
-  double wander = 0;    ///< rad, RMS of each axis beyond the noise, from the middle to such an end
+  std::size_t end = 0;  ///< number of samples, at most half a rest
+  bool moves = false;   ///< the motion counts up to the middle
+  double wander = 0;    ///< [rad], RMS per axis beyond the noise, from the middle to such an end
 };
 
-/// From the gyros' integrals from the middles to the ends, less the rate that an offset and a g-sensitivity explain: by their size against the noise,
-/// and by their parts along the turns beside them, whose signs are even by chance. Of the gyros, scaled: the noise of a sample, and that of a rest's
-/// mean by rounded readings.
+/// Judges the gyro integrals from the middles to the ends, minus the rate that an offset and a g-sensitivity explain, by their size relative to the
+/// noise, and by their components along the adjacent turns, whose signs would otherwise be random. `sample_sigma` and `rounding_sigma` are noise of
+/// scaled gyro samples, and of a rest's mean due to rounding.
 Stillness stillness_of(const Recording& recording, std::span<const RestMeans> rests, const SensorModel& scaled_model, const Scaling& scaling,
                        const Vector3d& sample_sigma, const Vector3d& rounding_sigma);
 
-/// The samples of the turn between two rests, their ends included where they have no gap.
+/// Returns the samples of the turn between two rests, including the ends of the rests unless they have a gap.
 Range turn_between(const Recording& recording, Range rest, Range next, const Stillness& stillness);
 
-/// Refers the means of the force to the axes at the rests' middles: each sample turned by what the gyros integrate up to it.
+/// Refers the mean forces to the axes at the middles of the rests: rotates each sample by the gyro integral up to it.
 void level_at_middle(const Recording& recording, std::vector<RestMeans>& rests, const SensorModel& scaled_model, const Scaling& scaling);
 
 }  // namespace imulab::rests

@@ -16,7 +16,7 @@ namespace {
 constexpr double noise = 1e-3, interval = 0.01;  // rad/s, s
 constexpr std::size_t samples = 400;
 
-/// Rests at which the unit turns about x, to one side and the other in turn, by `angle` of the time from a rest's middle.
+/// Rests in which the unit turns about x, alternately to either side, by `angle` of the time from the middle of a rest.
 struct Still {
   Recording recording;
   std::vector<RestMeans> rests;
@@ -60,7 +60,7 @@ TEST(Stillness, OfRestsThatAreStillOnlyTheirEndsCount) {
 }
 
 TEST(Stillness, OfAHandThatSwaysIsItsAngleFromTheMiddleToTheEnds) {
-  // 0.6 deg to either side about one axis: 0.35 deg over three axes. Half a second before the edge it is 0.92 of that.
+  // 0.6 deg to either side about one axis is 0.35 deg over three axes. Half a second before the edge it is 0.92 of that.
   const double size = 0.6 * unit::deg;
   const Still still = rests(30, [&](double t) { return size * std::sin(t * 0.5 * 3.14159265358979 / 2); });
   const Stillness s = judged(still);
@@ -70,7 +70,7 @@ TEST(Stillness, OfAHandThatSwaysIsItsAngleFromTheMiddleToTheEnds) {
 }
 
 TEST(Stillness, TailsOfTurnsAreKnownByTheirDirectionsWhateverTheNoise) {
-  // Turns of 0.1 rad, of either sign, with slow ends within the rests: 1 s each, a tenth of a degree. By their size they are taken for noise.
+  // Turns of 0.1 rad with random sign have slow ends within the rests: 1 s each, a tenth of a degree. Their size resembles noise.
   for (const bool along : {true, false}) {
     Still s = rests(16, [](double) { return 0.0; });
     for (std::size_t k = 0; k < s.rests.size(); ++k) {
@@ -86,7 +86,7 @@ TEST(Stillness, TailsOfTurnsAreKnownByTheirDirectionsWhateverTheNoise) {
 }
 
 TEST(Stillness, TheForceIsThatAtTheMiddle) {
-  // A quarter of the way's square: its mean is not zero.
+  // The squared path has a nonzero mean of a quarter of its range.
   const double size = 0.6 * unit::deg;
   Still s = rests(3, [&](double t) { return size * (t / 2) * (t / 2); });
   EXPECT_GT(std::abs(s.rests[1].accel.y()), 0.2 * size * 9.8);

@@ -25,12 +25,12 @@ std::string body_axis_name(const Vector3d& axis) {
 }  // namespace
 
 double DeclaredTurn::angle_sigma() const {
-  constexpr double second_order = 1e-3;  // rad: the square of an axis that is off by 2 deg
+  constexpr double second_order = 1e-3;  // [rad], the square of an axis error of 2 deg
   return std::hypot(std::numbers::sqrt2 * sigma, second_order);
 }
 
 double DeclaredTurn::tilt_sigma() const {
-  constexpr double between_triads = 0.08;  // rad: what uncalibrated axes and a hand may be off, generously
+  constexpr double between_triads = 0.08;  // [rad], a generous limit for errors of uncalibrated axes and a hand
   return between_triads * angle_sigma();
 }
 
@@ -46,7 +46,7 @@ std::vector<DeclaredTurn> declared_turns(const Session& session, const Recording
     if (step.kind != StepKind::rotate) continue;
     const bool moves_on = k + 1 < steps.size() && steps[k + 1].kind == StepKind::hold && steps[k + 1].start > step.end + same_time &&
                           std::find(commands[k + 1].moves.begin(), commands[k + 1].moves.end(), true) != commands[k + 1].moves.end();
-    const double sigma = rig->angle.fixed ? 0 : rig->angle.value;  // the same error at both rests cancels
+    const double sigma = rig->angle.fixed ? 0 : rig->angle.value;  // an equal error at both rests cancels
     turns.push_back({step.start, step.end, step.axis, axis_in_body(table_pose(axes, commands[k].before), step.axis), step.angle, sigma, moves_on});
   }
   return turns;

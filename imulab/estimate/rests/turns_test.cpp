@@ -1,4 +1,4 @@
-// Turns of a declared angle in the handheld method: a box that a hand turns by 360 deg, each angle known to a degree.
+// Turns with declared angles in the handheld method: a hand turns a box by 360 deg, each angle known to 1 deg.
 #include "imulab/estimate/rests/turns.hpp"
 
 #include "imulab/coefficient.hpp"
@@ -38,10 +38,10 @@ SimulatedSession simulated(const Session& session, std::uint64_t seed, bool orth
   return s;
 }
 
-/// A session by hand against a box, the errors of the box and of the turns drawn.
+/// Simulates a session by hand with a box, with random errors of the box and the turns.
 SimulatedSession ferraris(std::uint64_t seed) { return simulated(ferraris_procedure(ferraris_options()), seed); }
 
-/// About axes that are exactly vertical, a box on a level table: gravity says nothing of the angle. The turns alone have errors.
+/// The axes are exactly vertical, a box on a level table: gravity does not determine the angle. Only the turns have errors.
 SimulatedSession upright(std::uint64_t seed, bool orthogonal) {
   const Session declared = ferraris_procedure(ferraris_options());
   Session done = declared;
@@ -75,7 +75,7 @@ Step& turn(SimulatedSession& s, std::size_t which) {
   throw std::logic_error("no such turn");
 }
 
-/// Samples are lost on the way from face to face, so that the turns alone show the gyros' scales.
+/// Removes samples between the faces, so that only the turns determine the gyro scales.
 void lose_the_moves(SimulatedSession& s) {
   for (std::size_t k = 0; k + 1 < s.session.steps.size(); ++k) {
     const double end = s.session.steps[k].end, next = s.session.steps[k + 1].start;
@@ -108,9 +108,9 @@ TEST(DeclaredTurns, WholeTurnsCount) {
 }
 
 TEST(DeclaredTurns, GiveTheScalesToTheirAngles) {
-  // 1 deg at both ends of 360 deg: 0.39 %. The scales' errors over their uncertainties have a mean square of 1: of 120 it is between 0.61 and 1.46
-  // but for once in a thousand, and up to 1.15 times as much where axes that are not at right angles seem to tilt a box that turns about up exactly
-  // (measured on 400).
+  // 1 deg at both ends of 360 deg is 0.39 %. The mean square of the scale errors over their uncertainties is 1: for 120 errors it is between 0.61 and
+  // 1.46 with p = 0.999, and up to 1.15 times as large if axes that are not orthogonal seem to tilt a box that turns exactly about up (measured on
+  // 400).
   CalibrationOptions options;
   options.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
   double squares = 0;
@@ -160,7 +160,7 @@ TEST(DeclaredTurns, ThatWereNotDoneAreRefused) {
   turn(s, 2).axis = RigAxis::inner;
   EXPECT_THAT(error_of(s), testing::AllOf(HasSubstr("is declared as 360 deg about +x (inner), but the gyros turned by 36"), HasSubstr("about +z")));
   s = ferraris(1);
-  for (auto& column : s.recording.gyro)  // it was left out
+  for (auto& column : s.recording.gyro)  // removes the turn from the data
     for (const Range r = s.recording.samples_in(turn(s, 0).start, turn(s, 0).end); double& v : std::span(column).subspan(r.begin, r.size()))
       v = column[0];
   EXPECT_THAT(error_of(s), HasSubstr("but the gyros show none"));
@@ -169,7 +169,7 @@ TEST(DeclaredTurns, ThatWereNotDoneAreRefused) {
 TEST(DeclaredTurns, OffByMoreThanDeclaredAreDoubtful) {
   SimulatedSession s = ferraris(2);
   EXPECT_EQ(calibrated(s).quality.verdict, Verdict::good) << verdict_text(calibrated(s).quality);
-  turn(s, 0).angle = 345 * unit::deg;  // eleven sigmas; the rotations between the faces show the scale to a tenth of that
+  turn(s, 0).angle = 345 * unit::deg;  // eleven sigmas; the rotations between the faces determine the scale to a tenth of that
   const Calibration c = calibrated(s);
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("a turn does not fit its declared angle"));
   EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("dropped as an outlier: the rotation between")));
@@ -185,7 +185,7 @@ TEST(DeclaredTurns, NeedARestBeforeAndAfter) {
   SimulatedSession s = ferraris(3);
   std::vector<Step>& steps = s.session.steps;
   const auto first = std::find_if(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::rotate; });
-  steps.erase(first + 1);  // the hand goes on to the next face
+  steps.erase(first + 1);  // the hand continues to the next face
   const Calibration c = calibrated(s);
   EXPECT_THAT(c.quality.findings.notes(), Contains(HasSubstr("2 of 3 turns were used"))) << "its angle is not that of the whole rotation";
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
@@ -196,7 +196,7 @@ TEST(DeclaredTurns, NeedARestBeforeAndAfter) {
 }
 
 TEST(DeclaredTurns, RestsAreFoundWhereNoneIsDeclared) {
-  // A hand turns the box by half a turn, takes a new grip, and turns on. Nothing but the turns is declared.
+  // A hand turns the box by half a turn, takes a new grip, and turns on. Only the turns are declared.
   Session session = ferraris_procedure(ferraris_options());
   std::vector<Step> steps, turns;
   double late = 0;
@@ -250,8 +250,8 @@ TEST(DeclaredTurns, ShareTheErrorOfTheRestBetweenThem) {
     const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index("gyro.matrix.zz"));
     return at == p.coefficients.end() ? HUGE_VAL : p.sigma[at - p.coefficients.begin()];
   };
-  // On and on, the error in the middle cancels: sqrt(2) deg of 720. There and back it counts twice: sqrt(1 + 4 + 1) deg. The least squares of both
-  // turns have these variances whatever their correlation; gravity adds a little.
+  // In consecutive turns in one direction, the middle error cancels: sqrt(2) deg of 720. Forward and back, it counts twice: sqrt(1 + 4 + 1) deg.
+  // Least squares of both turns have these variances for any correlation; gravity adds a little.
   const double deg_of_720 = 1.0 / 720;
   EXPECT_NEAR(scale_sigma(360, 360), std::sqrt(2.0) * deg_of_720, 0.05 * deg_of_720);
   EXPECT_NEAR(scale_sigma(360, -360), std::sqrt(6.0) * deg_of_720, 0.05 * deg_of_720);

@@ -1,35 +1,35 @@
-// The problem. A procedure gives readings y: the mean of each hold, the sum of each turn. In the forward model (calibrated -> raw) they are linear in
-// its columns v (offsets and matrices), and to first order in the table's errors e, which many readings share:
+// The problem. A procedure gives readings y: the mean of each hold, and the sum of each turn. In the forward model (calibrated -> raw), readings are
+// linear in its columns v (offsets and matrices) and, to first order, in the table's errors e, which many readings share:
 //
 //     y = X v + T e + n,   e ~ (0, Sigma) as declared, n ~ (0, R) the sensors' noise.
 //
-// The best linear estimate weights by S = R + T Sigma T^T: v = (X^T S^-1 X)^-1 X^T S^-1 y. X, T and S belong to the procedure, so that everything but
-// the last product with y is computed once: a Monte Carlo run costs one product of a matrix with a vector.
+// The best linear estimate weights by S = R + T Sigma T^T: v = (X^T S^-1 X)^-1 X^T S^-1 y. X, T and S depend only on the procedure, so everything but
+// the last product with y is computed once: a Monte Carlo run costs one product of a matrix and a vector.
 //
-// Zhang 2010 is the same estimate with equal weights, on his procedure, where X^T X is diagonal and the sums can be written down:
+// Zhang 2010 is the same estimate with equal weights for his procedure, in which X^T X is diagonal and the sums can be written explicitly:
 // - eq 6: n turns forward and back about body axis j give the column j of the gyros' forward matrix, (N+ - N-) / (4 pi n). `backward` inverts the
 // matrix;
-// - eq 9: the gyros' offset is the mean over 24 positions;
-// - eq 10: a face up and the face down give the column (N_up - N_down) / 2g of the accelerometers' forward matrix, and the mean of six faces the
-// offset. His eqs 8, 12 and 13 are the errors of these estimates by the table. Here they are the product gain * T for any procedure (prediction.cpp);
-// the tests compare it with his expressions. S differs from equal weights where readings share an error: that is what the table's accuracy is about.
+// - eq 9: the gyro offset is the mean over 24 positions;
+// - eq 10: a face up and the face down give the column (N_up - N_down) / 2g of the accelerometers' forward matrix; the mean of six faces is
+//   the offset. His eqs 8, 12 and 13 are the errors of these estimates due to the table. Here they are the product gain * T for any procedure
+//   (prediction.cpp), which the tests compare with his expressions. S differs from equal weights if readings share table errors.
 //
-// A small case. One accelerometer with the forward model y = k f + b, held up and down, each mean with noise r, and g uncertain by the part s in
-// both:
+// A small example. One accelerometer with the forward model y = k f + b is held up and down. Each mean has noise r, and g has the common relative
+// uncertainty s:
 //
 //     y1 = k g + b + k g e + n1
 //     y2 = -k g + b - k g e + n2        S = r^2 I + s^2 k^2 g^2 [1 -1; -1 1]
 //
-// Two readings and two unknowns: k = (y1 - y2) / 2g and b = (y1 + y2) / 2 by any weights. But their variances differ: r^2 / 2g^2 + k^2 s^2 of k,
-// which is as uncertain as g, and r^2 / 2 of b, to which g adds nothing. With r = 1 ug and a table tilted by 2 arcsec (10 ug across it) a side hold
-// shows the other use of S: its reading is worth a hundredth of an upright one's for the offset.
+// Two readings and two unknowns: k = (y1 - y2) / 2g and b = (y1 + y2) / 2 for any weights. But their variances differ: r^2 / 2g^2 + k^2 s^2 for k,
+// which is as uncertain as g, and r^2 / 2 for b, which does not depend on g. With r = 1 ug and a table tilt of 2 arcsec (10 ug across), a side hold
+// demonstrates the other use of S: its weight for the offset is a hundredth of an upright hold's.
 //
 // The difficulties:
-// - T Sigma T^T may be 1e10 times R. Sums of squares would lose R, and with it what the data say beyond the table: orthogonal factors keep it
-// (set_weights).
-// - Readings are 1e6 times the differences that matter: the gain takes the differences from the expected readings (set_gains).
-// - Columns that a procedure does not determine stay at their start and are considered; optional terms have priors that act as observations.
-// - Products of table errors, and of these with the model's own errors, are of second order: `linearized` removes what the readings show of them,
+// - T Sigma T^T may be 1e10 times R. Sums of squares would lose R, and with it all information beyond the table; orthogonal factors keep it
+//   (set_weights).
+// - Readings are 1e6 times the relevant differences: the gain is applied to differences from the expected readings (set_gains).
+// - Columns that a procedure does not determine keep their start and are considered; optional terms have priors that act as observations.
+// - Products of table errors with each other and with the model's errors are of second order: `linearized` removes their observable part,
 //   second_order.cpp states the rest.
 #include "imulab/estimate/turntable/estimator.hpp"
 
@@ -55,10 +55,10 @@ namespace {
 constexpr kernel::PriorSizes prior_sizes{
     .accel = {.offset = 10, .scale = 1, .misalignment = 1e-2}, .gyro = {.offset = 1, .scale = 1, .misalignment = 1e-2}, .g_sensitivity = 1e-3};
 constexpr double needed_part = 0.5;
-/// An optional term is estimated where its sigma is below this part of its prior's. Above, the data do not show it.
+/// An optional term is estimated if its sigma is below this fraction of its prior sigma; otherwise it is not observable.
 constexpr double needed_part_of_optional = 0.9;
 
-/// One sigma of the forward model's columns, raw.
+/// Returns one sigma of the forward model's columns, raw.
 VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::PriorSizes>& optional) {
   const auto raw_per_unit = [](const Matrix3d& matrix) { return 1 / std::cbrt(std::abs(matrix.determinant())); };
   const double accel = raw_per_unit(nominal.accel.matrix), gyro = raw_per_unit(nominal.gyro.matrix);
@@ -82,7 +82,7 @@ bool of_site(const ErrorSource& source) {
   return source.kind == ErrorSource::Kind::gravity || source.kind == ErrorSource::Kind::latitude || source.kind == ErrorSource::Kind::earth;
 }
 
-/// The site's stay as declared.
+/// Scales the sigmas of the table's errors; those of the site stay as declared.
 VectorXd sigma_of_table(const TableMotion& motion, double factor) {
   VectorXd sigma = motion.sigma();
   for (Index k = 0; k < sigma.size(); ++k)
@@ -90,7 +90,7 @@ VectorXd sigma_of_table(const TableMotion& motion, double factor) {
   return sigma;
 }
 
-/// An effect is an output that the triads have without a force or a rate: no gyro feels the force of an accelerometer's effect.
+/// Effects are outputs without a force or rate: an accelerometer effect does not act on the gyros.
 MatrixXd changes_by_effects(const TableMotion& motion, SensorModel nominal, const TableEffects& effects) {
   nominal.g_sensitivity.setZero();
   return reading_changes(motion, nominal, effects.truth);
@@ -138,9 +138,9 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
   set_gains(options.all_optional);
 }
 
-/// Weights by the covariance of the readings S = R + T T^T, T = J diag(sigma), in units of the noise; and the table's errors in the readings,
-/// sigma T^T S^-1. With R = L L^T, [T^T; L^T] = Q U gives S = U^T U and T^T S^-1 = Q_T U^-T: noise far below the table's errors would be lost in the
-/// sum of squares.
+/// Weights by the covariance of the readings S = R + T T^T, T = J diag(sigma), in units of the noise; and computes the table's errors from the
+/// readings, sigma T^T S^-1. With R = L L^T, [T^T; L^T] = Q U gives S = U^T U and T^T S^-1 = Q_T U^-T. A sum of squares would lose noise that is far
+/// below the table's errors.
 void Estimator::set_weights(const EstimatorOptions& options) {
   weight_ = noise_.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : options.left_out) weight_.segment(motion_.row(part), motion_.size(part)).setZero();
@@ -158,9 +158,9 @@ void Estimator::set_weights(const EstimatorOptions& options) {
 
 MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
 
-/// x = start + (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X start) for the columns that the readings determine; the others are held at their start, and
-/// considered. The gain is known to some 1e-12, so it takes what the readings differ by from those expected, not the readings: g itself would bring
-/// that error to the coefficients. Columns with a prior start at its mean, zero.
+/// x = start + (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X start) for the columns that the readings determine; the others keep their start and are
+/// considered. The gain has a relative error of about 1e-12, so it is applied to differences from expected readings: applied to g itself, it would
+/// bring that error into the coefficients. Columns with a prior start at its mean, zero.
 void Estimator::set_gains(bool all_optional) {
   const MatrixXd white = whitened(design_(Eigen::all, columns_));
   const VectorXd none = VectorXd::Zero(white.rows());
@@ -242,7 +242,7 @@ MatrixXd Estimator::by_prior(const SensorModel& at, const std::vector<Coefficien
                              const std::vector<CoefficientIndex>& terms) const {
   std::vector<Index> columns;
   for (const CoefficientIndex index : terms) columns.push_back(Forward::of(coefficient(index)));
-  MatrixXd error = MatrixXd::Zero(Forward::all, std::ssize(columns));  // of the columns: estimate less truth
+  MatrixXd error = MatrixXd::Zero(Forward::all, std::ssize(columns));  // errors of the columns: estimate minus truth
   error(known_, Eigen::all) = gain_ * design_(Eigen::all, columns);
   for (std::size_t k = 0; k < columns.size(); ++k) error(columns[k], static_cast<Index>(k)) -= 1;
   return backward_derivatives(at, coefficients) * error * prior_(columns).asDiagonal();
@@ -267,7 +267,7 @@ double Estimator::chi2(const VectorXd& readings) const {
   return whitened(readings - design_ * columns).squaredNorm() + columns(optional_).cwiseQuotient(sigma).squaredNorm();
 }
 
-/// Each term with a prior brings one observation of itself.
+/// Each term with a prior counts as one observation of itself.
 int Estimator::degrees_of_freedom() const {
   const auto free = std::count_if(known_.begin(), known_.end(), [&](Index column) { return !is_among(optional_, column); });
   return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(free);

@@ -1,8 +1,8 @@
-// A case. A unit that moved by an arcminute half-way, on a table good to two arcseconds: the residuals are ten times what the table explains. A table
-// that is ten times worse explains them, too, and so does, in part, an elastic mount. But of all patterns that a worse table can have, few look like
-// one rotation from one step on: the readings are e^50 times more probable with it. Comparing probabilities of the same readings under different
-// assumptions (restricted likelihood) decides without a rule for every pair. What has more freedom pays for it: a prior spreads its probability
-// over all that it allows, and a choice among many steps costs the logarithm of their number.
+// An example. A unit moves by an arcminute halfway through, on a table accurate to two arcseconds: the residuals are ten times what the table
+// explains. A table with ten times larger errors would also explain them, and an elastic mount would in part. But few of the error patterns of such a
+// table resemble one rotation at one step, so the readings are e^50 times more probable with that rotation. The probabilities of the same readings
+// under different assumptions (restricted likelihood) decide without a rule for every pair. More freedom has its price: a prior spreads its
+// probability over all that it allows, and a choice among many steps costs the logarithm of their number.
 #include "imulab/estimate/turntable/explanation.hpp"
 
 #include "imulab/core/decomposition.hpp"
@@ -21,15 +21,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Logarithm of the ratio of probabilities from which on an explanation is believed.
+/// Logarithm of the ratio of probabilities above which an explanation is accepted.
 constexpr double convincing = 5;
-/// Of noise and a table that are worse than declared, beyond which an explanation by them is not weighed.
+/// Largest factor on declared noise and table errors that is considered as an explanation.
 constexpr double most_enlarged = 4;
 
 struct Candidate {
   enum class Kind { none, step, change } kind = Kind::none;
   double evidence = 0;
-  std::size_t place = 0;  ///< of a step among the parts, of a change among the steps
+  std::size_t place = 0;  ///< index of a bad step among the parts, or of a change among the steps
   const Effect* effect = nullptr;
 };
 
@@ -42,7 +42,7 @@ Candidate bad_step(const Fit& fit, double level) {
   return {Candidate::Kind::step, -log_p[worst] - all, worst};
 }
 
-/// The step before which a change of one kind explains most.
+/// Returns the step before which a change of one kind explains most.
 Candidate change_of(const Effect& effect, const Fit& fit, const kernel::EffectSizes& sizes, const std::vector<std::vector<WeightedState>>& states) {
   const TableProblem& problem = *fit.problem;
   const std::size_t steps = problem.seen.parts.steps.size();
@@ -61,7 +61,7 @@ Candidate change_of(const Effect& effect, const Fit& fit, const kernel::EffectSi
   const std::vector<Estimator::Score> scores = fit.estimator.scores(fit.readings, from);
   Candidate best;
   for (std::size_t step = 1; step < steps; ++step) {
-    // ln of the mean, over the prior, of the ratio of the readings' probabilities.
+    // Compute ln of the mean, over the prior, of the ratio of the readings' probabilities.
     const SymmetricEigen V = symmetric_eigen(sigma * sigma * scores[step].V);
     const VectorXd s = sigma * V.vectors.transpose() * scores[step].s;
     double evidence = -std::log(static_cast<double>(steps - 1));
@@ -74,7 +74,7 @@ Candidate change_of(const Effect& effect, const Fit& fit, const kernel::EffectSi
   return best;
 }
 
-/// Of the unit or its mount. One is looked for.
+/// Returns the most probable change of the unit or its mount; only one is considered.
 Candidate change(const Fit& fit, const kernel::EffectSizes& sizes) {
   const TableProblem& problem = *fit.problem;
   Candidate best;
@@ -110,7 +110,7 @@ struct Joint {
   }
 };
 
-/// By how much effects of any size make the data more probable than effects of the sizes in use, in the logarithm.
+/// Returns the log ratio of the data's probability with effects of any size to that with the sizes in use.
 double gain_of_sizes(const Fit& fit) {
   const Joint joint(fit);
   kernel::Effects sized = fit.options.effects.table;

@@ -26,10 +26,10 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Root of the sum of squares of columns about their mean.
+/// Returns the square root of the sum of squares of the columns about their mean.
 double spread(const MatrixXd& columns) { return columns.size() == 0 ? 0 : (columns.colwise() - columns.rowwise().mean().eval()).norm(); }
 
-/// Readings in counts start from the size of what they read; SI readings from themselves.
+/// Returns the start: for counts from the size of the readings, for SI readings the identity.
 SensorModel starting_model(const TableProblem& problem) {
   const TableMotion& motion = problem.motion;
   const auto holds = static_cast<Index>(motion.holds()), turns = static_cast<Index>(motion.turns());
@@ -47,8 +47,8 @@ SensorModel starting_model(const TableProblem& problem) {
   return start;
 }
 
-/// Covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise; parts x parts: quantization, and bias instability,
-/// walk and ramp about their mean over all parts, which belongs to the offset of this recording. Empty where no such noise is declared.
+/// Returns the covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise, parts x parts: quantization, and bias
+/// instability, walk and ramp about their mean over all parts, which belongs to the offset of the recording. Empty if no such noise is declared.
 MatrixXd slow_noise(const TableMotion& motion, const NoiseModel& noise, double interval_s) {
   const auto parts = static_cast<Index>(motion.parts());
   std::vector<kernel::TimeSpan> times;
@@ -67,11 +67,11 @@ MatrixXd slow_noise(const TableMotion& motion, const NoiseModel& noise, double i
   } else if (noise.Q > 0) {
     out.setZero(parts, parts);
   }
-  if (noise.Q > 0) out.diagonal().array() += 2 * noise.Q * noise.Q / duration.array().square();  // the integral's error at both ends
+  if (noise.Q > 0) out.diagonal().array() += 2 * noise.Q * noise.Q / duration.array().square();  // error of the integral at both ends
   return out.size() > 0 ? MatrixXd(gain.asDiagonal() * out * gain.asDiagonal()) : out;
 }
 
-/// That of both triads in raw readings.
+/// Returns the slow noise of both triads in raw readings.
 MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const MatrixXd& accel, const MatrixXd& gyro) {
   if (accel.size() == 0 && gyro.size() == 0) return {};
   MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
@@ -85,8 +85,8 @@ MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, con
   return out;
 }
 
-/// The noise declared, or as the holds' samples show it; a stuck or coarsely quantized axis shows none, and a hundred-millionth of the scale keeps
-/// the weights finite.
+/// Returns the declared noise, or the noise of the samples in the holds. A stuck or coarsely quantized axis has none; 1e-8 of the scale keeps its
+/// weights finite.
 RawNoise raw_noise(const TableProblem& problem, const SensorModel& model) {
   const auto noise = [](double declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
     if (declared > 0) return raw_density(declared, matrix);
@@ -100,21 +100,21 @@ RawNoise raw_noise(const TableProblem& problem, const SensorModel& model) {
 
 bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
 
-/// How the gyros' readings are not about the axes of the accelerometers' readings; of counts, which may fall where the quantity rises, nothing.
+/// Describes how the axes of the gyros' readings differ from those of the accelerometers; empty for counts, which may have either sign.
 std::string wrong_axes_of(const TableProblem& problem, const SensorModel& model) {
   if (problem.seen.accel_unit == "count" || problem.seen.gyro_unit == "count") return {};
-  const double mirror = model.accel.matrix.determinant() < 0 ? -1 : 1;  // which a rate follows as an axial vector
+  const double mirror = model.accel.matrix.determinant() < 0 ? -1 : 1;  // a rate transforms as an axial vector
   return wrong_axes(mirror * model.accel.matrix.inverse() * model.gyro.matrix);
 }
 
-/// True if no stated coefficient changed by more than its uncertainty.
+/// Returns true if no stated coefficient changed by more than its uncertainty.
 bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
   const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
   const VectorXd change = coefficient_values(after, uncertainty.stated) - coefficient_values(before, uncertainty.stated);
   return (change.cwiseAbs2().array() <= uncertainty.covariance.diagonal().array()).all();
 }
 
-/// The steps with the sense of one axis reversed.
+/// Returns the problem with the direction of one axis reversed in the steps.
 TableProblem reversed(const TableProblem& problem, std::size_t axis) {
   TableObservations seen = problem.seen;
   for (Step& step : seen.parts.steps) {
@@ -172,8 +172,8 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
     const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
     const VectorXd errors = estimator.table_errors(readings);
-    constexpr int enough = 1, most = 6;  // about the start; of noise far below the table's errors
-    constexpr double largest = 1;        // rad, s, m/s^2: of a table and its site nothing errs as much, and nothing is linear about it
+    constexpr int enough = 1, most = 6;  // of passes about the start; for noise far below the table's errors
+    constexpr double largest = 1;        // rad, s, m/s^2: a table and its site have no larger errors, and the equations would not be linear
     const bool converged = pass >= enough && close(estimator, before, model);
     const bool diverges = !((errors - problem.motion.nominal()).cwiseAbs().maxCoeff() < largest);
     if (converged || diverges || pass == most) return {&problem, options, std::move(estimator), readings, model, chi2, converged};
@@ -183,7 +183,7 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
 
 Fit enlarged(const Fit& declared, double most) {
   if (declared.estimator.degrees_of_freedom() < 1) return declared;
-  constexpr int most_passes = 50;        // of a fixed-point iteration, which converges by a constant factor a pass
+  constexpr int most_passes = 50;        // of a fixed-point iteration, which converges linearly
   constexpr double close_enough = 0.02;  // of a variance: one percent of the stated uncertainties
   Fit now = declared;
   for (int pass = 0; pass < most_passes; ++pass) {
@@ -208,14 +208,14 @@ std::string reversed_axis(const Fit& declared) {
   if (!mirrored && declared.log_probability() > std::log(unlikely)) return {};
   constexpr double obvious = 30;  // of chi-square: five sigma
   std::string found;
-  double best = declared.chi2 + (mirrored ? obvious : -obvious);  // a doubt where handedness speaks for it, against it where not
+  double best = declared.chi2 + (mirrored ? obvious : -obvious);  // the prior evidence of handedness
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {
     const TableProblem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
     EstimatorOptions options = declared.options;
     options.effects = on_motion(std::move(options.effects), problem.motion, problem.seen.parts, problem.site);
     const Fit other = fit(problem, options);
     if (left_handed(other.model) || other.chi2 >= best) continue;
-    // In a mirror the axes of both triads turn into each other; a sensor that is reversed stays so.
+    // A mirror image exchanges the axes of both triads, but a reversed sensor remains reversed.
     if (mirrored && !wrong_axes_of(problem, other.model).empty()) continue;
     best = other.chi2;
     const bool by_chi2 = other.chi2 + obvious < declared.chi2;

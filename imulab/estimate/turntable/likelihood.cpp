@@ -1,4 +1,4 @@
-// What an estimate says of effects, of those that it lacks too, and how probable its residuals are.
+// Estimates of effects, including effects that a fit lacks, and the probability of its residuals.
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/rig/table_readings.hpp"
@@ -15,7 +15,7 @@ VectorXd Estimator::effects(const VectorXd& readings) const {
   return error_gain_.bottomRows(source_sigma_.size() - table()) * (readings - expected_);
 }
 
-/// S - S E^T B E S, with B the inverse covariance of the readings less what the coefficients take of it.
+/// S - S E^T B E S, where B is the inverse covariance of the readings minus the part absorbed by the coefficients.
 MatrixXd Estimator::effects_covariance() const {
   const VectorXd variance = effects_sigma().cwiseAbs2();
   MatrixXd out = -error_gain_.bottomRows(variance.size()) * readings_by_effects() * variance.asDiagonal();

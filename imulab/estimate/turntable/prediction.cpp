@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// The kinds of error sources of a rig and a site, in the order in which a budget prints them.
+/// The kinds of error sources of a rig and a site, in the order of an error budget.
 constexpr std::array<std::pair<ErrorSource::Kind, const char*>, 7> table_sources{{{ErrorSource::Kind::orthogonality, "orthogonality"},
                                                                                   {ErrorSource::Kind::angle, "angle"},
                                                                                   {ErrorSource::Kind::zero, "zero"},
@@ -31,7 +31,7 @@ constexpr std::array<std::pair<ErrorSource::Kind, const char*>, 7> table_sources
                                                                                   {ErrorSource::Kind::latitude, "latitude"},
                                                                                   {ErrorSource::Kind::earth, "earth rate"}}};
 
-/// Holds that a turn's sum reaches into.
+/// Returns the holds that the sum of a turn extends into.
 std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
   std::vector<std::size_t> out;
   for (std::size_t hold = 0; hold < motion.holds(); ++hold) {
@@ -43,7 +43,7 @@ std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
   return out;
 }
 
-/// With effects the latitude is one of them.
+/// With effects, the latitude is one of them.
 TableMotion motion_of(const Plan& plan) {
   return {plan.parts, plan.rig, plan.effects && !plan.classical ? kernel::beside_effects(plan.site) : plan.site};
 }
@@ -60,13 +60,13 @@ Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
   return {motion, {}, {raw_density(plan.accel_noise.N, identity), raw_density(plan.gyro_noise.N, identity)}, options};
 }
 
-/// Variance of the coefficients from what a constant bias does to them, one column an axis.
+/// Returns the variance of the coefficients due to a constant bias, with one column of `by_axis` per axis.
 VectorXd of_turn_on(const Spread& turn_on, const Eigen::MatrixX3d& by_axis) {
   const VectorXd effect = turn_on.fixed ? VectorXd(by_axis.rowwise().sum().cwiseAbs2()) : VectorXd(by_axis.rowwise().squaredNorm());
   return effect * (turn_on.value * turn_on.value);
 }
 
-/// Variances of the best weights: with the table's errors in them, and one bias of a gyro throughout. NaN: not determined by them.
+/// Returns the variances for optimal weights, which include the table's errors, and one gyro bias throughout. NaN: not determined by them.
 VectorXd with_best_weights(Plan plan, const TableMotion& motion, const std::vector<CoefficientIndex>& coefficients) {
   plan.classical = false;
   const auto best = estimator_of(plan, motion).uncertainty({});
@@ -82,9 +82,9 @@ VectorXd with_best_weights(Plan plan, const TableMotion& motion, const std::vect
   return out;
 }
 
-/// The first-order variance by source. `stated`: the estimator's.
+/// Adds the first-order variance by source. `stated`: variances of the estimator.
 void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, const Estimator& estimator, const VectorXd& stated) {
-  const MatrixXd sensitivity = estimator.sensitivity({}, out.coefficients);  // exact, of the estimator
+  const MatrixXd sensitivity = estimator.sensitivity({}, out.coefficients);  // exact for the estimator
   const auto add = [&](std::string name, const VectorXd& variance) {
     if (variance.size() > 0 && variance.maxCoeff() == 0) return;
     out.sources.push_back(std::move(name));
@@ -118,8 +118,8 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
   const MatrixXd by_effect = sensitivity * estimator.readings_by_effects() * estimator.effects_sigma().asDiagonal();
   for (const kernel::EffectGroup& g : estimator.effect_groups())
     add(std::string(g.effect->name), by_effect.middleCols(g.first, g.size).rowwise().squaredNorm());
-  // A coefficient that is asked for but not determined stays at its start, with an error as large as its prior. The covariance that the classical
-  // weights state does not include the table.
+  // A requested but undetermined coefficient keeps its start, with an error as large as its prior. The covariance stated with classical weights does
+  // not include the table.
   if (out.undetermined.empty()) return;
   const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity) - of_terms - by_effect.rowwise().squaredNorm();
   add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
@@ -179,7 +179,7 @@ Prediction predict(const Plan& plan) {
   out.second_order = second.covariance.diagonal().cwiseSqrt();
   out.sigma = (out.variance.rowwise().sum() + out.second_order.cwiseAbs2()).cwiseSqrt();
   out.degrees_of_freedom = VectorXd::Constant(out.sigma.size(), estimator.degrees_of_freedom());
-  // The estimate is generalized least squares: by default it reaches the bound.
+  // The estimate is generalized least squares, which by default attains the bound.
   out.cramer_rao = plan.classical ? VectorXd(with_best_weights(plan, motion, out.coefficients).cwiseSqrt()) : out.first_order();
   return out;
 }
@@ -196,7 +196,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const auto values = [&](const VectorXd& columns) { return coefficient_values(backward(columns), coefficients); };
   const VectorXd bias = estimator.second_order({}, coefficients).bias;
 
-  constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
+  constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps 1 kB of each part
   const std::uint64_t block = least_block * std::max<std::uint64_t>(1, (runs + least_block * most_parts - 1) / (least_block * most_parts));
   SharedWork blocks{.count = static_cast<std::size_t>((runs + block - 1) / block), .work = {}, .take = {}};
   blocks.work = [&](std::size_t b) {
@@ -211,7 +211,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
     return bytes_of(sum.data(), static_cast<std::size_t>(sum.size()));
   };
   Moments mean = Moments::Zero(n, 3);
-  blocks.take = [&](std::size_t, const std::string& bytes) {  // in order: the same bits on any number of threads
+  blocks.take = [&](std::size_t, const std::string& bytes) {  // in order, for bit-identical results with any number of threads
     Moments sum(n, 3);
     read_numbers(bytes, sum.data(), static_cast<std::size_t>(sum.size()));
     mean += sum;

@@ -1,4 +1,4 @@
-// A calibration states the uncertainties that were predicted of it.
+// A calibration states its predicted uncertainties.
 #include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 
@@ -10,7 +10,7 @@
 namespace imulab::turntable {
 namespace {
 
-/// Covariance of dM M^-1 in place of the matrices M, and of nonlinearity of calibrated readings: as of a unit with an ideal matrix.
+/// Returns the covariance of dM M^-1 instead of the matrices M, and of nonlinearity of calibrated readings: as for a unit with an ideal matrix.
 Eigen::MatrixXd as_of_an_ideal_unit(const Calibration& c) {
   const auto n = static_cast<Eigen::Index>(c.estimated.size());
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(n, n);
@@ -27,7 +27,7 @@ Eigen::MatrixXd as_of_an_ideal_unit(const Calibration& c) {
   return map * c.covariance * map.transpose();
 }
 
-/// With these terms named; none: with all that an IMU may have.
+/// Compares the uncertainties with these terms named; if there are none, with all optional terms.
 void expect_stated(const std::vector<Step>& steps, const std::vector<CoefficientIndex>& terms) {
   Plan plan;
   plan.rig = table_of(2 * unit::arcsec);
@@ -38,7 +38,7 @@ void expect_stated(const std::vector<Step>& steps, const std::vector<Coefficient
   plan.terms = terms;
   ImuDeclaration imu = table_imu();
   if (terms.empty()) {
-    imu.grade = "tactical";  // whose priors do not depend on the drawn offsets
+    imu.grade = "tactical";  // its priors do not depend on the drawn offsets
     EstimatorOptions asked;
     asked.terms = chosen_coefficients({}, "m/s^2", "rad/s");
     asked = with_optional_terms(asked, imu);
@@ -51,13 +51,13 @@ void expect_stated(const std::vector<Step>& steps, const std::vector<Coefficient
       run_of(steps, plan.rig, 5, 1, motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), 5, "table")));
   CalibrationOptions options;
   options.terms = terms;
-  options.effects = false;  // nor does the plan have them
+  options.effects = false;  // the plan has no effects either
   const Calibration stated = calibrate(run.seen, plan.rig, imu, plan.site, options);
   ASSERT_EQ(stated.estimated, predicted.coefficients);
   const Eigen::MatrixXd covariance = as_of_an_ideal_unit(stated);
   const Eigen::VectorXd sigma = predicted.sigma;
   for (Eigen::Index i = 0; i < sigma.size(); ++i)
-    // They are linearized at different places: table errors of 1e-5 as found, misalignments of 1e-3 of the unit between sigmas of 0.1 and 10 ppm.
+    // They are linearized at different points: at estimated table errors of 1e-5, and misalignments of 1e-3 with sigmas between 0.1 and 10 ppm.
     EXPECT_NEAR(std::sqrt(covariance(i, i)) / sigma[i], 1, 0.01) << coefficient(stated.estimated[static_cast<std::size_t>(i)]).name;
 }
 

@@ -19,7 +19,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// A navigation-grade unit on this table.
+/// Returns a navigation-grade unit on this table.
 Plan plan_by_steps(const std::vector<Step>& steps, double table_sigma) {
   Plan plan;
   plan.rig = table_of(table_sigma);
@@ -34,7 +34,7 @@ Plan plan_by_steps(const std::vector<Step>& steps, double table_sigma) {
 
 std::vector<CoefficientIndex> linear() { return select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}); }
 
-/// A standard procedure, by its own declarations but for the table's accuracy and the grade, with these terms; none: with all that an IMU may have.
+/// Returns a standard procedure with its own declarations except table accuracy and grade, with these terms; if there are none, all optional terms.
 Plan standard(Session session, double table_sigma, const char* grade = "navigation", const std::vector<CoefficientIndex>& terms = linear()) {
   RigDeclaration& rig = session.rigs.front();
   rig.angle.value = rig.orthogonality.value = rig.zero.value = table_sigma;
@@ -47,7 +47,7 @@ Plan zhang(double table_sigma, const char* grade = "navigation", const std::vect
 
 std::string name_of(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
-/// Every coefficient's sigma in closed form is that of 20,000 calibrations.
+/// Compares every coefficient's closed-form sigma with that of 20,000 calibrations.
 void expect_agreement(const Plan& plan, std::size_t coefficients) {
   const Prediction closed = predict(plan);
   const MonteCarloResult sampled = monte_carlo(plan, 20000, 1);
@@ -69,8 +69,8 @@ void expect_agreement(const Plan& plan, std::size_t coefficients) {
 TEST(TurntablePrediction, AgreesWithMonteCarloOnZhangsProcedure) { expect_agreement(zhang(2 * unit::arcsec), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAPathOfQuarterTurns) { expect_agreement(standard(cheng_path_procedure({}), unit::deg / 60), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAnOddProcedure) { expect_agreement(plan_by_steps(odd_steps(), 20 * unit::arcsec), 24); }
-/// Sums of squares would lose what the noise, a millionth of the table's errors, alone limits. A tenth of the noise is a tenth of those
-/// uncertainties, and leaves those that the table limits as they are.
+/// Sums of squares would lose results limited only by noise of a millionth of the table's errors. A tenth of the noise gives a tenth of these
+/// uncertainties, and does not change those that the table limits.
 TEST(TurntablePrediction, KeepsItsDigitsWithNoiseAMillionthOfTheTablesErrors) {
   const auto sigma_with = [](double accel, double gyro) {
     Plan plan = zhang(20 * unit::arcsec);
@@ -87,7 +87,7 @@ TEST(TurntablePrediction, KeepsItsDigitsWithNoiseAMillionthOfTheTablesErrors) {
     const double ratio = quiet[i] / usual[i];
     if (name.find("offset") != std::string::npos)
       EXPECT_NEAR(ratio, 0.1, 5e-3) << name << ": the table's share of the variance is 1e-3 of it";
-    else if (name != "gyro.matrix.xx" && name != "gyro.matrix.yy" && name != "gyro.matrix.zz")  // the noise and the table's times
+    else if (name != "gyro.matrix.xx" && name != "gyro.matrix.yy" && name != "gyro.matrix.zz")  // the noise and the table's timing limit these
       EXPECT_NEAR(ratio, 1, 1e-5) << name;
   }
 }
@@ -97,7 +97,7 @@ TEST(TurntablePrediction, AgreesWithMonteCarloWithGSensitivity) {
   expect_agreement(zhang(60 * unit::arcsec, "mems", terms), 33);
 }
 
-/// Terms that an IMU may have are drawn from their priors: those that the readings show, those that they hardly show, and those that they do not.
+/// Terms are drawn from their priors: observable, weakly observable and unobservable ones.
 TEST(TurntablePrediction, AgreesWithMonteCarloWithDrawnTerms) {
   expect_agreement(zhang(2 * unit::arcsec, "navigation", {}), 45);
   expect_agreement(zhang(2 * unit::arcsec, "mems", {}), 45);
@@ -110,14 +110,14 @@ TEST(TurntablePrediction, AgreesWithMonteCarloWithClassicalWeights) {
   expect_agreement(plan, 24);
 }
 
-/// Largest share of a source in any coefficient's variance.
+/// Returns the largest fraction of a source in any coefficient's variance.
 double largest_share(const Prediction& p, const char* source) {
   const auto found = std::find(p.sources.begin(), p.sources.end(), source);
   if (found == p.sources.end()) return 0;
   return p.variance.col(found - p.sources.begin()).cwiseQuotient(p.first_order().cwiseAbs2()).maxCoeff();
 }
 
-/// Classical weights: the default finds the latitude from the holds, and nothing of it is left.
+/// Classical weights are used: the default finds the latitude from the holds, which leaves no effect of it.
 TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBiases) {
   std::vector<Step> steps = odd_steps();
   for (const auto& [middle, inner] : {std::pair{90.0, 0.0}, {-90.0, 0.0}, {0.0, 0.0}, {180.0, 0.0}, {0.0, 90.0}, {0.0, -90.0}}) {  // away from turns
@@ -148,7 +148,7 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
     const auto stated = estimator.uncertainty({});
     const Prediction p = predict(plan);
     ASSERT_EQ(p.coefficients, stated.stated);
-    for (Index i = 0; i < p.variance.rows(); ++i)  // rounding: weights over eight orders
+    for (Index i = 0; i < p.variance.rows(); ++i)  // rounding of weights over eight orders
       EXPECT_NEAR(p.variance.row(i).sum() / stated.covariance(i, i), 1, 1e-6) << name_of(p.coefficients[static_cast<std::size_t>(i)]);
   }
 }
@@ -172,7 +172,7 @@ TEST(TurntablePrediction, ATurnOnBiasAddsItsSquareToTheOffsets) {
   Plan plan = zhang(2 * unit::arcsec);
   const Prediction without = predict(plan);
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
-  plan.accel_noise.turn_on = {20 * unit::ug, true};  // known in size and sign, not to the calibration
+  plan.accel_noise.turn_on = {20 * unit::ug, true};  // size and sign are constant but unknown to the calibration
   const Prediction with = predict(plan);
   ASSERT_EQ(with.coefficients, without.coefficients);
   EXPECT_EQ(with.sources.size(), without.sources.size() + 2);
@@ -181,7 +181,7 @@ TEST(TurntablePrediction, ATurnOnBiasAddsItsSquareToTheOffsets) {
     const Coefficient& c = coefficient(with.coefficients[k]);
     const double bias = c.triad == Triad::gyro ? plan.gyro_noise.turn_on.value : plan.accel_noise.turn_on.value;
     const double added = with.variance.row(i).sum() - without.variance.row(i).sum(), before = without.variance.row(i).sum();
-    // Rounding of differences: 1e-12 of what is there, 1e-6 of the square as weights span eight orders.
+    // Rounding of differences: 1e-12 of the variance, and 1e-6 of the square because weights span eight orders.
     EXPECT_NEAR(added, c.term == Term::offset ? bias * bias : 0, 1e-12 * before + 1e-6 * (c.term == Term::offset ? bias * bias : 0)) << c.name;
     EXPECT_EQ(with.second_order[i], without.second_order[i]) << c.name;
   }

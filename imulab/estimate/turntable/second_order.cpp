@@ -9,16 +9,16 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// With d the table's errors, d^ what is found of them, dv the first-order errors of the forward model's columns, t the truth, J and T its first and
-/// second derivatives by d and M the model, linearized readings depart from a linear model by
+/// Let d be the table's errors, d^ their estimates, dv the first-order errors of the forward model's columns, t the truth, J and T its first and
+/// second derivatives by d, and M the model. Linearized readings differ from a linear model by
 ///   q = M (T(d, d) - T(d^, d^)) / 2 - dM J d^
-/// and a coefficient c(v) departs by  c' gain q + c''(dv, dv) / 2: a quadratic form of normal variables, z^T Q z / 2 with z = (d, d^, dv).
+/// and a coefficient c(v) by  c' gain q + c''(dv, dv) / 2: a quadratic form of normal variables, z^T Q z / 2 with z = (d, d^, dv).
 Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
   const Index sources = table(), size = 2 * sources + Forward::all;
   MatrixXd column_gain = MatrixXd::Zero(Forward::all, motion_.rows());
   column_gain(known_, Eigen::all) = gain_;
 
-  // Covariance of z: its parts by the table's errors themselves and by what else the readings have, the noise and the effects.
+  // The covariance of z has a part from the table's errors, and a part from noise and effects.
   const MatrixXd by_effects = readings_by_effects() * effects_sigma().asDiagonal();
   MatrixXd by_errors(size, sources), by_noise(size, motion_.rows());
   by_errors << MatrixXd::Identity(sources, sources), error_gain_.topRows(sources) * readings_by_table(), column_gain * readings_by_table();

@@ -1,4 +1,4 @@
-// The second order of a turntable estimate against the estimator itself: what its errors under mirrored draws have in common.
+// Compares the second order of a turntable estimate with the estimator: with the common part of its errors under mirrored draws.
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ VectorXd values_of(const SensorModel& model) {
   return v;
 }
 
-/// Six faces and a turn each way about each axis: few directions, so that all pairs of them can be tried.
+/// Returns six faces and a turn each way about each axis: so few directions that all pairs can be tested.
 std::vector<Step> short_procedure() {
   TableSteps steps;
   for (const RigAxis axis : {RigAxis::middle, RigAxis::outer, RigAxis::inner}) {
@@ -32,7 +32,7 @@ std::vector<Step> short_procedure() {
   return steps.steps();
 }
 
-/// With weights from the table's errors (the default) and from noise alone.
+/// Weights come from the table's errors (the default) or from noise alone.
 TEST(TurntableSecondOrder, IsThatOfTheEstimator) {
   const RigDeclaration rig = table_of(60 * unit::arcsec);
   const TableMotion motion(table_plan(short_procedure(), 0.05), rig, table_site());
@@ -45,7 +45,7 @@ TEST(TurntableSecondOrder, IsThatOfTheEstimator) {
     settings.table_errors = table_errors;
     const Estimator estimator(motion, truth, noise, settings);
     const auto second = estimator.second_order(truth, linear_terms());
-    // The directions of all independent normal draws, one sigma each: of the table, then of the noise.
+    // The directions are those of all independent normal draws, one sigma each: of the table, then of the noise.
     const Index sources = motion.sigma().size(), all = sources + motion.rows();
     const auto even = [&](const VectorXd& table, const VectorXd& white) {
       const auto estimate = [&](double sign) {
@@ -54,7 +54,7 @@ TEST(TurntableSecondOrder, IsThatOfTheEstimator) {
       };
       return VectorXd(0.5 * (estimate(1) + estimate(-1)));
     };
-    // Not exactly the truth: weights over eight orders leave 1e-9 of rounding along the rotations that a table with errors of 1 arcmin cannot show.
+    // The result is not exactly the truth: weights over eight orders leave errors of 1e-9 along rotations hidden by table errors of 1 arcmin.
     const VectorXd without = even(VectorXd::Zero(sources), VectorXd::Zero(motion.rows()));
     const auto along = [&](Index i, Index j) {
       VectorXd table = VectorXd::Zero(sources), white = VectorXd::Zero(motion.rows());
@@ -75,7 +75,7 @@ TEST(TurntableSecondOrder, IsThatOfTheEstimator) {
     for (Index i = 0; i < 24; ++i) {
       const std::string name(coefficient(linear_terms()[static_cast<std::size_t>(i)]).name);
       const double sigma = std::sqrt(variance[i]);
-      // Fourth order: 1e-7 of the second; rounding of W1 = 1 and of sums of 31 rad: 1e-14 of second orders of 1e-8; differences for T: 1e-8.
+      // The fourth order is 1e-7 of the second; rounding of W1 = 1 and sums of 31 rad is 1e-14 for second orders of 1e-8; differences for T: 1e-8.
       EXPECT_NEAR(second.bias[i] / sigma, bias[i] / sigma, 1e-4) << name << table_errors;
       EXPECT_NEAR(std::sqrt(second.covariance(i, i)) / sigma, 1, 1e-4) << name << table_errors;
     }

@@ -21,7 +21,7 @@ TableEffects on_motion(TableEffects effects, const TableMotion& motion, const Ta
       for (Index column = 0; column < size; ++column) {
         const OutputChange change = effects.table.columns()[static_cast<std::size_t>(column)].at(state);
         auto sum = effects.truth.col(column).segment<6>(static_cast<Index>(6 * part));
-        if (motion.is_hold(part)) sum.head<3>() += weight * change.force;  // turns are read by the gyros alone
+        if (motion.is_hold(part)) sum.head<3>() += weight * change.force;  // only gyros measure turns
         sum.tail<3>() += weight * change.rate;
       }
     }

@@ -1,4 +1,4 @@
-// What a unit on a turntable may do besides the sensor model (model/effects.hpp), as further sources of the readings beside the table's errors.
+// Effects of a unit on a turntable beyond the sensor model (model/effects.hpp), as sources of the readings in addition to the table's errors.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -10,22 +10,22 @@
 
 namespace imulab::turntable {
 
-/// A change of the unit or its mount, which lasts.
+/// A permanent change of the unit or its mount.
 struct UnitChange {
-  std::size_t step;                ///< before which it came
-  const Effect* effect = nullptr;  ///< what changed; null: all that can
+  std::size_t step;                ///< the change came before this step
+  const Effect* effect = nullptr;  ///< what changed; null: everything that can change
 };
 
 struct TableEffects {
-  kernel::Effects table;  ///< with their priors; by default none
+  kernel::Effects table;  ///< includes priors; empty by default
   std::optional<UnitChange> change;
-  Eigen::MatrixXd truth;  ///< change of the truth, as TableMotion has it, by c = 1 of each: six rows a part
+  Eigen::MatrixXd truth;  ///< change of the truth (see TableMotion) for c = 1 of each, six rows per part
 };
 
-/// All that a unit on a table can have, with their functions at the states of a motion: of a hold at its state, of a turn integrated along it.
+/// Returns all effects of a unit on a table, with their functions at the states of a motion: at the state of a hold, integrated along a turn.
 TableEffects table_effects(kernel::EffectSizes sizes, const TableMotion& motion, const TablePlan& plan, const Site& site,
                            const std::optional<UnitChange>& change = {});
-/// The same effects on another motion.
+/// Returns the same effects for another motion.
 TableEffects on_motion(TableEffects effects, const TableMotion& motion, const TablePlan& plan, const Site& site);
 
 }  // namespace imulab::turntable

@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 
 const kernel::EffectSizes mems_sizes{{}, {{"mems"}}};
 
-/// What each effect of c changes in the raw readings of a unit (a column each), sample by sample along the rig's motion: of each hold the means, of
-/// each turn the gyros' sum.
+/// Returns the change of a unit's raw readings due to each effect of c (a column each), sample by sample along the rig's motion: means of holds, and
+/// gyro sums of turns.
 MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, const SensorModel& unit, const kernel::Effects& effects,
                            const VectorXd& c, std::size_t changed_at) {
   constexpr double interval = 0.02;  // 1 deg of the fastest turn
@@ -49,7 +49,7 @@ MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, cons
     changes.fill(state, body.C_nb.transpose());
     state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
     state.play = play(truth.force);
-    state.changed = t > plan.steps[changed_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
+    state.changed = t > plan.steps[changed_at].start - 1 ? 1 : 0;  // the change precedes the step; a turn's sum includes 1 s of the rest before
     std::vector<OutputChange> change(groups);
     for (std::size_t g = 0; g < groups; ++g) {
       const kernel::EffectGroup& group = effects.groups()[g];
@@ -75,7 +75,7 @@ MatrixXd simulated_changes(const TablePlan& plan, const TableMotion& parts, cons
   return sum;
 }
 
-/// The columns of all effects against changes of simulated readings, each with its prior sigma and relative to its largest reading.
+/// Compares the columns of all effects with changes of simulated readings, each with its prior sigma and relative to its largest reading.
 TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
   const RigDeclaration rig = table_of(2 * unit::arcsec);
   const TablePlan plan = table_plan(odd_steps(), rig);
@@ -89,12 +89,12 @@ TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
   const RawNoise noise{raw_density(table_accel_noise, unit.accel.matrix), raw_density(table_gyro_noise, unit.gyro.matrix)};
   const Estimator estimator(motion, unit, noise, options);
   VectorXd c = effects.sigma();
-  for (const kernel::EffectGroup& g : effects.groups())  // all columns of an effect at once, by different sizes
+  for (const kernel::EffectGroup& g : effects.groups())  // all columns of an effect at once, with different sizes
     for (Index k = 0; k < g.size; ++k) c[g.first + k] *= 1 + 0.3 * static_cast<double>(k);
   const MatrixXd simulated = simulated_changes(plan, motion, unit, effects, c, changed_at);
   for (std::size_t i = 0; i < effects.groups().size(); ++i) {
     const kernel::EffectGroup& g = effects.groups()[i];
-    if (g.effect->name == "accel.rectification") continue;  // nothing shakes
+    if (g.effect->name == "accel.rectification") continue;  // there is no vibration
     const VectorXd simulated_change = simulated.col(static_cast<Index>(i));
     const VectorXd change = estimator.readings_by_effects().middleCols(g.first, g.size) * c.segment(g.first, g.size);
     for (const int kind : {0, 1, 2}) {  // means of accelerometers, of gyros, sums of turns
@@ -102,7 +102,7 @@ TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
       for (std::size_t part = 0; part < motion.parts(); ++part)
         if (motion.is_hold(part) != (kind == 2)) rows.segment<3>(motion.row(part) + (kind == 1 ? 3 : 0)).setOnes();
       const VectorXd expected = rows.cwiseProduct(simulated_change), error = rows.cwiseProduct(change) - expected;
-      // Sampling at 50 Hz: steps of a degree beside the play's turning points, and the ends of turns.
+      // Sampling at 50 Hz gives steps of a degree at turning points of the play and at ends of turns.
       EXPECT_LE(error.cwiseAbs().maxCoeff(), 2e-3 * expected.cwiseAbs().maxCoeff() + 1e-12) << g.effect->name << " " << kind;
     }
   }

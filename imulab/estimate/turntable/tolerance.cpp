@@ -17,10 +17,10 @@ using Eigen::Index;
 
 namespace {
 
-/// The factor that counts as perfect: a millionth of the table's errors or of the timing; a hundredth of the noise (weights need some) and of all.
+/// Returns the factor that counts as perfect: 1e-6 for table errors or timing, 1e-2 for noise (weights require some) and for all together.
 double perfect_factor(Knob knob) { return knob == Knob::table || knob == Knob::timing ? 1e-6 : 1e-2; }
 
-/// The declared sizes, or where there is none one that a factor can be found for.
+/// Replaces undeclared sizes by sizes that can be scaled.
 Plan with_something_to_scale(Plan plan) {
   const ErrorSizes declared = error_sizes(plan);
   if (declared.angle == 0 && declared.orthogonality == 0 && declared.zero == 0)
@@ -44,7 +44,7 @@ Tolerance search(const Plan& plan, Knob knob, const std::vector<Requirement>& re
   if (!out.shortfalls.empty()) return out;
   out.unlimited = missed(std::exp(high)).empty();
   if (out.unlimited) low = high;
-  // Uncertainties grow with every source, so the limit is where they cross it; 0.5 % is finer than any declaration.
+  // Uncertainties increase with every source, so the limit is a crossing; 0.5 % is finer than any declaration.
   while (high - low > 5e-3) {
     const double middle = 0.5 * (low + high);
     (missed(std::exp(middle)).empty() ? low : high) = middle;
@@ -54,7 +54,7 @@ Tolerance search(const Plan& plan, Knob knob, const std::vector<Requirement>& re
   return out;
 }
 
-/// The coefficient that misses a requirement by most; empty where all meet it.
+/// Returns the coefficient that misses a requirement by most; empty if all meet it.
 std::optional<Shortfall> shortfall(const Prediction& prediction, const Requirement& requirement) {
   std::optional<Shortfall> worst;
   for (const CoefficientIndex index : requirement.coefficients) {
@@ -104,7 +104,7 @@ ErrorSizes error_sizes(const Plan& plan) {
 }
 
 Plan scaled(Plan plan, Knob knob, double factor) {
-  const auto scale = [&](Spread& spread) {  // what is fixed is known, and no uncertainty
+  const auto scale = [&](Spread& spread) {  // a fixed error is known and adds no uncertainty
     if (!spread.fixed) spread.value *= factor;
   };
   if (knob == Knob::table || knob == Knob::all)
@@ -113,7 +113,7 @@ Plan scaled(Plan plan, Knob knob, double factor) {
   if (knob == Knob::imu || knob == Knob::all)
     for (NoiseModel* noise : {&plan.accel_noise, &plan.gyro_noise}) {
       noise->N *= factor;
-      noise->turn_on.value *= factor;  // a fixed one too: the calibration does not know it
+      noise->turn_on.value *= factor;  // including a fixed one, which the calibration does not know
     }
   plan.parts = table_plan(plan.parts.steps, plan.rig);
   return plan;
@@ -121,7 +121,7 @@ Plan scaled(Plan plan, Knob knob, double factor) {
 
 double largest_factor(const Plan& plan, Knob knob) {
   const ErrorSizes s = error_sizes(with_something_to_scale(plan));
-  // A declared size is used as it is, even beyond.
+  // A declared size is used as it is, even beyond these limits.
   const double table = std::max(1.0, 600 * unit::arcsec / std::max({s.angle, s.orthogonality, s.zero}));
   const double timing = std::max(1.0, std::min(10.0, 0.05 * shortest_hold(plan)) / s.timing), imu = 1e6;
   if (knob == Knob::all) return std::min({table, timing, imu});
@@ -140,7 +140,7 @@ Tolerance tolerance_alone(const Plan& plan, Knob knob, const std::vector<Require
   alone.site.given_gravity_sigma = 0;
   alone.site.latitude_sigma = 0;
   if (alone.effects) alone.effects->declared["site.latitude"] = alone.effects->declared["site.north"] = 0;
-  if (!alone.site.latitude) alone.site.latitude = 45 * unit::deg;  // any: Earth's rate is then known
+  if (!alone.site.latitude) alone.site.latitude = 45 * unit::deg;  // any latitude: the Earth's rate is then known
   return search(alone, knob, requirements);
 }
 
@@ -166,7 +166,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& options) {
   if (options.effects) plan.effects = kernel::effect_sizes(procedure);
   if (options.classical) plan = classical(std::move(plan));
   expect_estimated(options.requirements, plan);
-  const bool is_part = options.runs > 0 && options.sharing && options.sharing->part;  // of the Monte Carlo alone
+  const bool is_part = options.runs > 0 && options.sharing && options.sharing->part;  // part of the Monte Carlo only
   Prediction out = is_part ? Prediction() : predict(plan);
   out.warnings = plan.parts.warnings;
   const auto progress = [&](std::uint64_t done) {

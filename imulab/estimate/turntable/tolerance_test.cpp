@@ -44,7 +44,7 @@ TEST(Tolerance, OfWhatIsNotEstimatedIsRefused) {
   EXPECT_NO_THROW(expect_estimated(required, plan));
 }
 
-/// The tolerance is the limit: what it says meets the requirements, 1 % more does not (it is found within 0.5 %).
+/// The tolerance is the limit: its sizes meet the requirements, sizes 1 % larger do not (it is found within 0.5 %).
 TEST(Tolerance, AToleranceMeetsThemAndAPercentMoreDoesNot) {
   const Plan plan = short_plan(short_steps());
   const auto required =
@@ -55,7 +55,7 @@ TEST(Tolerance, AToleranceMeetsThemAndAPercentMoreDoesNot) {
     EXPECT_THAT(shortfalls(scaled(plan, knob, *t.factor), required), IsEmpty()) << to_string(knob);
     EXPECT_EQ(t.unlimited, *t.factor > 0.999 * largest_factor(plan, knob)) << to_string(knob);
     EXPECT_EQ(shortfalls(scaled(plan, knob, 1.01 * *t.factor), required).empty(), t.unlimited) << to_string(knob);
-    // The setting is what the factor makes of the plan.
+    // The sizes are those of the plan scaled by the factor.
     const double table = knob == Knob::table || knob == Knob::all ? *t.factor : 1, noise = knob == Knob::imu || knob == Knob::all ? *t.factor : 1;
     EXPECT_DOUBLE_EQ(t.sizes.angle, table * 20 * unit::arcsec);
     EXPECT_DOUBLE_EQ(t.sizes.gyro_noise, noise * plan.gyro_noise.N);
@@ -67,13 +67,13 @@ TEST(Tolerance, TolerancesFallWithWhatIsRequiredAndWithTheOtherErrors) {
   const auto loose = parse_requirements("gyro.matrix.off_diagonal <= 80 arcsec"),
              strict = parse_requirements("gyro.matrix.off_diagonal <= 40 arcsec");
   const double coarse = tolerance(plan, Knob::table, loose).factor.value(), fine = tolerance(plan, Knob::table, strict).factor.value();
-  EXPECT_NEAR(coarse / fine, 2, 0.1);                                                 // the table is nearly all of it
+  EXPECT_NEAR(coarse / fine, 2, 0.1);                                                 // the table dominates
   EXPECT_GT(tolerance_alone(plan, Knob::table, strict).factor.value(), 0.99 * fine);  // each found within 0.5 %
   const double noise = tolerance(plan, Knob::imu, strict).factor.value();
-  EXPECT_LT(tolerance(scaled(plan, Knob::imu, 0.9 * noise), Knob::table, strict).factor.value(), 0.9 * fine);  // most of the variance is used up
+  EXPECT_LT(tolerance(scaled(plan, Knob::imu, 0.9 * noise), Knob::table, strict).factor.value(), 0.9 * fine);  // uses up most of the variance
 }
 
-/// A requirement is met just where its limit is what the prediction reaches: the larger of u and U/2.
+/// A requirement is met if its limit equals the larger of predicted u and U/2.
 TEST(Tolerance, IsOfWhatTheWorstCoefficientReaches) {
   const Plan plan = short_plan(short_steps());
   const Prediction p = predict(plan);
@@ -87,7 +87,7 @@ TEST(Tolerance, IsOfWhatTheWorstCoefficientReaches) {
   ASSERT_THAT(shortfalls(plan, required), SizeIs(1));
   const double worst = shortfalls(plan, required)[0].sigma;
   EXPECT_GE(worst, sigma);
-  EXPECT_LT(worst, 1.1 * sigma);  // k/2 of 20 degrees of freedom
+  EXPECT_LT(worst, 1.1 * sigma);  // k/2 for 20 degrees of freedom
   required[0].limit = 1.000001 * worst;
   EXPECT_THAT(shortfalls(plan, required), IsEmpty());
   required[0].limit = 0.999999 * worst;
@@ -102,7 +102,7 @@ TEST(Tolerance, ThatGravityForbidsIsNotMetByAnyTable) {
     EXPECT_FALSE(t.factor) << to_string(knob);
     ASSERT_THAT(t.shortfalls, SizeIs(1)) << to_string(knob);
     EXPECT_EQ(t.shortfalls[0].source, "gravity");
-    EXPECT_GE(t.shortfalls[0].sigma, 3e-4 / 9.79);  // g's alone
+    EXPECT_GE(t.shortfalls[0].sigma, 3e-4 / 9.79);  // contribution of g alone
   }
   EXPECT_TRUE(tolerance_alone(plan, Knob::imu, required).factor);  // with g known, the unit decides
 }
@@ -118,7 +118,7 @@ TEST(Tolerance, OfACoefficientThatTheProcedureLeavesOpenIsNotMet) {
   EXPECT_FALSE(tolerance_alone(plan, Knob::imu, required).factor);
 }
 
-/// Errors that are known exactly are no uncertainty: nothing to scale, and where no error is left, 1 arcsec and 1 ms are.
+/// Exactly known errors are no uncertainty and are not scaled; if no error remains, 1 arcsec and 1 ms are scaled.
 TEST(Tolerance, WhatIsKnownOrNotDeclaredIsNotScaled) {
   Plan plan = short_plan(short_steps());
   plan.rig.orthogonality.fixed = true;
@@ -140,7 +140,7 @@ TEST(Tolerance, WhatIsKnownOrNotDeclaredIsNotScaled) {
   EXPECT_EQ(t.factor, tolerance(declared, Knob::table, required).factor);
 }
 
-/// Turns may be late by no more than what the holds' guard can take: 5 sigmas in a quarter of the shortest, which is of 20 s.
+/// The delay of turns is limited by the guard time of the holds: 5 sigmas in a quarter of the shortest hold, which lasts 20 s.
 TEST(Tolerance, TurnsAreNotTriedLaterThanTheHoldsAllow) {
   const Plan plan = short_plan(short_steps());
   EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::timing) * plan.rig.timing.value, 1.0);
@@ -148,14 +148,14 @@ TEST(Tolerance, TurnsAreNotTriedLaterThanTheHoldsAllow) {
   EXPECT_EQ(largest_factor(scaled(plan, Knob::timing, 1e4), Knob::timing), 1);
 }
 
-/// "All else perfect" has Earth's rate known too where the site has no latitude.
+/// "All else perfect" includes the Earth's rate, even if the site has no latitude.
 TEST(Tolerance, APerfectSiteHasALatitude) {
   Plan plan = short_plan(short_steps());
   plan.rig.timing.value = 0;
   const auto required = parse_requirements("gyro.offset <= 0.02 deg/h");
   const double known = tolerance_alone(plan, Knob::imu, required).factor.value();
   plan.site.latitude.reset();
-  EXPECT_NEAR(tolerance_alone(plan, Knob::imu, required).factor.value() / known, 1, 0.05);  // another latitude: 45 deg
+  EXPECT_NEAR(tolerance_alone(plan, Knob::imu, required).factor.value() / known, 1, 0.05);  // relative to another latitude, 45 deg
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ struct TriadView {
   const Vector3d& density;
   const Matrix3d& matrix;
 
-  /// Mean scale of readings in SI; none of counts.
+  /// Returns the mean scale of readings in SI; absent for counts.
   std::optional<double> scale() const { return unit == "count" ? std::nullopt : std::optional(std::cbrt(std::abs(matrix.determinant()))); }
 };
 
@@ -50,7 +50,7 @@ std::array<TriadView, 2> triads(const TableProblem& problem, const SensorModel& 
            {Triad::gyro, "gyros", seen.gyro_unit, imu.gyro_noise_density, seen.gyro_density, model.gyro.matrix}}};
 }
 
-/// Throws Error where a declared unit was mistaken for another.
+/// Throws Error if a declared unit was mistaken for another.
 void expect_units(const TableProblem& problem, const SensorModel& model) {
   for (const TriadView& view : triads(problem, model))
     if (const std::string_view looks = view.scale() ? kernel::mistaken_unit(view.triad, *view.scale()) : ""; !looks.empty())
@@ -58,7 +58,7 @@ void expect_units(const TableProblem& problem, const SensorModel& model) {
                               to_string(view.triad), *view.scale(), looks));
 }
 
-/// Throws Unsupported where a scale is more than 20 % off its declared unit.
+/// Throws Unsupported if a scale differs by more than 20 % from its declared unit.
 void expect_scales(const Calibration& calibration, const Recording& recording) {
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const TriadModel& model = triad_model(calibration.model, triad);
@@ -74,7 +74,7 @@ void check_noise(Findings& findings, const TableProblem& problem, const SensorMo
       kernel::check_declared_noise(findings, view.sensors, view.density.norm() / std::sqrt(raw_density(*view.declared_density, view.matrix).trace()));
 }
 
-/// The offset of a sensor from where its maker meant zero: of counts in offset binary, half of their range, a power of two.
+/// Returns the offset of a sensor from its intended zero: for counts in offset binary, half of their range, a power of two.
 Vector3d sensor_offset(const TriadModel& triad, std::string_view unit) {
   if (unit != "count") return triad.offset;
   Vector3d zero = -triad.matrix.inverse() * triad.offset;
@@ -84,7 +84,7 @@ Vector3d sensor_offset(const TriadModel& triad, std::string_view unit) {
   return triad.matrix * zero;
 }
 
-/// Wald's tests of the optional terms that are estimated: they only report.
+/// Returns Wald's tests of the estimated optional terms, for the report only.
 std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
   const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
   const VectorXd values = coefficient_values(fit.model, uncertainty.stated);
@@ -105,7 +105,7 @@ std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
   return tests;
 }
 
-/// Outliers are few. More than a tenth of the holds or of the turns may be the IMU after a change, which then has two calibrations.
+/// Doubts results with many outliers: more than a tenth of the holds or turns may follow a change of the IMU, which then has two calibrations.
 void doubt_many_dropped(Findings& findings, const Fit& fit) {
   const TableMotion& motion = fit.problem->motion;
   std::array<std::size_t, 2> all{}, dropped{};
@@ -117,7 +117,7 @@ void doubt_many_dropped(Findings& findings, const Fit& fit) {
       findings.add<Code::unit_changed>(dropped[kind], all[kind], kind == 1 ? "holds" : "turns");
 }
 
-/// Residuals against the declared noise and table.
+/// Compares the residuals with the declared noise and table.
 void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, const std::string& worst, bool by_size) {
   const int degrees_of_freedom = fit.estimator.degrees_of_freedom();
   if (degrees_of_freedom < 1) return;
@@ -133,14 +133,14 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
   }
 }
 
-/// What the readings show of the unit, by which its grade is told.
+/// Returns the observed properties of the unit that indicate its grade.
 kernel::SeenOfUnit seen_of(const TableProblem& problem, const SensorModel& model) {
   return kernel::seen_of_axes(kernel::output_sigma(model.accel.matrix, problem.seen.accel_density),
                               kernel::output_sigma(model.gyro.matrix, problem.seen.gyro_density), sensor_offset(model.accel, problem.seen.accel_unit),
                               sensor_offset(model.gyro, problem.seen.gyro_unit));
 }
 
-/// The effects with values and uncertainties, and what explains the contradictions that the verdict rests on.
+/// Adds the effects with values and uncertainties, and the causes of contradictions for the verdict.
 void add_effects(Calibration& calibration, Findings& findings, const Fit& last) {
   kernel::Effects effects = last.options.effects.table;
   effects.correct(last.estimator.effects(last.readings) - effects.value());
@@ -161,12 +161,12 @@ void add_effects(Calibration& calibration, Findings& findings, const Fit& last) 
   }
 }
 
-/// The options of a fit with all terms that an IMU may have, under their priors.
+/// Returns the options of a fit with all optional terms under their priors.
 EstimatorOptions all_terms(const Fit& free) {
   return with_optional_terms(free.options, kernel::of_likeliest_grade(free.problem->imu, seen_of(*free.problem, free.model)));
 }
 
-/// The fit with all terms that an IMU may have, and what explains the readings beyond the priors. `is_right`: the steps are.
+/// Returns the fit with all optional terms, and explanations of the readings beyond the priors. `is_right`: the steps are correct.
 Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, const CalibrationOptions& options, bool is_right) {
   EstimatorOptions all = options.terms.empty() ? all_terms(free) : free.options;
   all.all_optional = true;
@@ -181,7 +181,7 @@ Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, cons
   return out;
 }
 
-/// Model, covariance and residuals of a fit, with the bias of the second order taken out.
+/// Returns model, covariance and residuals of a fit, without the second-order bias.
 Calibration calibration_of(const Fit& fit) {
   const TableProblem& problem = *fit.problem;
   Calibration calibration;
@@ -251,7 +251,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
 
   const Fit last = explanation || cleaned.fit.log_probability() <= std::log(unlikely) ? enlarged(cleaned.fit) : cleaned.fit;
   Calibration calibration = calibration_of(last);
-  calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // against what is declared
+  calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // relative to the declarations
   if (options.terms.empty()) calibration.quality.term_tests = tests_of_terms(last, options.significance);
   Findings findings;
   for (const std::string& note : seen.notes) findings.add<Code::table_note>(note);

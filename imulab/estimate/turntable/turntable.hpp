@@ -8,8 +8,8 @@
 
 namespace imulab::turntable {
 
-/// Offsets and matrices in the table's frame, and g-sensitivity where the data show it. Throws Error for several recordings, where the session
-/// declares no turntable, its steps are wrong, or readings are in another unit than declared; Unsupported where nothing can be determined.
+/// Estimates offsets and matrices in the table's frame, and a significant g-sensitivity. Throws Error if there are several recordings, the session
+/// declares no turntable, its steps are wrong, or readings have another unit than declared; throws Unsupported if nothing can be determined.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 /// Calibrates observations in memory.
 Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,

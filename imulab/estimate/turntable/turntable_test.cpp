@@ -33,13 +33,13 @@ TEST(Turntable, KnownTableErrorsAreTakenOut) {
   const TableRun run = run_of(zhang_steps(), rig, 6, 0);
   const Calibration c = calibrate(run.seen, rig, table_imu(), table_site());
   for (const CoefficientIndex index : c.estimated) {
-    // Without noise and with known errors the truth comes back, to the rounding of sums of 31 rad in weights over eight orders.
+    // Without noise and with known errors, the result is the truth, except for rounding of sums of 31 rad with weights over eight orders.
     EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(run.truth, index), 1e-10) << coefficient(index).name;
   }
   EXPECT_EQ(c.frame, BodyFrame::rig);
 }
 
-// Errors of the table of an arcminute are not linear within noise of a thousandth of a navigation-grade unit's.
+// Table errors of an arcminute are nonlinear compared with a thousandth of a navigation-grade unit's noise.
 TEST(Turntable, NoiseFarBelowTheTablesErrorsConverges) {
   constexpr double less = 1e-3;
   const RigDeclaration rig = table_of(60 * unit::arcsec);
@@ -83,9 +83,9 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
   }
   run.seen.accel_unit = run.seen.gyro_unit = "count";
   const Calibration counts = calibrate(run.seen, table_of(2 * unit::arcsec), imu, table_site());
-  // Readings less their offset, about which the terms of second order are those of the SI readings.
+  // Subtract the offset from the readings; the second-order terms about it are those of the SI readings.
   const SensorModel centered = of_shifted_readings(counts.model, Vector3d::Constant(-32768), Vector3d::Constant(1000));
-  // 1e5 counts are 1 m/s^2: rounding of 1e6 counts is 1e-10 counts; what differs is the first pass's start, which the second forgets.
+  // 1e5 counts are 1 m/s^2, and rounding of 1e6 counts is 1e-10 counts; the remaining difference is the start of the first pass.
   EXPECT_LT((1e5 * centered.accel.matrix - si.model.accel.matrix).norm(), 1e-7);
   EXPECT_LT((1e7 * centered.gyro.matrix - si.model.gyro.matrix).norm(), 1e-7);
   EXPECT_EQ(counts.quality.unobservable, si.quality.unobservable);
@@ -93,7 +93,7 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
   EXPECT_EQ(counts.model.gyro.raw_unit, "count");
 }
 
-/// Its gyros see nothing of Earth's rate in minutes.
+/// Returns an IMU whose gyros do not resolve the Earth's rate in minutes.
 ImuDeclaration blind_imu() {
   ImuDeclaration imu;
   imu.accel_noise_density = 100 * unit::ug_per_sqrt_hz;
@@ -111,7 +111,7 @@ TEST(Turntable, WithoutTurnsTheGyroMatrixIsNamed) {
   EXPECT_EQ(c.quality.unobservable, matrix);
   EXPECT_LT((c.model.gyro.matrix - Matrix3d::Identity()).norm(), 1e-15);  // its start, inverted twice
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because 9 coefficients are not determined"));
-  // Navigation-grade gyros do tell it from Earth's rate, a thousand times worse than from turns.
+  // Navigation-grade gyros do determine it from the Earth's rate, a thousand times less accurately than from turns.
   const Calibration good = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
   EXPECT_THAT(good.quality.unobservable, IsEmpty());
   EXPECT_GT(*standard_uncertainty(good, coefficient_index("gyro.matrix.xx")), 1e-5);
@@ -137,13 +137,13 @@ TEST(Turntable, AWrongStepIsNamed) {
   EXPECT_EQ(good.quality.verdict, Verdict::good);
   const auto name_of = [&](const TablePart& part) { return step_name(run.seen.parts.steps[part.step], part.step); };
   TableRun bad = run;
-  bad.seen.readings[6 * 20 + 1] += 1e-3;  // ten times what 2 arcsec of the table explain
+  bad.seen.readings[6 * 20 + 1] += 1e-3;  // ten times the effect of a table error of 2 arcsec
   const Calibration c = calibrate(bad.seen, rig, table_imu(), table_site());
   const std::string name = name_of(run.seen.parts.holds[20]);
   EXPECT_THAT(c.quality.findings.warnings(), ElementsAre("dropped as an outlier: " + name));
   for (const CoefficientIndex index : c.estimated)
     EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(good.model, index)), *standard_uncertainty(c, index));
-  // A turn by half of what the step says.
+  // The turn is half of the declared one.
   bad = run;
   bad.seen.readings.segment<3>(static_cast<Eigen::Index>(6 * run.seen.parts.holds.size() + 3 * 3)) *= 0.5;
   EXPECT_THAT(calibrate(bad.seen, rig, table_imu(), table_site()).quality.findings.warnings(),
@@ -200,7 +200,7 @@ TEST(Turntable, GSensitivityIsEstimatedWhereItIs) {
   EXPECT_TRUE(c.quality.term_tests.front().kept);
   for (const CoefficientIndex index : c.estimated)
     EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(with, index)),
-              4.8 * *standard_uncertainty(c, index));  // 33: once in 20000
+              4.8 * *standard_uncertainty(c, index));  // 33 coefficients: p = 1/20000
 }
 
 TEST(Turntable, TermsThatTheDataCannotExcludeCount) {
@@ -212,7 +212,7 @@ TEST(Turntable, TermsThatTheDataCannotExcludeCount) {
   const std::vector<CoefficientIndex> linear = linear_terms();
   EXPECT_EQ(plain.estimated.size(), linear.size() + 12 + 9);
   EXPECT_THAT(plain.quality.unobservable, IsEmpty());
-  // Holds at one g up and down cannot tell a cubic term from the scale: it stays zero and counts in it.
+  // Holds at 1 g up and down do not separate a cubic term from the scale: it stays zero and enters its uncertainty.
   EXPECT_THAT(plain.quality.considered, Contains("accel.cubic.x"));
   EXPECT_EQ(plain.model.accel.cubic, Vector3d::Zero());
   CalibrationOptions alone = terms_alone;

@@ -1,4 +1,4 @@
-// Zhang 2010, table 1 (docs/evidence/papers/zhang2010.md): the printed errors of one simulated calibration against the distribution predicted for it.
+// Zhang 2010, table 1 (docs/evidence/papers/zhang2010.md): compares the printed errors of a simulated calibration with their predicted distribution.
 #include "imulab/coefficient.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -14,7 +14,7 @@
 namespace imulab::turntable {
 namespace {
 
-/// Section 3.1: the white noise is that of a position's mean of a minute. The constant of a run is taken out of the printed biases below.
+/// Section 3.1: the white noise is that of a position's one-minute mean. The constant of a run is removed from the printed biases below.
 Plan plan_of_table_1() {
   TableProcedureOptions options;
   options.latitude = 28 * unit::deg;
@@ -61,7 +61,7 @@ TEST(Zhang2010, ThePrintedErrorsOfTable1AreOneDrawOfOurs) {
   }
 }
 
-/// docs/evidence/papers/zhang2010.md: a turn's angle is off by its end error less its start error, shared by the turns there and back.
+/// docs/evidence/papers/zhang2010.md: the error of a turn's angle is its end error minus its start error, shared by the turns forward and back.
 TEST(Zhang2010, AnglesGiveAGyroScaleErrorOfRootSix) {
   const Prediction p = predict(plan_of_table_1());
   const auto row = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index("gyro.matrix.xx")) - p.coefficients.begin();

@@ -1,4 +1,4 @@
-// The turntable estimator against Zhang 2010: his formulas, and the closed form of their errors (docs/evidence/papers/zhang2010.md).
+// Compares the turntable estimator with Zhang 2010: his formulas, and the closed form of their errors (docs/evidence/papers/zhang2010.md).
 #include "imulab/earth.hpp"
 
 #include <Eigen/LU>
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Zhang's formulas (2010, eqs 6, 9, 10) on the readings of his procedure: three axes forward and back, then 24 positions.
+/// Applies Zhang's formulas (2010, eqs 6, 9, 10) to readings of his procedure: three axes forward and back, then 24 positions.
 SensorModel zhang_formulas(const TableObservations& seen, double gravity) {
   SensorModel model;
   Matrix3d sums;
@@ -44,7 +44,7 @@ SensorModel zhang_formulas(const TableObservations& seen, double gravity) {
   return model;
 }
 
-/// Only the 24 positions give Zhang's bias and accelerometers: the rests around the turns get no weight here.
+/// Only the 24 positions determine Zhang's bias and accelerometers: the rests around the turns get no weight here.
 std::vector<std::size_t> rests_of_turns(const TableObservations& seen) {
   std::vector<std::size_t> parts;
   for (std::size_t k = 0; k + 24 < seen.parts.holds.size(); ++k) parts.push_back(k);
@@ -72,14 +72,14 @@ TEST(Turntable, WithNoiseAloneItIsZhangsFormulas) {
     const double sigma = std::sqrt(uncertainty.covariance(static_cast<Index>(i), static_cast<Index>(i)));
     const double error = coefficient_value(ours, index) - coefficient_value(run.truth, index);
     const double difference = coefficient_value(ours, index) - coefficient_value(classical, index);
-    // Zhang leaves Earth's rate out of a turn's known rotation; in ours it is a lever of w_ie T / (2 pi n), 6e-4, for the sum of a pair.
+    // Zhang neglects the Earth's rate in the known rotation of a turn; here its lever is w_ie T / (2 pi n), 6e-4, for the sum of a pair.
     EXPECT_LT(std::abs(difference), 2e-3 * sigma) << coefficient(index).name;
     EXPECT_LT(std::abs(error), 4.5 * sigma);
   }
 }
 
 TEST(Turntable, TheTurnsAlsoTellTheBias) {
-  // With a bias common to holds and turns, the readings give one that averages over both.
+  // With a bias common to holds and turns, the estimate averages over both.
   const TableRun run = run_of(zhang_steps(), table_of(0, 0), 4, 1);
   EstimatorOptions settings;
   settings.terms = linear_terms();
@@ -90,11 +90,11 @@ TEST(Turntable, TheTurnsAlsoTellTheBias) {
     const Coefficient& c = coefficient(at_rest.stated[i]);
     const auto k = static_cast<Index>(i);
     const double ratio = std::sqrt(with_turns.covariance(k, k) / at_rest.covariance(k, k));
-    // White noise averages over all the time a bias is seen: 24 minutes of positions, 9 of rests and 18 of turning.
+    // White noise averages over the whole time in which a bias is observed: 24 min of positions, 9 of rests and 18 of turning.
     if (c.triad == Triad::gyro && c.term == Term::offset) {
       EXPECT_NEAR(ratio, std::sqrt(24.0 / (24 + 9 + 6 * 180.2 / 60)), 2e-2) << c.name;
     }
-    // The rests' means tell a little of the noise in the second of rest at each end of a sum; at most all of it goes.
+    // The rests' means determine little of the noise in the second of rest at each end of a sum; at most all of it is removed.
     if (c.triad == Triad::gyro && c.term == Term::matrix) {
       EXPECT_GT(ratio, std::sqrt(180.2 / 182.2)) << c.name;
       EXPECT_LT(ratio, 1) << c.name;
@@ -139,14 +139,14 @@ ClosedForm closed_form(const ConstantTableErrors& e) {
   return f;
 }
 
-/// v in east-north-up = P v in north-up-east.
+/// Returns P in v_enu = P v_neu, from north-up-east to east-north-up.
 Matrix3d to_enu() {
   Matrix3d p;
   p << 0, 0, 1, 1, 0, 0, 0, 1, 0;
   return p;
 }
 
-/// The unit whose errors the closed form predicts to first order, for a unit with this truth.
+/// Returns the unit whose first-order errors the closed form predicts for a unit with this truth.
 SensorModel predicted(const SensorModel& truth, const ConstantTableErrors& errors) {
   const ClosedForm f = closed_form(errors);
   const Matrix3d p = to_enu();
@@ -155,13 +155,13 @@ SensorModel predicted(const SensorModel& truth, const ConstantTableErrors& error
   SensorModel model = truth;
   model.gyro.matrix -= gyro * truth.gyro.matrix;
   model.accel.matrix -= accel * truth.accel.matrix;
-  // Zhang's biases are minus ours: error of w0 = w_ie sin L (...) / 3 - Dg w0.
+  // Zhang's biases have the opposite sign: error of w0 = w_ie sin L (...) / 3 - Dg w0.
   model.gyro.offset -= earth_rate * std::sin(*table_site().latitude) * bias + gyro * truth.gyro.offset;
   model.accel.offset -= 9.79 * bias + accel * truth.accel.offset;
   return model;
 }
 
-/// Differences of estimate and closed form in groups: gyro matrix, accelerometer matrix, gyro bias over Earth's rate, accelerometer bias over g.
+/// Returns groups of differences from the closed form: gyro matrix, accelerometer matrix, gyro bias / Earth's rate, accelerometer bias / g.
 std::array<double, 4> misfit(const ConstantTableErrors& errors) {
   RigDeclaration rig = table_of(0);
   const TablePlan plan = table_plan(zhang_steps(), 0);
@@ -179,7 +179,7 @@ ConstantTableErrors scaled(ConstantTableErrors errors, double factor) {
   return errors;
 }
 
-/// All nine together, then each alone: what is left falls fourfold when the errors are halved, so the first order is the closed form's.
+/// All nine errors together, then each alone: halving the errors reduces the remainder to a quarter, so the first order is that of the closed form.
 TEST(Turntable, WithoutNoiseItsErrorIsTheClosedForm) {
   const double e = 1e-3;  // 3.4 arcmin: the second order, 1e-6, is far above rounding, and the third, 1e-9, far below
   std::vector<ConstantTableErrors> cases(10);
@@ -189,9 +189,9 @@ TEST(Turntable, WithoutNoiseItsErrorIsTheClosedForm) {
     const auto whole = misfit(errors), half = misfit(scaled(errors, 0.5));
     for (std::size_t group = 0; group < 4; ++group) {
       EXPECT_LT(whole[group], 5 * e * e) << group;  // a handful of products of two errors
-      // Below 1e-8 only third order and what Earth's rate in the turns' sums tells, 4e-8 of the first, are left.
+      // Below 1e-8, only the third order and the Earth's rate in the sums of turns, 4e-8 of the first order, remain.
       if (whole[group] < 1e-8) continue;
-      EXPECT_NEAR(whole[group] / half[group], 4, 0.1) << group;  // the third order is e of the second, a percent with its factors
+      EXPECT_NEAR(whole[group] / half[group], 4, 0.1) << group;  // the third order is e times the second, about a percent
     }
   }
 }
