@@ -112,9 +112,11 @@ std::string aids_section(const AidedNavigation& n) {
 std::string constants_section(const AidedNavigation& n) {
   Table t{.head = {"constant", "value", "u", "u before the data", "unit", "would show it"}, .rows = {}, .text_columns = true};
   for (const AidedConstant& c : n.constants) {
-    const UserUnit unit = unit_of_constant(c.name);
+    const ConstantQuantity& quantity = quantity_of_constant(c.name);
+    const UserUnit& unit = quantity.unit;
     t.rows.push_back({escaped(c.name), rounded_to(c.value / unit.size, c.sigma / unit.size), uncertainty_text(c.sigma / unit.size),
-                      uncertainty_text(c.prior / unit.size), escaped(readable_unit(unit.name)), c.undetermined() ? showing_manoeuvre(c.name) : ""});
+                      uncertainty_text(c.prior / unit.size), escaped(readable_unit(unit.name)),
+                      c.undetermined() ? std::string(quantity.manoeuvre) : ""});
   }
   return section("constants", "Sensors and aids",
                  "Errors of the calibrated output, lever arms, delays and mounting. The last column is of constants that this motion did not show.",

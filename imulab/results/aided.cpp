@@ -22,17 +22,6 @@ const AidedConstant* find_constant(const AidedNavigation& n, const std::string& 
 
 }  // namespace
 
-UserUnit unit_of_constant(const std::string& name) {
-  if (name.find("lever_arm") != std::string::npos || name.ends_with("height_level")) return {"m", 1};
-  if (name.find("mounting") != std::string::npos) return {"deg", unit::deg};
-  if (name.ends_with("delay")) return {"s", 1};
-  if (name.ends_with("drift") || name.ends_with("scale")) return {"ppm", unit::ppm};
-  if (name.starts_with("gyro.offset")) return {"deg/h", unit::deg_per_h};
-  if (name.starts_with("accel.offset")) return {"mg", 1e-3 * unit::g};
-  if (name.find("g_sensitivity") != std::string::npos) return {"deg/h/g", unit::deg_per_h / unit::g};
-  return {"ppm", unit::ppm};
-}
-
 std::vector<AidedAid> aided_aids(const AidedNavigation& n) {
   std::vector<AidedAid> out;
   for (const std::string& name : n.aids) {
@@ -86,24 +75,18 @@ std::string aided_headline(const AidedNavigation& n) {
 namespace {
 
 std::string constant_row(const AidedConstant& c) {
-  const UserUnit unit = unit_of_constant(c.name);
+  const UserUnit& unit = quantity_of_constant(c.name).unit;
   return fmt::format("  {:<26} {:>11.4g} {:>9.2g} {:<8}\n", c.name, c.value / unit.size, c.sigma / unit.size, unit.name);
 }
 
 std::string not_shown(const AidedNavigation& n) {
-  std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
-  for (const AidedConstant& c : n.constants) {
-    if (!c.undetermined()) continue;
-    const std::string manoeuvre = showing_manoeuvre(c.name);
-    const auto at = std::ranges::find(groups, manoeuvre, &std::pair<std::string, std::string>::first);
-    if (at == groups.end())
-      groups.emplace_back(manoeuvre, c.name);
-    else
-      at->second += ", " + c.name;
-  }
+  std::vector<std::string> undetermined;
+  for (const AidedConstant& c : n.constants)
+    if (c.undetermined()) undetermined.push_back(c.name);
   std::string text;
-  for (const auto& [manoeuvre, names] : groups)
-    text += text::wrapped("  ", names) + text::wrapped("    ", "would show: " + (manoeuvre.empty() ? "no motion" : manoeuvre));
+  for (const auto& [manoeuvre, names] : by_manoeuvre(undetermined))
+    text += text::wrapped("  ", fmt::format("{}", fmt::join(names, ", "))) +
+            text::wrapped("    ", fmt::format("would show: {}", manoeuvre.empty() ? "no motion" : manoeuvre));
   return text.empty() ? "" : "\nnot determined by this motion\n" + text;
 }
 

@@ -19,9 +19,6 @@ struct AidedSummary {
 };
 std::string aided_json(const std::string& session, const AidedNavigation& navigation);
 
-/// In which people read a constant of this name.
-UserUnit unit_of_constant(const std::string& name);
-
 /// What an aid turned out to be: absent values are not states of its kind.
 struct AidedAid {
   std::string name, kind;

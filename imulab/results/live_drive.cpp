@@ -44,13 +44,10 @@ std::vector<MissingCoefficients> missing_coefficients(const Calibration& calibra
   const std::map<CoefficientIndex, double> excesses = excesses_of(calibration, requirements);
   std::vector<std::pair<CoefficientIndex, double>> all(excesses.begin(), excesses.end());
   std::ranges::stable_sort(all, [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<std::string> names;
+  for (const auto& [index, excess] : all) names.emplace_back(coefficient(index).name);
   std::vector<MissingCoefficients> out;
-  for (const auto& [index, excess] : all) {
-    const std::string name(coefficient(index).name), shown_by = showing_manoeuvre(name);
-    auto group = std::ranges::find(out, shown_by, &MissingCoefficients::shown_by);
-    if (group == out.end()) group = out.insert(out.end(), {shown_by, {}});
-    group->coefficients.push_back(name);
-  }
+  for (auto& [manoeuvre, group] : by_manoeuvre(names)) out.push_back({std::string(manoeuvre), std::move(group)});
   return out;
 }
 

@@ -29,30 +29,20 @@ bool is_curvature(const std::string& constant) {
 }  // namespace
 
 void name_undetermined(const AidedNavigation& n, Quality& quality, kernel::Findings& findings) {
-  std::vector<std::pair<std::string, std::string>> groups;  // manoeuvre, names
+  std::vector<std::string> names;
   for (const AidedConstant& c : n.constants) {
-    if (!c.undetermined()) continue;
-    if (is_effect(c.name)) continue;
+    if (!c.undetermined() || is_effect(c.name)) continue;
     if (of_unit(c)) quality.considered.push_back(c.name);
-    if (is_curvature(c.name)) continue;
-    const std::string shown_by = showing_manoeuvre(c.name);
-    auto group = std::ranges::find(groups, shown_by, &std::pair<std::string, std::string>::first);
-    if (group == groups.end()) group = groups.insert(groups.end(), {shown_by, ""});
-    group->second += (group->second.empty() ? "" : ", ") + c.name;
+    if (!is_curvature(c.name)) names.push_back(c.name);
   }
-  for (const auto& [shown_by, names] : groups)
-    findings.add<Code::shown_by_no_motion>(Subject{names}, shown_by.empty() ? "" : "; shown by " + shown_by);
+  for (const auto& [manoeuvre, group] : by_manoeuvre(names))
+    findings.add<Code::shown_by_no_motion>(Subject{fmt::format("{}", fmt::join(group, ", "))},
+                                           manoeuvre.empty() ? "" : fmt::format("; shown by {}", manoeuvre));
 }
 
 std::string constant_text(const AidedConstant& c) {
-  const bool angle = c.name.find("mounting") != std::string::npos, relative = c.name.ends_with("drift") || c.name.ends_with("scale");
-  const double size = angle ? unit::deg : relative ? unit::ppm : 1;
-  return fmt::format("{} {:.4g} {} (u = {:.2g})", c.name, c.value / size,
-                     angle                       ? "deg"
-                     : relative                  ? "ppm"
-                     : c.name.ends_with("delay") ? "s"
-                                                 : "m",
-                     c.sigma / size);
+  const UserUnit& unit = quantity_of_constant(c.name).unit;
+  return fmt::format("{} {:.4g} {} (u = {:.2g})", c.name, c.value / unit.size, unit.name, c.sigma / unit.size);
 }
 
 namespace {

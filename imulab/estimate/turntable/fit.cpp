@@ -250,7 +250,8 @@ std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientI
     if (diagonal == Share::some || others == Share::some || (others == Share::all && diagonal == Share::none))
       throw TermsError(fmt::format("{0}.matrix in parts: the method turntable estimates all of it, or {0}.matrix.diagonal, or none", triad));
     if (unit == "count" && (share(triad + ".offset") == Share::none || diagonal == Share::none))
-      throw TermsError(fmt::format("without {0}.offset or {0}.matrix.diagonal: readings in counts have no bias and scale factor to start from", triad));
+      throw TermsError(
+          fmt::format("without {0}.offset or {0}.matrix.diagonal: readings in counts have no bias and scale factor to start from", triad));
   }
   for (const char* term : {"accel.offset", "gyro.offset", "gyro.g_sensitivity"})
     if (share(term) == Share::some) throw TermsError(fmt::format("{} in parts: the method turntable estimates all of it or none", term));

@@ -7,6 +7,7 @@
 
 #include "imulab/aid.hpp"
 #include "imulab/calibration.hpp"
+#include "imulab/coefficient.hpp"
 #include "imulab/finding.hpp"
 #include "imulab/navigate.hpp"
 #include "imulab/recording.hpp"
@@ -18,6 +19,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -29,8 +32,17 @@ struct AidedConstant {
   /// The data say less than the prior.
   bool undetermined() const { return sigma > 0.7 * prior; }
 };
-/// The manoeuvre that would show a constant of this name; empty where no motion does.
-std::string showing_manoeuvre(const std::string& constant);
+
+/// What all constants of one quantity have in common.
+struct ConstantQuantity {
+  std::string_view names;      ///< "gnss.lever_arm.right" matches "*.lever_arm.*"
+  UserUnit unit;               ///< in which people are told of it
+  std::string_view manoeuvre;  ///< the motion that would determine it; empty if none does
+};
+/// Returns the quantity of the constant of this name.
+const ConstantQuantity& quantity_of_constant(std::string_view name);
+/// Groups the names of constants by the manoeuvre that would determine them; groups and names keep their order.
+std::vector<std::pair<std::string_view, std::vector<std::string>>> by_manoeuvre(const std::vector<std::string>& names);
 
 /// The size of a source of noise: its variance over the stated or declared one.
 struct AidedFactor {

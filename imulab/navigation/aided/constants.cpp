@@ -1,59 +1,67 @@
 #include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/aided.hpp"
 #include "imulab/navigation/aided/setup.hpp"
+#include "imulab/units.hpp"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace imulab {
 
-std::string showing_manoeuvre(const std::string& c) {
-  if (c.ends_with("lever_arm.up")) return "roll or pitch: a slope, a bank, braking";
-  if (c.ends_with("lever_arm.right") || c.ends_with("lever_arm.forward")) return "turns in both directions";
-  if (c.ends_with("delay") || c.ends_with("drift")) return "changes of speed, and turns";
-  if (c.ends_with("mounting.pitch") || c.ends_with("mounting.yaw")) return "a straight drive at speed";
-  if (c == "gyro.matrix.zz") return "turns in both directions, of several full circles";
-  if (c.starts_with("gyro.matrix") && c.ends_with("z")) return "turns in both directions";
-  if (c.starts_with("gyro.matrix")) return "rotations about that axis: rolls and pitches of 30 deg and more, or turns by hand before the drive";
-  if (c.starts_with("gyro.g_sensitivity")) return "figure eights and braking; rests on several faces";
-  if (c == "accel.offset.z" || c == "accel.matrix.zz") return "rests upside down or on a side: level motion does not separate bias and scale factor";
-  if (c.starts_with("accel.offset")) return "the same road in both directions, figure eights";
-  if (c.starts_with("accel.matrix")) return "braking and turns in both directions; rests on several faces";
-  if (c.starts_with("gyro.offset")) return "a minute at rest";
-  if (c.ends_with("scale")) return "a straight drive at speed";
-  return "";
-}
-
-namespace aided {
 namespace {
 
-/// Names of a block's elements.
-std::vector<std::string> elements_of(const Problem& p, const StateBlock& b) {
-  constexpr std::array<const char*, 3> axes{"x", "y", "z"}, body{"right", "forward", "up"};
-  std::vector<std::string> out;
-  for (Eigen::Index k = 0; k < b.size; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (b.name.ends_with("matrix") || b.name.ends_with("g_sensitivity"))
-      out.push_back(fmt::format("{}.{}{}", b.name, axes[i % 3], axes[i / 3]));
-    else if (b.name.ends_with("offset"))
-      out.push_back(fmt::format("{}.{}", b.name, axes[i]));
-    else if (b.name.ends_with("lever_arm"))
-      out.push_back(fmt::format("{}.{}", b.name, body[i]));
-    else if (b.name.ends_with("mounting"))
-      out.push_back(fmt::format("{}.{}", b.name, i == 0 ? "pitch" : "yaw"));
-    else if (p.terms && b.first == p.terms_first)
-      out.push_back(p.terms->names[i]);
-    else if (b.name.ends_with("delay"))
-      out.push_back(i == 0 ? b.name : b.name + ".drift");
-    else
-      out.push_back(b.name);
-  }
-  return out;
+constexpr UserUnit metre{"m", 1}, degree{"deg", unit::deg}, second{"s", 1}, ppm{"ppm", unit::ppm}, gyro_bias{"deg/h", unit::deg_per_h},
+    accel_bias{"mg", 1e-3 * unit::g}, by_force{"deg/h/g", unit::deg_per_h / unit::g};
+constexpr std::string_view upside_down = "rests upside down or on a side: level motion does not separate bias and scale factor",
+                           turns = "turns in both directions", straight = "a straight drive at speed", speed = "changes of speed, and turns";
+
+/// The first that matches counts.
+constexpr std::array quantities{
+    ConstantQuantity{"gyro.offset.*", gyro_bias, "a minute at rest"},
+    ConstantQuantity{"accel.offset.z", accel_bias, upside_down},
+    ConstantQuantity{"accel.offset.*", accel_bias, "the same road in both directions, figure eights"},
+    ConstantQuantity{"gyro.matrix.zz", ppm, "turns in both directions, of several full circles"},
+    ConstantQuantity{"gyro.matrix.*z", ppm, turns},
+    ConstantQuantity{"gyro.matrix.*", ppm, "rotations about that axis: rolls and pitches of 30 deg and more, or turns by hand before the drive"},
+    ConstantQuantity{"accel.matrix.zz", ppm, upside_down},
+    ConstantQuantity{"accel.matrix.*", ppm, "braking and turns in both directions; rests on several faces"},
+    ConstantQuantity{"gyro.g_sensitivity.*", by_force, "figure eights and braking; rests on several faces"},
+    ConstantQuantity{"*.lever_arm.up", metre, "roll or pitch: a slope, a bank, braking"},
+    ConstantQuantity{"*.lever_arm.*", metre, turns},
+    ConstantQuantity{"*.height_level", metre, ""},
+    ConstantQuantity{"*.mounting.*", degree, straight},
+    ConstantQuantity{"*.delay", second, speed},
+    ConstantQuantity{"*.delay.drift", ppm, speed},
+    ConstantQuantity{"*.scale", ppm, straight},
+    ConstantQuantity{"*", ppm, ""},
+};
+
+/// A * of the pattern stands for any characters.
+bool matches(std::string_view pattern, std::string_view name) {
+  if (pattern.empty()) return name.empty();
+  if (pattern.front() != '*') return !name.empty() && pattern.front() == name.front() && matches(pattern.substr(1), name.substr(1));
+  return matches(pattern.substr(1), name) || (!name.empty() && matches(pattern, name.substr(1)));
 }
 
 }  // namespace
+
+const ConstantQuantity& quantity_of_constant(std::string_view name) {
+  return *std::ranges::find_if(quantities, [&](const ConstantQuantity& q) { return matches(q.names, name); });
+}
+
+std::vector<std::pair<std::string_view, std::vector<std::string>>> by_manoeuvre(const std::vector<std::string>& names) {
+  std::vector<std::pair<std::string_view, std::vector<std::string>>> groups;
+  for (const std::string& name : names) {
+    const std::string_view manoeuvre = quantity_of_constant(name).manoeuvre;
+    auto group = std::ranges::find_if(groups, [&](const auto& g) { return g.first == manoeuvre; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {manoeuvre, {}});
+    group->second.push_back(name);
+  }
+  return groups;
+}
+
+namespace aided {
 
 void use_factors(const AidedNavigation& out, Problem& p) {
   for (std::size_t k = 0; k < p.sources.size(); ++k) p.sources[k].factor = out.factors[k].factor * out.factors[k].lasting * out.factors[k].lasting;
@@ -65,10 +73,9 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
   std::vector<Eigen::Index> states;
   for (const StateBlock& b : p.blocks) {
     if (std::isfinite(b.time)) continue;
-    const std::vector<std::string> names = elements_of(p, b);
     for (Eigen::Index k = 0; k < b.size; ++k)
       if (const Eigen::Index at = b.first + k; b.prior[k] > 0) {
-        out.constants.push_back({names[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
+        out.constants.push_back({b.elements[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
         states.push_back(at);
       }
   }
@@ -79,7 +86,7 @@ void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start,
   const Eigen::Index size = p.size, sensors_end = p.sensors_end;
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(terms.sigma.size());
   p.terms = &terms;
-  p.terms_first = add_block(p, {.name = "terms", .size = zero.size(), .prior = terms.sigma, .walk = {}, .noise = {}});
+  p.terms_first = add_block(p, {.name = "terms", .elements = terms.names, .size = zero.size(), .prior = terms.sigma, .walk = {}, .noise = {}});
   p.sensors_end = p.size;
   const Eigen::MatrixXd joint = p.joint;
   if (joint.size() > 0) p.joint.conservativeResizeLike(Eigen::MatrixXd::Zero(p.size, p.size));

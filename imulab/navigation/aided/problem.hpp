@@ -36,6 +36,7 @@ struct NoiseSource {
 /// A group of states with a common law: x' = -x / time + u, u white. Infinite time and no walk: constants.
 struct StateBlock {
   std::string name;
+  std::vector<std::string> elements = {};  // full names of constants
   Eigen::Index first = -1, size = 0;
   Eigen::VectorXd prior;             // standard deviation at the start
   double time = INFINITY;            // correlation time [s]

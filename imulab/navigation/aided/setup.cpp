@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <span>
 #include <utility>
 
 namespace imulab::aided {
@@ -41,8 +42,24 @@ std::size_t add_source(Problem& p, std::string name) {
   return p.sources.size() - 1;
 }
 
-StateBlock constants(std::string name, const VectorXd& prior) {
-  return {.name = std::move(name), .size = prior.size(), .prior = prior, .walk = {}, .noise = {}};
+constexpr std::array axes{"x", "y", "z"}, lever_arms{"right", "forward", "up"};
+constexpr std::array angles{"pitch", "yaw"};
+
+/// Constants that have names of their own below that of the block.
+StateBlock constants(const std::string& name, const VectorXd& prior, std::span<const char* const> elements) {
+  StateBlock block{.name = name, .size = prior.size(), .prior = prior, .walk = {}, .noise = {}};
+  for (const char* element : elements) block.elements.push_back(name + "." + element);
+  return block;
+}
+
+StateBlock constant(const std::string& name, double prior) {
+  return {.name = name, .elements = {name}, .size = 1, .prior = VectorXd::Constant(1, prior), .walk = {}, .noise = {}};
+}
+
+/// Of a 3 x 3 matrix, column by column.
+StateBlock constants(const std::string& name, const Matrix3d& prior) {
+  constexpr std::array elements{"xx", "yx", "zx", "xy", "yy", "zy", "xz", "yz", "zz"};
+  return constants(name, Eigen::Map<const VectorXd>(prior.data(), 9), elements);
 }
 
 Index add_markov(Problem& p, const std::string& name, Index size, double sigma, double time) {
@@ -51,15 +68,12 @@ Index add_markov(Problem& p, const std::string& name, Index size, double sigma, 
       {.name = name, .size = size, .prior = VectorXd::Constant(size, sigma), .time = time, .sigma = sigma, .walk = {}, .noise = add_source(p, name)});
 }
 
-/// Column by column.
-VectorXd flat(const Matrix3d& m) { return Eigen::Map<const VectorXd>(m.data(), 9); }
-
 void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.size = At::sensors;
   p.gyro_source = add_source(p, "gyro"), p.accel_source = add_source(p, "accel");
   const FilterFlicker gyro(priors.gyro_flicker), accel(priors.accel_flicker);
   const auto offset = [&](const std::string& name, const Vector3d& prior, double K, const FilterFlicker& flicker) {
-    StateBlock block = constants(name + ".offset", prior);
+    StateBlock block = constants(name + ".offset", prior, axes);
     block.walk = Vector3d::Constant(std::hypot(K, flicker.walk)), block.noise = add_source(p, name + ".drift");
     return add_block(p, std::move(block));
   };
@@ -72,9 +86,9 @@ void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.gyro_white = priors.gyro_noise.unaryExpr([&](double N) { return std::hypot(N, gyro.white); });
   p.accel_white = priors.accel_noise.unaryExpr([&](double N) { return std::hypot(N, accel.white); });
   if (matrices) {
-    p.gyro_matrix = add_block(p, constants("gyro.matrix", flat(priors.gyro_matrix)));
-    p.accel_matrix = add_block(p, constants("accel.matrix", flat(priors.accel_matrix)));
-    p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", flat(priors.g_sensitivity)));
+    p.gyro_matrix = add_block(p, constants("gyro.matrix", priors.gyro_matrix));
+    p.accel_matrix = add_block(p, constants("accel.matrix", priors.accel_matrix));
+    p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", priors.g_sensitivity));
   }
   p.sensors_end = p.size;
   if (priors.covariance.size() == 0) return;
@@ -113,19 +127,23 @@ Eigen::Index add_slow(Problem& p, Channel& c, const std::string& name, Eigen::In
 
 void add_channel(Problem& p, const Aid& aid, const std::string& name) {
   Channel c{.name = name, .aid = aid};
-  const auto lever = [&] { c.lever = add_block(p, constants(name + ".lever_arm", Vector3d::Constant(aid.lever_arm_sigma.value_or(lever_sigma)))); };
-  const auto delay = [&] {
-    c.delay = add_block(
-        p, constants(name + ".delay",
-                     Eigen::Vector2d(aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : guessed_offset_sigma), clock_sigma)));
+  const auto lever = [&] {
+    c.lever = add_block(p, constants(name + ".lever_arm", Vector3d::Constant(aid.lever_arm_sigma.value_or(lever_sigma)), lever_arms));
   };
-  const auto mount = [&] { c.mount = add_block(p, constants(name + ".mounting", VectorXd::Constant(2, mount_sigma))); };
+  const auto delay = [&] {
+    const double sigma = aid.delay_sigma.value_or(aid.scale == TimeScale::recording ? delay_sigma : guessed_offset_sigma);
+    StateBlock block = constant(name + ".delay", sigma);
+    block.elements.push_back(name + ".delay.drift");
+    block.size = 2, block.prior = Eigen::Vector2d(sigma, clock_sigma);
+    c.delay = add_block(p, std::move(block));
+  };
+  const auto mount = [&] { c.mount = add_block(p, constants(name + ".mounting", VectorXd::Constant(2, mount_sigma), angles)); };
   switch (aid.kind) {
     case AidKind::gnss: {
       c.first_noise = add_source(p, name + ".position"), c.second_noise = add_source(p, name + ".velocity");
       lever(), delay();
       if (aid.record.position.empty()) break;
-      if (const double level = take_level(c.aid); level > 0) c.level = add_block(p, constants(name + ".height_level", VectorXd::Constant(1, level)));
+      if (const double level = take_level(c.aid); level > 0) c.level = add_block(p, constant(name + ".height_level", level));
       const double sigma = typical_position_sigma(c.aid);
       c.slow = add_slow(p, c, name + ".slow_error", 3, sigma, sigma < 0.1 ? 20 : 60);
       break;
@@ -138,7 +156,7 @@ void add_channel(Problem& p, const Aid& aid, const std::string& name) {
     case AidKind::wheels:
       c.first_noise = add_source(p, name);
       lever(), mount(), delay();
-      c.scale = add_block(p, constants(name + ".scale", VectorXd::Constant(1, scale_sigma)));
+      c.scale = add_block(p, constant(name + ".scale", scale_sigma));
       if (aid.correlation) c.slow = add_slow(p, c, name + ".slow_error", 1, value_sigma(aid, 0), *aid.correlation);
       break;
     case AidKind::barometer:
