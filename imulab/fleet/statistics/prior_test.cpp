@@ -82,7 +82,7 @@ TEST(FleetPrior, NeedsCoefficientsInCommon) {
   sample.values = sample.variances = Eigen::MatrixXd::Ones(units, std::ssize(sample.coefficients));
   for (Index unit = 0; unit < units; ++unit) sample.last.push_back(unit);
   const auto covariance = [&](Index) { return Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3)); };
-  EXPECT_THAT([&] { fleet_prior(sample, covariance); }, ThrowsMessage<Error>(HasSubstr("no offset and no matrix in common")));
+  EXPECT_THAT([&] { fleet_prior(sample, covariance); }, ThrowsMessage<Error>(HasSubstr("no bias and no matrix in common")));
 }
 
 TEST(FleetPrior, AUnitOfAnotherKindDoesNotTakeIt) {
