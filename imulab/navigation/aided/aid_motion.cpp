@@ -10,7 +10,7 @@
 namespace imulab::aided {
 
 bool shows_motion(const Aid& aid, std::size_t row, std::optional<Eigen::Vector3d>& first) {
-  constexpr double sigmas = 6, slow = 0.3, near = 3;  // m/s, m: besides
+  constexpr double sigmas = 6, slow = 0.3, near = 3;  // m/s, m: tolerances added to the sigmas
   const AidRecord& r = aid.record;
   if (aid.kind == AidKind::wheels) return std::abs(r.value[row]) > sigmas * value_sigma(aid, row) + slow;
   if (aid.kind != AidKind::gnss) return false;

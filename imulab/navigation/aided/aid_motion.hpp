@@ -1,4 +1,4 @@
-// Whether an IMU moves, as its receivers and wheels tell: a steady acceleration looks like a rest to it.
+// Detects from receivers and wheels whether an IMU moves: for the IMU, a steady motion resembles a rest.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -11,13 +11,13 @@
 
 namespace imulab::aided {
 
-/// A row says that it moves, by more than its sigmas let expect, or is elsewhere than `first`, the first position of all that are asked.
+/// Returns true if a row differs from rest by more than its sigmas allow, in velocity or from `first`, the first position of all tested rows.
 bool shows_motion(const Aid& aid, std::size_t row, std::optional<Eigen::Vector3d>& first);
 
-/// One of the aids that go with a recording moves between these stamps [s].
+/// Returns true if one of the aids of a recording moves between these stamps [s].
 bool any_moves(const std::vector<Aid>& aids, const std::string& recording, double begin, double end);
 
-/// The rests of a recording (rests_of) in which no aid moves.
+/// Returns the rests of a recording (rests_of) in which no aid moves.
 std::vector<Range> rests_in_place(const Recording& recording, const Session& session);
 
 }  // namespace imulab::aided

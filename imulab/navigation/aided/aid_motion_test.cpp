@@ -7,7 +7,7 @@
 namespace imulab::aided {
 namespace {
 
-// At rest for 10 s, then with a constant force, which an IMU does not tell from a rest.
+// The unit rests for 10 s, then moves with a constant force, which an IMU cannot distinguish from a rest.
 TEST(AidMotion, ASteadyAccelerationIsNoRest) {
   Aid receiver, wheels{.kind = AidKind::wheels};
   for (int t = 0; t <= 20; ++t) {

@@ -29,9 +29,9 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int fewest_passes = 3;                   // that may converge
-constexpr int widenings = 5;                       // for errors that last
-constexpr double settled_heading = 5 * unit::deg;  // of several starts: a smaller difference is within the sigma
+constexpr int fewest_passes = 3;                   // smallest number of passes that may converge
+constexpr int widenings = 5;                       // largest number of widenings for correlated errors
+constexpr double settled_heading = 5 * unit::deg;  // for several starts: smaller differences are within the sigma
 
 EpochStates epochs_of(const SmootherPass& smoothed) {
   EpochStates out;
@@ -39,8 +39,7 @@ EpochStates epochs_of(const SmootherPass& smoothed) {
   return out;
 }
 
-/// The smoothed trajectory as the next point of linearization: constants and offsets by their means, slow errors of aids at zero, in which all is
-/// linear.
+/// Returns the smoothed trajectory as the next linearization: constants and offsets at their means, slow errors of aids at zero (they are linear).
 AboutTrajectory about(const Problem& p, SmootherPass& smoothed) {
   VectorXd mean = VectorXd::Zero(p.size);
   for (const SmoothedNode& node : smoothed.nodes) mean += node.state.x / static_cast<double>(smoothed.nodes.size());
@@ -49,31 +48,31 @@ AboutTrajectory about(const Problem& p, SmootherPass& smoothed) {
   return {.at = trajectory_of(p, epochs_of(smoothed)), .x = std::move(mean), .weights = std::move(smoothed.weights)};
 }
 
-/// The state before a sample, from that after it.
+/// Returns the state before a sample from the state after it.
 NavigationState state_before(const Problem& p, std::size_t sample, const VectorXd& x, const NavigationState& after) {
   NavigationState out = after;
   for (int k = 0; k < 2; ++k) out = plus(out, minus(after, integrate(p, sample, sample + 1, {out, x}, false).end));
   return out;
 }
 
-/// A filter that begins long before its first fix linearizes about what it has drifted to by then: the smoothed trajectory from the fix on, carried
-/// back to the start. Empty where the filter finds its own.
+/// Returns a trajectory if the filter starts long before the first fix, because it would otherwise linearize about the drift until then: the smoothed
+/// trajectory from the fix on, integrated back to the start. Empty if the filter needs none.
 AboutTrajectory first_trajectory(const Problem& p, const FoundStart& start) {
   if (!start.at_fix) return {};
   SmootherPass smoothed = smooth(p, filter(p, *start.at_fix));
   AboutTrajectory out = about(p, smoothed);
   const std::size_t fix = start.at_fix->sample;
-  std::vector<NavigationState> back;  // from that before the fix to that at the start
+  std::vector<NavigationState> back;  // from the state before the fix to the start
   for (std::size_t i = fix; i-- > start.start.sample;) back.push_back(state_before(p, i, out.x, back.empty() ? out.at(fix) : back.back()));
   out.at = [fix, back = std::move(back), after = out.at](std::size_t samples) { return samples < fix ? back[fix - samples - 1] : after(samples); };
   return out;
 }
 
-/// What the filter says at its epochs, one after the other.
+/// The results of the filter at its epochs, in order.
 struct CausalPass {
   const Problem& p;
-  bool solution;            // then these are it:
-  EpochStates epochs = {};  // and their covariance
+  bool solution;            // `epochs` are the solution
+  EpochStates epochs = {};  // states of the filter
   std::vector<AidedCovariance> covariance = {};
   std::vector<AidedInnovation> innovations = {};
   std::vector<Withheld> withheld = {};
@@ -91,7 +90,7 @@ struct CausalPass {
       if (!e.rows.source.empty()) withheld.push_back({e.observation, e.rows.source.front(), e.innovation, e.innovation_variance});
     if (!solution) return;
     epochs.samples.push_back(node.samples), epochs.states.push_back(plus(node.reference, node.error));
-    if (!node.rows.empty()) covariance.push_back({p.time_after(node.samples), predicted});  // what grows until there
+    if (!node.rows.empty()) covariance.push_back({p.time_after(node.samples), predicted});  // includes the growth until that epoch
     covariance.push_back({p.time_after(node.samples), node.covariance.topLeftCorner<9, 9>()});
   }
 
@@ -106,7 +105,7 @@ struct CausalPass {
   }
 };
 
-/// After each sample from epoch k to the next one. The filter's are integrated from the epoch, and corrected at the next.
+/// Returns the states after each sample from epoch k to the next. The filter's states are integrated from the epoch and corrected at the next.
 std::vector<NavigationState> solution_between(const Problem& p, const EpochStates& epochs, std::size_t k, bool causal) {
   if (!causal) return states_between(p, epochs, k);
   std::vector<NavigationState> states;
@@ -137,7 +136,7 @@ void add_states(const Problem& p, const EpochStates& epochs, const AidedOptions&
     for (const NavigationState& state : solution_between(p, epochs, k, options.causal)) add(state);
 }
 
-/// Where no aid tells the position, a curved Earth is not linear in it, and no map needs it.
+/// Warns if no aid determines the position: the equations are nonlinear in it on a curved Earth, and the position is useless on a map.
 void judge_positions(AidedNavigation& out) {
   constexpr double lost = 1000;  // m
   std::vector<double> all;
@@ -188,7 +187,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
   AboutTrajectory trajectory = first_trajectory(p, start);
   FactorSearch search;
   const auto pass = [&](bool covariances) {
-    smoothed = {}, known.emplace(CausalPass{p, options.causal});  // one at a time in memory
+    smoothed = {}, known.emplace(CausalPass{p, options.causal});  // only one of them in memory at a time
     FilterPass filtered = filter(p, start.start,
                                  {.about = trajectory.at ? &trajectory : nullptr,
                                   .each = [&](const Transition*, const Matrix9& predicted, const Node& node) { known->add(predicted, node); }});
@@ -219,7 +218,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     add_constants(p, smoothed, out);
   if (!options.causal)
     for (const SmoothedNode& node : smoothed.nodes) out.covariance.push_back({p.time_after(node.samples), node.covariance});
-  // What was known at each time: of the last pass, too. A filter that linearizes about its own first states is too sure of its attitude.
+  // The covariance of a causal solution also comes from the last pass: a filter that linearizes about its own first states is overconfident.
   known->finish(out);
   if (start.spread > settled_heading)
     for (AidedCovariance& c : out.covariance) c.value(2, 2) += start.spread * start.spread;
@@ -251,7 +250,7 @@ AidedNavigation navigate_aided(const Calibration& calibration, const Session& se
 
 namespace {
 
-/// The epochs about a time, and how far it is from the first to the second. Of two of one time the first is that before an update.
+/// The epochs adjacent to a time, and the fraction of the way to the second. The first of two epochs at one time is before an update.
 struct Neighbors {
   const AidedCovariance &before, &after;
   double part = 0;

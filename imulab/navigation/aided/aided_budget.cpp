@@ -102,7 +102,7 @@ std::vector<CovariancePart> parts_of(const Problem& p, const FilterStart& start,
   return parts.all;
 }
 
-/// The filter's state of each of a budget's quantities, and its sign there: computed less true is what the filter would add, but for the attitude.
+/// The filter state for each quantity of a budget, and its sign: the state is what must be added to the computed value, except for the attitude.
 constexpr std::array<Index, budget_quantities> state_of{6, 7, 8, 3, 4, 5, 0, 1, 2};
 constexpr std::array<double, budget_quantities> sign_of{1, 1, 1, 1, 1, 1, -1, -1, -1};
 
@@ -119,7 +119,7 @@ SensorPriors priors_of(const ErrorSources& s) {
   return out;
 }
 
-/// An alignment's error counts as independent of the sensors' errors.
+/// Returns the attitude error at the start. The error of an alignment counts as independent of the sensors' errors.
 Vector3d attitude_at_start(const NavigationState& start, const ErrorSources& s, const SensorPriors& priors) {
   const StartErrors& e = s.start;
   if (!e.aligned_over) return {e.attitude[0].value, e.attitude[1].value, e.attitude[2].value};
@@ -132,7 +132,7 @@ Vector3d attitude_at_start(const NavigationState& start, const ErrorSources& s, 
   return out;
 }
 
-/// The times of the loss, and the aids with that outage.
+/// Returns the time of the loss, and adds this outage to the aids.
 Outage choose_loss(std::vector<Aid>& aids, const NominalMotion& motion) {
   const double begin = motion.time.front(), end = motion.time.back();
   Outage longest;
@@ -142,7 +142,7 @@ Outage choose_loss(std::vector<Aid>& aids, const NominalMotion& motion) {
       if (has_record(aid.kind) && inside.end - inside.begin > longest.end - longest.begin) longest = inside;
     }
   if (longest.end > longest.begin) return longest;
-  constexpr double usual = 600, part = 3;  // s; of the motion
+  constexpr double usual = 600, part = 3;  // s; fraction of the motion
   longest = {end - std::min(usual, (end - begin) / part), end};
   const bool receiver = std::ranges::any_of(aids, [](const Aid& a) { return a.kind == AidKind::gnss; });
   if (std::ranges::none_of(aids, [](const Aid& a) { return has_record(a.kind); }))
@@ -152,7 +152,7 @@ Outage choose_loss(std::vector<Aid>& aids, const NominalMotion& motion) {
   return longest;
 }
 
-/// Errors of aids are as their declarations say: white, or with a time of correlation mostly slow.
+/// Sets the errors of aids as declared: white, or mostly slow if a correlation time is given.
 void set_sizes(Problem& p) {
   for (const Channel& c : p.channels) {
     if (!has_record(c.aid.kind) || c.slow < 0) continue;
@@ -164,7 +164,7 @@ void set_sizes(Problem& p) {
   }
 }
 
-/// The aids whose outage it is, without all that they measure from then on, the fix at the outage's very end included.
+/// Returns the aids with this outage and withholds all their measurements from then on, including a fix at the end of the outage.
 AidLoss withhold_lost(Problem& p, const Outage& loss) {
   AidLoss out{loss.begin, {}};
   for (std::size_t k = 0; k < p.channels.size(); ++k) {
@@ -220,7 +220,7 @@ struct AidedOutputs {
 FilterStart start_of(const Problem& p, const NominalMotion& motion, const ErrorSources& sources, const SensorPriors& priors) {
   const Prior prior = prior_of(p);
   FilterStart out{.mean = {motion.states.front(), prior.mean}, .sigma = prior.sigma, .sample = 0};
-  for (const StateBlock& b : p.blocks) out.sigma.segment(b.first, b.size) = b.prior;  // what has no error is exact
+  for (const StateBlock& b : p.blocks) out.sigma.segment(b.first, b.size) = b.prior;  // states without an error are exact
   out.sigma.segment<3>(At::attitude) = attitude_at_start(motion.states.front(), sources, priors).cwiseAbs();
   for (Index k = 0; k < 3; ++k) {
     out.sigma[At::velocity + k] = std::abs(sources.start.velocity[static_cast<std::size_t>(k)].value);
@@ -248,7 +248,7 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   const AidLoss lost = withhold_lost(p, loss);
   const FilterStart start = start_of(p, motion, sources, priors);
   AboutTrajectory truth{.at = [&](std::size_t samples) { return motion.states[samples]; }, .x = start.mean.x, .weights = {}};
-  truth.weights.assign(p.observations.size(), Eigen::VectorXd::Ones(6));  // without data there is no suspect
+  truth.weights.assign(p.observations.size(), Eigen::VectorXd::Ones(6));  // without data there are no suspects
   SplitCovariance split(p, start);
   const std::vector<CovariancePart> parts = parts_of(p, start, sources);
   const std::vector<SensorState> sensors = sensor_states(p);

@@ -19,7 +19,7 @@ using motion::NominalMotion;
 constexpr double budget_step = 0.1;  // s
 constexpr Eigen::Index east = 0, north = 1, up_velocity = 5;
 
-/// At rest, or driving: accelerate, a turn, straight.
+/// Motions at rest, or driving: acceleration, a turn, straight.
 NominalMotion resting(double duration) {
   return nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::rest(duration)}, {.banks = false}), budget_step);
 }
@@ -29,7 +29,7 @@ NominalMotion driven_around() {
                         budget_step);
 }
 
-/// Fixes of this sigma, white, each second; lost from `lost` on.
+/// Returns a receiver with white fixes of this sigma each second until `lost`.
 Aid plain_receiver(const NominalMotion& motion, double sigma, double lost) {
   Aid aid{.scale = TimeScale::recording, .lever_arm_sigma = 0, .delay_sigma = 0};
   for (std::size_t i = 0; i < motion.time.size(); i += 10) {
@@ -63,8 +63,8 @@ ErrorSources offset_errors(double accel) {
   return s;
 }
 
-// A receiver without an error worth mentioning holds position and velocity: an accelerometer's noise then grows from zero, N t^1/2 in velocity and
-// N (t^3/3)^1/2 in position; the gyros' through the tilt of gravity, g N (t^3/3)^1/2 and g N (t^5/20)^1/2.
+// An almost error-free receiver fixes position and velocity. An accelerometer's noise then grows from zero: N t^1/2 in velocity and N (t^3/3)^1/2 in
+// position. The gyros' noise acts through the tilt of gravity: g N (t^3/3)^1/2 and g N (t^5/20)^1/2.
 TEST(AidedBudget, NoiseGrowsAsItsIntegralsAfterTheLoss) {
   const NominalMotion motion = resting(120);
   const double lost = 60, t = 60, accel = 1e-3, gyro = 1e-5;
@@ -75,7 +75,7 @@ TEST(AidedBudget, NoiseGrowsAsItsIntegralsAfterTheLoss) {
   EXPECT_EQ(b.loss->begin, lost);
   EXPECT_EQ(b.loss->aids, std::vector<std::string>{"gnss"});
   ASSERT_DOUBLE_EQ(b.time.back(), lost + t);
-  // The last fix is a second before the first that is lost: the noise has had 61 s, after a start with the little that fixes of a second leave.
+  // The last fix is a second before the first lost one: the noise has had 61 s, after a small start error due to fixes at intervals of a second.
   const double since = t + 1;
   EXPECT_NEAR(part_of_group(b, "accelerometer white noise", up_velocity, b.time.size() - 1), accel * std::sqrt(since),
               0.02 * accel * std::sqrt(since));
@@ -85,24 +85,24 @@ TEST(AidedBudget, NoiseGrowsAsItsIntegralsAfterTheLoss) {
   s.gyro_noise.N = gyro;
   b = aided_budget(motion, s, {plain_receiver(motion, 1e-6, lost)});
   const double tilted = 9.81 * gyro * std::sqrt(std::pow(since, 5) / 20);
-  EXPECT_NEAR(part_of_group(b, "gyro white noise", north, b.time.size() - 1), tilted, 0.05 * tilted);  // and the tilt that the fixes left
+  EXPECT_NEAR(part_of_group(b, "gyro white noise", north, b.time.size() - 1), tilted, 0.05 * tilted);  // includes the tilt that the fixes left
 }
 
-// Flicker of power B^2 / w is white noise u through B (j w)^-1/2, which is B (pi t)^-1/2 in time. Where all before the loss is seen, u makes from
-// then on a velocity with the standard deviation B t (2 / pi)^1/2 and a height with 2/3 B t^2 / pi^1/2.
+// Flicker of power B^2 / w is white noise u filtered by B (j w)^-1/2, in time B (pi t)^-1/2. If everything before the loss is observed, u then causes
+// a velocity with the standard deviation B t (2 / pi)^1/2 and a height with 2/3 B t^2 / pi^1/2.
 TEST(AidedBudget, FlickerGrowsAsItsSpectrumTells) {
   const NominalMotion motion = resting(360);
   const double lost = 300, t = 61, B = 1e-3;
   ErrorSources s = no_errors();
   s.accel_noise.B = B;
   const ErrorBudget b = aided_budget(motion, s, {plain_receiver(motion, 1e-6, lost)});
-  constexpr double of_filter = 0.11;  // as its Allan deviation
+  constexpr double of_filter = 0.11;  // as the Allan deviation of the filter's flicker
   const double velocity = B * t * std::sqrt(2 / std::numbers::pi), height = 2. / 3 * B * t * t / std::sqrt(std::numbers::pi);
   EXPECT_NEAR(part_of_group(b, "accelerometer flicker", up_velocity, b.time.size() - 1) / velocity, 1, of_filter);
   EXPECT_NEAR(part_of_group(b, "accelerometer flicker", up_velocity - 3, b.time.size() - 1) / height, 1, of_filter);
 }
 
-// Fixes as bad as none leave every source what it does without an aid, and an offset its 1/2 b t^2.
+// With fixes of negligible weight, every source has the same effect as without an aid, an offset 1/2 b t^2.
 TEST(AidedBudget, WithAVeryBadAidItIsTheBudgetWithoutOne) {
   const NominalMotion motion = driven_around();
   ErrorSources s = offset_errors(1e-3);
@@ -119,8 +119,8 @@ TEST(AidedBudget, WithAVeryBadAidItIsTheBudgetWithoutOne) {
     ASSERT_NE(found, aided.groups.end()) << c.name;
     for (const Eigen::Index q : {0, 1, 3, 4, 6, 7, 8}) {
       const double expected = c.sigma(q, end), size = c.sigma.col(end).segment<3>(q / 3 * 3).maxCoeff();
-      // The filter's transition leaves out derivatives of the Earth's rate and of the transport rate by place, and sums samples instead of blocks.
-      // Flicker has slow processes without end: the filter's are up to three weeks, the others up to 4^13 samples.
+      // The filter's transition neglects derivatives of Earth rate and transport rate by position, and sums samples instead of blocks. Flicker needs
+      // infinitely slow processes: the filter's extend to three weeks, the others to 4^13 samples.
       const double tolerance = c.name == "accelerometer flicker" ? 0.1 : 0.02;
       EXPECT_NEAR(found->sigma(q, found->sigma.cols() - 1), expected, tolerance * size) << c.name << ", quantity " << q;
     }
@@ -132,10 +132,10 @@ TEST(AidedBudget, AnUnseenOffsetGrowsWithTheSquareOfTheTime) {
   const ErrorBudget b = aided_budget(resting(T), offset_errors(offset), {plain_receiver(resting(T), 1e6, 30)});
   const double height = offset * T * T / 2;
   constexpr Eigen::Index up = 2;
-  EXPECT_NEAR(part_of_group(b, "accelerometer bias", up, b.time.size() - 1), height, 5e-3 * height);  // gravity's gradient adds 3e-6 T^2 / 12
+  EXPECT_NEAR(part_of_group(b, "accelerometer bias", up, b.time.size() - 1), height, 5e-3 * height);  // the gradient of gravity adds 3e-6 T^2 / 12
 }
 
-// The parts add up to the filter's covariance: shares to one, without a correlation.
+// The parts add up to the filter's covariance: fractions sum to one without correlations.
 TEST(AidedBudget, PartsAddUp) {
   const NominalMotion motion = driven_around();
   ErrorSources s = offset_errors(1e-2);

@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 
 constexpr double sample_interval = 0.02;  // s
 
-/// A drive with its truth and an IMU mounted off by some degrees; all errors are drawn.
+/// A drive with its truth and an IMU mounted with errors of several degrees; all errors are random.
 struct Drive {
   Session session;
   Recording recording;
@@ -128,8 +128,8 @@ double value_of(const AidedNavigation& n, const std::string& name, double truth,
   return NAN;
 }
 
-// Stated sigmas hold the errors: of position at 10 times a drive, of lever arms, delay and mounting. The receiver's stated sigma is wrong by a factor
-// of 1/2 to 2, which the estimate has to find.
+// Errors must agree with the stated sigmas: of the position 10 times per drive, and of lever arms, delay and mounting. The receiver's stated sigma is
+// wrong by a factor of 1/2 to 2, which must be estimated.
 TEST(Aided, StatedSigmasHoldTheErrors) {
   Coverage position, constants;
   double nees = 0;
@@ -152,14 +152,14 @@ TEST(Aided, StatedSigmasHoldTheErrors) {
     const Vector3d forward = d.mounted * Vector3d::UnitY();  // of the IMU in the vehicle's axes
     value_of(n, "vehicle.mounting.yaw", std::atan2(-forward.x(), forward.y()), constants);
   }
-  // Errors within a drive of 90 s are one or two values of the slow error: some 3 x 10 independent ones, of which 0.85 and less lie inside once in
-  // 50. The size of the slow error is estimated from as few values, and with it the NEES is F-like: its mean is n / (n - 2) with n of about 10.
+  // Errors in a drive of 90 s are one or two values of the slow error: about 3 x 10 independent ones, of which at most 0.85 are within the bound with
+  // p = 0.02. The size of the slow error is estimated from as few values, so the NEES is F-like with a mean of n / (n - 2), n of about 10.
   EXPECT_GE(position.part(), 0.85);
   EXPECT_NEAR(nees, 1.2, 0.6);
-  EXPECT_GE(constants.part(), 0.84);  // 0.95 of 50 independent ones: 0.84 once in 1000
+  EXPECT_GE(constants.part(), 0.84);  // 0.95 of 50 independent ones: 0.84 with p = 0.001
 }
 
-/// One row of every kind that measures, beside the drive's own aids.
+/// Returns one row of every kind that measures, in addition to the drive's own aids.
 std::vector<Aid> all_kinds(const Drive& d) {
   std::vector<Aid> aids = d.aids;
   for (const AidKind kind : {AidKind::wheels, AidKind::barometer, AidKind::heading, AidKind::zero_velocity}) {
@@ -171,17 +171,17 @@ std::vector<Aid> all_kinds(const Drive& d) {
   return aids;
 }
 
-// The rows' derivatives are the differences of what they compute, by every state.
+// The rows' derivatives must equal differences of their computed values, for every state.
 TEST(Aided, DerivativesAreThoseOfTheRows) {
   using namespace aided;
   const Drive d = drive_of(5);
   SensorPriors priors = sensor_priors(ideal(), d.session.imu);
-  priors.gyro_flicker = 1e-4, priors.accel_flicker = 1e-2;  // as a budget has them
+  priors.gyro_flicker = 1e-4, priors.accel_flicker = 1e-2;  // as in a budget
   const Problem p = make_problem(d.recording, priors, all_kinds(d), d.session, {});
   constexpr auto end = static_cast<std::size_t>(20 / sample_interval);  // in a turn
   FullState state{motion::navigation_state(d.motion.at(20)), prior_of(p).mean};
-  state.motion.velocity.z() = 0.7;      // the road is level, and a barometer sees no delay there
-  for (const StateBlock& b : p.blocks)  // within their priors, none of them zero
+  state.motion.velocity.z() = 0.7;      // the road is level, and a barometer is not sensitive to a delay there
+  for (const StateBlock& b : p.blocks)  // within their priors, all nonzero
     for (Eigen::Index k = 0; k < b.size; ++k) state.x[b.first + k] += b.prior[k] * (0.1 + 0.05 * static_cast<double>(k));
   const Instant at = instant_at(p, end, state);
   for (std::size_t channel = 0; channel < p.channels.size(); ++channel) {
@@ -194,7 +194,7 @@ TEST(Aided, DerivativesAreThoseOfTheRows) {
       const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(p.size, k);
       const auto residual = [&](double sign) { return observe(p, o, instant_at(p, end, plus(state, sign * step))).residual; };
       const Eigen::VectorXd difference = -(residual(1) - residual(-1)) / (2 * h);
-      // Left out: the curvature of the Earth over the hundred meters to a fix.
+      // The derivatives neglect the curvature of the Earth over the hundred meters to a fix.
       for (Eigen::Index i = 0; i < difference.size(); ++i)
         EXPECT_NEAR(rows.derivative(i, k), difference[i], 5e-5 * (1 + std::abs(difference[i]))) << c.name << ", row " << i << ", state " << k;
     }
@@ -213,19 +213,19 @@ TEST(Aided, RecordsMadeInMemoryAreChecked) {
   }
 }
 
-// What the motion does not show keeps its prior and is named.
+// Constants that the motion does not make observable keep their prior and are named.
 TEST(Aided, AParkedCarShowsLittle) {
   Drive d = drive_of(7);
   d.motion = motion::flight({48 * unit::deg, 0.2, 500, 0, 1}, {motion::rest(60)}, {.banks = false});
   d.aids = {receiver(d, RandomStream(7, "receiver"), 1)};
   for (Columns3* columns : {&d.recording.gyro, &d.recording.accel})
     for (auto& column : *columns) column.resize(static_cast<std::size_t>(9 / sample_interval));
-  d.recording.time_ns.resize(static_cast<std::size_t>(9 / sample_interval));  // at rest all of the time
+  d.recording.time_ns.resize(static_cast<std::size_t>(9 / sample_interval));  // at rest throughout
   const AidedNavigation n = navigate_aided(ideal(), d.session, d.recording, d.aids);
   EXPECT_TRUE(n.findings.doubtful());
   ASSERT_FALSE(n.findings.all().empty());
   EXPECT_THAT(n.findings.all().front(), HasSubstr("does not show the heading"));
-  EXPECT_GT(std::sqrt(n.covariance.back().value(2, 2)), 40 * unit::deg);  // any heading is possible: 104 deg where the likelihoods are equal
+  EXPECT_GT(std::sqrt(n.covariance.back().value(2, 2)), 40 * unit::deg);  // any heading is possible: 104 deg for equal likelihoods
   const auto unseen = [](const AidedConstant& c) {
     return c.name == "gnss.delay" || c.name == "gyro.matrix.zz" || c.name == "gnss.lever_arm.forward";
   };
@@ -243,7 +243,7 @@ TEST(Aided, WithheldTimesAreWithinTheirSigmas) {
   }
 }
 
-/// The largest error of a position over its sigma.
+/// Returns the largest position error divided by its sigma.
 double worst_ratio(const Drive& d, const AidedNavigation& n) {
   double worst = 0;
   for (std::size_t i = 0; i < n.solution.size(); i += 50) {
@@ -254,7 +254,7 @@ double worst_ratio(const Drive& d, const AidedNavigation& n) {
   return worst;
 }
 
-// Four sigmas and a half: one in 1e5, though a slow error of which a drive shows a value or two has a sigma that is itself uncertain.
+// 4.5 sigmas have p = 1e-5, although the sigma of a slow error with one or two values in a drive is itself uncertain.
 constexpr double falsely_sure = 4.5;
 
 TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
@@ -266,7 +266,7 @@ TEST(Aided, AReceiverThatHoldsItsLastPositionIsNotBelieved) {
   EXPECT_LT(worst_ratio(d, n), falsely_sure);
 }
 
-// Straight on at a constant speed an IMU without vibration reads what it reads at rest.
+// In straight motion at constant speed, an IMU without vibration has the same readings as at rest.
 TEST(Aided, ASteadyMotionIsNoRest) {
   Drive d = drive_of(3);
   d.aids.push_back({.kind = AidKind::zero_velocity});
@@ -297,8 +297,8 @@ TEST(Aided, SwappedCoordinatesShowInTheVelocities) {
   }
 }
 
-// The budget is the filter without data: with the sizes of noise that the data gave, it foresees the sigma at the end of an outage. It does not know
-// the mounting, the true noise of the first seconds, nor how the factors act on the start.
+// The budget is the filter without data: with the estimated noise sizes, it predicts the sigma at the end of an outage. It does not include the
+// mounting, the true noise of the first seconds, and the influence of the factors on the start.
 TEST(Aided, TheBudgetForeseesItsSigma) {
   Drive d = drive_of(3);
   const Outage lost{55, 80};
@@ -326,8 +326,8 @@ TEST(Aided, TheBudgetForeseesItsSigma) {
     if (c.time > lost.begin && c.time < lost.end + 1) stated = std::max(stated, horizontal(c.value.bottomRightCorner<3, 3>()));
   const double foreseen = horizontal(b.covariance.back());
   EXPECT_NEAR(foreseen / stated, 1, 0.2);
-  EXPECT_GT(stated, 5);  // m: grown in the outage
-  // It grows until the receiver returns, and falls then, not over the second before.
+  EXPECT_GT(stated, 5);  // m: it grew in the outage
+  // The sigma grows until the receiver returns and decreases at that time, not in the second before.
   const AidedCovariance& worst = *std::ranges::max_element(n.covariance, {}, [](const AidedCovariance& c) { return c.value(6, 6); });
   EXPECT_GT(sigmas_at(n, worst.time - sample_interval)[6], 0.95 * std::sqrt(worst.value(6, 6)));
   EXPECT_LT(sigmas_at(n, worst.time)[6], 0.5 * std::sqrt(worst.value(6, 6)));

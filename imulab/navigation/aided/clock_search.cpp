@@ -17,19 +17,19 @@
 namespace imulab::aided {
 namespace {
 
-constexpr double finest_interval = 0.5, least_common = 30;  // s: of an interval, and of what is compared
+constexpr double finest_interval = 0.5, least_common = 30;  // s: of an interval, and of the compared time
 constexpr std::size_t most_bins = 8000;                     // of a record: the time grows with their square
-constexpr double alike_for = 4;                             // s: rates within it tell the same
+constexpr double alike_for = 4;                             // s: rates within this time are correlated
 constexpr double decisive = 12;                             // of ln likelihood: odds of 1 to 160,000
-constexpr double between_maxima = 5;                        // s: nearer offsets are the same maximum
+constexpr double between_maxima = 5;                        // s: closer offsets belong to the same maximum
 
-/// By intervals of equal length; NaN where nothing was measured.
+/// Motion in intervals of equal length; NaN if nothing was measured.
 struct BinnedMotion {
   double begin = 0;                // s
   std::vector<double> turn, push;  // rad/s about the vertical; m/s^2, horizontal
 };
 
-/// The vertical in body axes is the mean force of 20 s: a vehicle turns about it, and seldom leaves it for longer.
+/// Computes the motion from the IMU. The vertical in body axes is the mean force of 20 s: a vehicle turns about it and seldom leaves it longer.
 BinnedMotion motion_by_imu(const Recording& recording, double length) {
   BinnedMotion out{.begin = recording.time_s(0), .turn = {}, .push = {}};
   const auto count = static_cast<std::size_t>((recording.time_s(recording.size() - 1) - out.begin) / length) + 1;
@@ -57,7 +57,7 @@ struct TimedVelocity {
   Eigen::Vector2d value;  // east, north [m/s]
 };
 
-/// As measured, or of positions that follow each other.
+/// Returns measured velocities, or differences of successive positions.
 std::vector<TimedVelocity> velocities_of(const Aid& aid, const std::vector<Outage>& withheld) {
   const AidRecord& r = aid.record;
   std::vector<TimedVelocity> out;
@@ -90,7 +90,7 @@ BinnedMotion motion_by_receiver(const std::vector<TimedVelocity>& all, double in
     const TimedVelocity &a = all[next - 1], &b = all[next];
     if (t >= a.time && t <= b.time && b.time - a.time < 2.5 * interval) v[k] = a.value + (t - a.time) / (b.time - a.time) * (b.value - a.value);
   }
-  constexpr double slow = 1;  // m/s: below, a course is noise
+  constexpr double slow = 1;  // m/s: below this speed, a course is noise
   for (std::size_t k = 0; k < count; ++k) {
     const bool inner = k > 0 && k + 1 < count;
     const Eigen::Vector2d a = inner ? Eigen::Vector2d((v[k + 1] - v[k - 1]) / (2 * length)) : Eigen::Vector2d::Constant(NAN);
@@ -100,7 +100,7 @@ BinnedMotion motion_by_receiver(const std::vector<TimedVelocity>& all, double in
   return out;
 }
 
-/// How much better b, moved by `by` intervals, is explained by a than by nothing: ln likelihood.
+/// Returns the log likelihood ratio of b, shifted by `by` intervals, explained by a, to b without explanation.
 double explained(const std::vector<double>& a, const std::vector<double>& b, std::ptrdiff_t by, double length) {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -by), end = std::min(std::ssize(b), std::ssize(a) - by);
@@ -111,7 +111,7 @@ double explained(const std::vector<double>& a, const std::vector<double>& b, std
   }
   const double vx = xx - x * x / n, vy = yy - y * y / n, covariance = xy - x * y / n;
   if (!(n * length >= least_common / 2 && vx > 0 && vy > 0 && covariance > 0)) return 0;
-  constexpr double best = 1 - 1e-6;  // of the square of a correlation
+  constexpr double best = 1 - 1e-6;  // of the squared correlation
   return -0.5 * n * std::min(1., length / alike_for) * std::log1p(-std::min(best, covariance * covariance / (vx * vy)));
 }
 
@@ -119,7 +119,7 @@ struct Offset {
   double by = 0, likelihood = -HUGE_VAL;  // s, to be added to the stamps
 };
 
-/// All offsets with half of the shorter record in common.
+/// Returns all offsets that leave half of the shorter record in common.
 std::vector<Offset> offsets(const BinnedMotion& imu, const BinnedMotion& receiver, double length, double other_scale) {
   const std::ptrdiff_t I = std::ssize(imu.turn), R = std::ssize(receiver.turn), common = std::min(I, R) / 2;
   std::vector<Offset> out;
@@ -133,7 +133,7 @@ std::vector<Offset> offsets(const BinnedMotion& imu, const BinnedMotion& receive
   return out;
 }
 
-/// The best of all, between the intervals.
+/// Returns the best of all offsets, interpolated between intervals.
 Offset refined(const std::vector<Offset>& all, const Offset& best, double length) {
   Offset out = best;
   const std::ptrdiff_t k = &best - all.data();
@@ -161,7 +161,7 @@ void find_clock(Aid& aid, const Recording& recording, const std::vector<Outage>&
   const std::vector<Offset> all =
       offsets(motion_by_imu(recording, length), motion_by_receiver(velocities, interval, length), length, aid.other_scale_s);
   const Offset& highest = *std::ranges::max_element(all, {}, &Offset::likelihood);
-  if (highest.likelihood < decisive) return;  // the motion does not tell
+  if (highest.likelihood < decisive) return;  // the motion does not determine it
   const Offset best = refined(all, highest, length);
   Offset second;
   for (const Offset& o : all)

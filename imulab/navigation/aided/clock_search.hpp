@@ -1,4 +1,4 @@
-// The offset of a receiver's clock that nobody declared: where turns and changes of speed fit.
+// The undeclared offset of a receiver's clock, at which turns and speed changes of both records agree.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -9,10 +9,11 @@
 
 namespace imulab::aided {
 
-/// Moves the stamps of receivers whose clock is their own to where turn rate and course rate, and both horizontal accelerations, fit best, among all
-/// offsets with half of the shorter record in common; dates speak for their own offset and for that of the other scale. Within guessed_offset_sigma
-/// of one of these it is taken as it is, and the rest remains a delay. Says in `out` what was moved. Nothing changes where the motion does not tell,
-/// or the delay is declared. `recording` is compensated. Throws Unsupported where two offsets compete.
+/// Shifts the stamps of receivers with clocks of their own to the best agreement of turn rate with course rate and of both horizontal accelerations,
+/// among all offsets with half of the shorter record in common. Dates favor their own offset and that of the other scale: within
+/// guessed_offset_sigma, one of these is used as it is, and the remainder becomes a delay. `out` receives a finding for each shift. Nothing changes
+/// if the motion does not determine the offset or the delay is declared. `recording` must be compensated. Throws Unsupported if two offsets are
+/// similar.
 void find_clocks(std::vector<Aid>& aids, const Recording& recording, const std::vector<Outage>& withheld, AidedNavigation& out);
 
 }  // namespace imulab::aided

@@ -1,4 +1,4 @@
-// The offset of a receiver's clock: where turns and changes of speed fit, at the other scale or anywhere; and where that is a question.
+// The offset of a receiver's clock from turns and speed changes: at the other scale or anywhere; and cases without a clear answer.
 #include "imulab/navigation/aided/clock_search.hpp"
 
 #include "imulab/error.hpp"
@@ -23,7 +23,7 @@ struct Clocked {
   std::vector<std::int64_t> truth;  // stamps on the recording's clock
 };
 
-/// Velocities at 5 Hz of this motion, stamped too small by `late` [s].
+/// Returns velocities of this motion at 5 Hz, with stamps too small by `late` [s].
 Clocked clocked(const std::vector<motion::Segment>& segments, double late, double other_scale = 0, double speed = 0) {
   const motion::NominalMotion m = motion::nominal_motion(motion::flight({48 * unit::deg, 0.2, 500, speed, 0}, segments, {.banks = false}), 0.05);
   Clocked out{.recording = ideal_readings(m), .aid = {.file = "gnss.pos", .scale = TimeScale::own, .other_scale_s = other_scale}, .truth = {}};
@@ -53,7 +53,7 @@ std::vector<motion::Segment> drive() {
           straight(6)};
 }
 
-/// How far the first stamp is from the truth after the search [s], and what was said.
+/// The difference of the first stamp from the truth after the search [s], and the findings.
 struct Searched {
   double off = 0;
   std::vector<std::string> said;
@@ -65,7 +65,7 @@ Searched searched(Clocked c) {
   return {1e-9 * static_cast<double>(aids[0].record.time[0] - c.truth[0]), out.findings.all()};
 }
 
-// A GPS clock without its scale is taken for UTC: the receiver's stamps are 18 s too small. What remains is a delay, and not moved.
+// A GPS clock without its scale counts as UTC: the receiver's stamps are 18 s too small. The remainder is a delay and is not shifted.
 TEST(ClockSearch, FindsTheScaleThatNobodyDeclared) {
   const Searched of_gps = searched(clocked(drive(), 18 - 0.2, 18));
   EXPECT_NEAR(of_gps.off, 0.2, 1e-6);
@@ -76,7 +76,7 @@ TEST(ClockSearch, FindsTheScaleThatNobodyDeclared) {
   EXPECT_THAT(of_utc.said, IsEmpty());
 }
 
-// Without dates any offset may be: it is found to a part of the interval of half a second.
+// Without dates any offset is possible: it is found to a fraction of the half-second interval.
 TEST(ClockSearch, FindsAnyOffsetWithoutDates) {
   for (const double late : {37.4, -21.3}) EXPECT_NEAR(searched(clocked(drive(), late)).off, 0, 0.25) << late;
 }

@@ -14,10 +14,10 @@ namespace imulab::aided {
 namespace {
 
 constexpr double vibration = 100;  // of the sensors
-constexpr double false_sigma = 3;  // times too small: then a slow error's size is not known either
+constexpr double false_sigma = 3;  // too small by this factor: the size of a slow error is then unknown, too
 
-/// The size of white noise over the stated one, by differences of some order over rows in even time: noise makes their variance the sum of the
-/// squares of the weights, a smooth motion hardly any.
+/// Returns the ratio of white noise to its stated size from differences of some order over evenly spaced rows: noise has their variance times the sum
+/// of squared weights, a smooth motion almost none.
 template <class Values, class Sigmas>
 double times_stated(const std::vector<std::int64_t>& time, const Values& values, const Sigmas& sigmas, const std::vector<double>& weights) {
   constexpr double even = 1.5, median_of_normal = 0.6745;
@@ -37,7 +37,7 @@ double times_stated(const std::vector<std::int64_t>& time, const Values& values,
   return all.empty() ? 1 : median(std::move(all)) / (median_of_normal * size);
 }
 
-/// The least of several orders, which a motion adds to: from the stated size up to the usual one.
+/// Returns the smallest ratio of several orders, because a motion can only enlarge it, between the stated and the usual size.
 template <class Values, class Sigmas>
 double first_times(const std::vector<std::int64_t>& time, const Values& values, const Sigmas& sigmas, double usual) {
   std::vector<double> stated;
@@ -85,8 +85,8 @@ void set_first_factors(Problem& p) {
 }
 
 double FactorSearch::update(Problem& p, const std::vector<NoiseEvidence>& evidence) {
-  constexpr double least = 0.25, most = 2;  // slopes: a step is at most four times the plain one
-  constexpr double believed = 4;            // values that the declared noise counts for
+  constexpr double least = 0.25, most = 2;  // limits of the slopes: a step is at most four times the plain one
+  constexpr double believed = 4;            // number of values that represent the weight of the declared noise
   double change = 0;
   std::vector<Tried> now;
   for (std::size_t k = 0; k < p.sources.size(); ++k) {

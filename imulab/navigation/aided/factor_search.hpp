@@ -1,4 +1,4 @@
-// The search for the sizes of all sources of noise, a step each pass of the smoother.
+// The search for the sizes of all noise sources, one step per pass of the smoother.
 #pragma once
 
 #include "imulab/navigation/aided/filter.hpp"
@@ -8,18 +8,19 @@
 
 namespace imulab::aided {
 
-inline constexpr double settled = 0.1;  // of a factor: a further pass changes sigmas by less than half of it
+inline constexpr double settled = 0.1;  // of a factor: another pass changes sigmas by less than half of it
 
-/// The factors of the first pass. The search comes down to the noise quickly, but hardly up: noise that no aid admits is taken for the sensors'. A
-/// vehicle shakes more than a table; an aid has what its values differ by from any smooth motion, up to what its kind has where nothing is stated.
+/// Sets the factors of the first pass. The search reduces noise quickly, but hardly increases it: noise that no aid explains is attributed to the
+/// sensors. A vehicle therefore starts with more vibration than a table; an aid starts with the deviation of its values from smooth motion, up to the
+/// usual size of its kind if none is stated.
 void set_first_factors(Problem& problem);
 
-/// New factors are the means of what they may be, n values leaving a variance n / (n - 2) of the size that they show; from the second pass on by
-/// secants in their logarithms, since the plain repetition creeps where much is hidden in other noise, and swings where two sources share what is
-/// small.
+/// Updates factors to the mean of their posterior: n values give a mean of n / (n - 2) times their observed variance. From the second pass on, it
+/// uses secants of the logarithms, because plain iteration is slow if noise is hidden in other noise, and oscillates if two sources share a small
+/// amount.
 class FactorSearch {
  public:
-  /// Sets the factors. The largest relative change of those that the data resolve.
+  /// Sets the factors. Returns the largest relative change of the factors that the data resolve.
   double update(Problem& problem, const std::vector<NoiseEvidence>& evidence);
 
  private:

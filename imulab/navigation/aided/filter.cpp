@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The observations at each epoch, by the number of samples before it.
+/// Returns the observations at each epoch, keyed by the number of samples before it.
 std::map<std::size_t, std::vector<std::size_t>> schedule(const Problem& p, const FilterStart& start, const VectorXd& x, std::size_t end) {
   std::map<std::size_t, std::vector<std::size_t>> out;
   const auto first = p.time.begin() + static_cast<std::ptrdiff_t>(start.sample), last = p.time.begin() + static_cast<std::ptrdiff_t>(end);
@@ -30,7 +30,7 @@ std::map<std::size_t, std::vector<std::size_t>> schedule(const Problem& p, const
     out[static_cast<std::size_t>(after - p.time.begin()) + 1].push_back(k);
   }
   out[start.sample], out[end];
-  for (auto here = out.begin(), next = std::next(here); next != out.end(); here = next++) {  // no step longer than the longest
+  for (auto here = out.begin(), next = std::next(here); next != out.end(); here = next++) {  // no step exceeds the longest
     double from = here->first > 0 ? p.time[here->first - 1] : p.begin;
     for (std::size_t i = here->first + 1; i < next->first; ++i)
       if (p.time[i] - from > p.longest_step) {
@@ -41,7 +41,7 @@ std::map<std::size_t, std::vector<std::size_t>> schedule(const Problem& p, const
   return out;
 }
 
-/// The error state that takes `from` to `to`.
+/// Returns the error state that takes `from` to `to`.
 VectorXd difference(const FullState& to, const FullState& from) {
   VectorXd out = to.x - from.x;
   out.head<9>() = minus(to.motion, from.motion);
@@ -62,7 +62,7 @@ struct Filter {
     return tail_weight(innovation * innovation / variance);
   }
 
-  /// Rows one after the other, in the form that keeps the covariance positive.
+  /// Updates with one row after another, in the form that keeps the covariance positive.
   void update(Node& node, EpochRows& e) {
     e.gain.resize(p.size, e.rows.residual.size());
     for (Eigen::Index k = 0; k < e.rows.residual.size(); ++k) {
@@ -95,15 +95,15 @@ struct Filter {
     }
   }
 
-  /// A steady motion looks like a rest to an IMU: one that the motion known so far excludes is none, not even an outlier.
+  /// Returns true if the motion known so far excludes a rest, which steady motion resembles for an IMU; the row must not even count as an outlier.
   bool no_rest(const EpochRows& e) const {
-    constexpr double beyond = 5;  // sigmas: a true rest comes out so far once in a million
+    constexpr double beyond = 5;  // in sigmas: a true rest deviates as much with p = 1e-6
     return (e.innovation.array().square() > beyond * beyond * e.innovation_variance.array()).any();
   }
 
-  /// Velocities in axes that turn by an angle are not linear in it.
+  /// Returns true if a correction rotates the axes too far: velocities in rotated axes are not linear in the angle.
   bool turned_far(const VectorXd& correction) const {
-    constexpr double far = 0.02;  // rad: what is left out is 0.2 mm/s at 1 m/s
+    constexpr double far = 0.02;  // rad: the neglected part is 0.2 mm/s at 1 m/s
     return std::ranges::any_of(p.channels, [&](const Channel& c) {
       return c.mount >= 0 && std::max(correction.head<3>().cwiseAbs().maxCoeff(), correction.segment<2>(c.mount).cwiseAbs().maxCoeff()) > far;
     });
@@ -123,7 +123,7 @@ struct Filter {
     for (EpochRows& e : node.withheld) e.rows.residual -= e.rows.derivative * node.error;
   }
 
-  /// The filter's own point of linearization is the mean after the update, repeated where that is far (Bell and Cathey 1993,
+  /// Observes about the filter's own point of linearization: the mean after the update, repeated if it is far away (Bell and Cathey 1993,
   /// doi:10.1109/9.250476).
   void observe_all(Node& node, const std::vector<std::size_t>& observations) {
     if (observations.empty()) return;
@@ -156,7 +156,7 @@ struct Filter {
     Integrated step = integrate(p, node.samples, samples, node.reference, true);
     Node reached{.samples = samples, .reference = {step.end, node.reference.x}};
     reached.error = propagated_mean(step.transition, node.error);
-    // What the integration gives, less the reference there; a slow state of the reference decays as well.
+    // The error is the integrated state minus the reference there; a slow state of the reference also decays.
     if (options.about) {
       reached.reference.motion = options.about->at(samples);
       reached.error.head<9>() += minus(step.end, reached.reference.motion);
@@ -207,7 +207,7 @@ VectorXd start_variance(const Problem& p, const FilterStart& start) {
 void update_covariance(MatrixXd& covariance, const VectorXd& h, const VectorXd& gain, double noise) {
   const VectorXd Ph = times(covariance, h);
   for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) -= Ph[k] * gain;
-  const VectorXd rest = noise * gain - times(covariance, h);  // rounding is undone by what is left
+  const VectorXd rest = noise * gain - times(covariance, h);  // the second update also corrects rounding
   for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance.col(k) += gain[k] * rest;
 }
 
@@ -219,7 +219,7 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
 
 namespace {
 
-/// A step integrated from its first epoch: the small misfit at the end spread evenly.
+/// A step integrated from its first epoch; the small misfit at the end is distributed evenly.
 struct StepStates {
   std::vector<NavigationState> integrated = {};
   Eigen::Matrix<double, 9, 1> misfit = {};
@@ -234,7 +234,7 @@ struct StepStates {
   NavigationState at(std::size_t i, double time) const { return plus(integrated[i], Eigen::Matrix<double, 9, 1>((time - begin) / length * misfit)); }
 };
 
-/// Keeps the last step: neighbors are asked for one after the other.
+/// Keeps the last step because adjacent states are requested in order.
 struct TrajectoryWalk {
   const Problem& p;
   EpochStates epochs;

@@ -1,4 +1,4 @@
-// The filter forward and the smoother backward.
+// The forward filter and the backward smoother.
 #pragma once
 
 #include "imulab/navigation/aided/node_stack.hpp"
@@ -15,40 +15,40 @@
 
 namespace imulab::aided {
 
-/// The weight of a value that is `square` variances off: one within 2.5 sigma, as of Gaussian noise; farther out as of Student's t with 5 degrees of
-/// freedom, so that outliers count little. (Student's weights throughout take slow errors for tails, and find them too small.)
+/// Returns the weight of a value with this squared normalized deviation: within 2.5 sigma that of Gaussian noise, beyond it that of Student's t with
+/// 5 degrees of freedom, which reduces the weight of outliers. (Student weights throughout would treat slow errors as tails and underestimate them.)
 inline double tail_weight(double square) {
   constexpr double freedom = 5, core = 2.5 * 2.5;
   return std::min(1., (freedom + core) / (freedom + square));
 }
 
-/// The variance of a row's noise.
+/// Returns the variance of a row's noise.
 inline double row_variance(const Problem& problem, const ObservedRows& rows, Eigen::Index k) {
   return problem.sources[rows.source[static_cast<std::size_t>(k)]].factor * rows.variance[k];
 }
 
-/// A trajectory about which a pass is linearized: its state after so many samples of the recording, asked for in ascending order; one x for all.
+/// A trajectory about which a pass is linearized: its state after a number of samples, requested in ascending order; x is common to all.
 struct AboutTrajectory {
   std::function<NavigationState(std::size_t samples)> at;
   Eigen::VectorXd x;
-  std::vector<Eigen::VectorXd> weights;  // of the rows of each observation; empty: from the innovations
+  std::vector<Eigen::VectorXd> weights;  // of the rows of each observation; empty: computed from the innovations
 };
 
 struct FilterOptions {
-  const AboutTrajectory* about = nullptr;                     // null: the filter's own, corrected at each epoch
-  std::size_t end = std::numeric_limits<std::size_t>::max();  // samples
-  bool keep = true;                                           // all nodes, for the smoother; otherwise the last
-  /// Called after each epoch's update, with the step from the epoch before (null at the first) and the covariance of the first nine before it.
+  const AboutTrajectory* about = nullptr;                     // null: the filter's own trajectory, corrected at each epoch
+  std::size_t end = std::numeric_limits<std::size_t>::max();  // in samples
+  bool keep = true;                                           // keeps all nodes for the smoother; otherwise the last
+  /// Called after each epoch's update with the step from the previous epoch (null at the first) and the predicted covariance of motion.
   std::function<void(const Transition* step, const Matrix9& predicted, const Node& node)> each = {};
 };
 
-/// A matrix times a vector of which most is zero, as of a row's derivative.
+/// Returns the product of a matrix and a mostly zero vector, such as the derivative of a row.
 Eigen::VectorXd times(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& h);
 
-/// A row's update of a covariance by a gain K, (I - K h) P (I - K h)^T + K r K^T: positive, and right of every gain.
+/// Updates a covariance by a row with gain K, (I - K h) P (I - K h)^T + K r K^T: positive, and correct for any gain.
 void update_covariance(Eigen::MatrixXd& covariance, const Eigen::VectorXd& h, const Eigen::VectorXd& gain, double noise);
 
-/// Of all states at the start: those of stationary errors are as large as their noise makes them.
+/// Returns the variance of all states at the start; stationary errors have the size that corresponds to their noise.
 Eigen::VectorXd start_variance(const Problem& problem, const FilterStart& start);
 
 struct FilterPass {
@@ -57,21 +57,21 @@ struct FilterPass {
 };
 FilterPass filter(const Problem& problem, const FilterStart& start, const FilterOptions& options = {});
 
-/// What the smoother says of each source of noise: the sum of squares of its estimates over their variance, and the number of them that the data
-/// resolve; their quotient is one where the variance is right (the fixed point of the restricted likelihood).
+/// Evidence of the smoother about a noise source: the sum of squares of its estimates over their variance, and the number of resolved estimates.
+/// Their ratio is one if the variance is correct (the fixed point of the restricted likelihood).
 struct NoiseEvidence {
   double squares = 0, resolved = 0;
 };
 
 struct SmoothedNode {
-  std::size_t samples = 0;  // of the recording before it
+  std::size_t samples = 0;  // number of samples of the recording before it
   FullState state;
-  Eigen::MatrixXd covariance;  // of the first nine
-  Eigen::VectorXd variance;    // of all, at the last node alone
+  Eigen::MatrixXd covariance;  // of the first nine states
+  Eigen::VectorXd variance;    // of all states, only at the last node
 };
-/// What was withheld, less what the states predict, and the variance of that.
+/// Withheld values minus their prediction, and the variance of the difference.
 struct Withheld {
-  std::size_t observation = 0, source = 0;  // of the first row
+  std::size_t observation = 0, source = 0;  // source of the first row
   Eigen::VectorXd residual, variance;
 };
 struct SmootherPass {
@@ -79,20 +79,20 @@ struct SmootherPass {
   std::vector<NoiseEvidence> evidence;   // by source
   std::vector<Eigen::VectorXd> weights;  // by observation
   std::vector<Withheld> withheld;
-  std::size_t middle = 0;             // the node in the middle of the time
-  Eigen::MatrixXd middle_covariance;  // of all states there
+  std::size_t middle = 0;             // node in the middle of the time
+  Eigen::MatrixXd middle_covariance;  // of all states at that node
 };
-/// Takes the nodes from the pass. Without `covariances` those of the nodes are left out.
+/// Smooths, and consumes the nodes of the pass. Without `covariances`, those of the nodes are omitted.
 SmootherPass smooth(const Problem& problem, FilterPass pass, bool covariances = true);
 
-/// States after so many samples of the recording.
+/// States after given numbers of samples of the recording.
 struct EpochStates {
   std::vector<std::size_t> samples;
   std::vector<FullState> states;
 };
-/// The states after each sample from epoch k to the next, integrated from epoch k: the small misfit at the end spread evenly.
+/// Returns the states after each sample from epoch k to the next, integrated from epoch k; the small misfit at the end is distributed evenly.
 std::vector<NavigationState> states_between(const Problem& problem, const EpochStates& epochs, std::size_t k);
-/// For AboutTrajectory; the problem has to outlive it.
+/// Returns a trajectory for AboutTrajectory; the problem must outlive it.
 std::function<NavigationState(std::size_t samples)> trajectory_of(const Problem& problem, EpochStates epochs);
 
 }  // namespace imulab::aided

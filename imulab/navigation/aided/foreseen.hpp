@@ -1,4 +1,4 @@
-// What an aided navigation will state of a known motion, before it is driven: the filter and the smoother, linearized about it.
+// Predicts the result of an aided navigation for a known motion: the filter and the smoother, linearized about it.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -12,12 +12,12 @@
 
 namespace imulab::aided {
 
-/// What an ideal IMU reads, as means over the intervals.
+/// Returns the readings of an ideal IMU as means over the intervals.
 Recording ideal_readings(const motion::NominalMotion& motion);
 
-/// The constants, factors and covariance that navigate_under will state of this motion, in as many passes, by an IMU whose noise is that of the
-/// priors; values are those declared. It is linearized about the motion itself; of the data, which are those of ideal sensors with noise and the
-/// aids' records, with errors drawn, the sizes of the noise alone follow. Throws Error as navigate_under does.
+/// Predicts the constants, factors and covariance of navigate_under for this motion with as many passes and an IMU with the noise of the priors;
+/// values are the declared ones. The linearization is about the motion itself. Only the noise sizes depend on the data, which are those of ideal
+/// sensors with noise and the aids' records with random errors. Throws Error like navigate_under.
 AidedNavigation foresee(const SensorPriors& priors, const Session& session, const motion::NominalMotion& motion, const std::vector<Aid>& aids,
                         int passes, const OutputTerms* terms = nullptr);
 

@@ -1,4 +1,4 @@
-// What an aided navigation says where its data say less than they claim.
+// Results of an aided navigation whose data are less accurate than they claim.
 #include "imulab/core/random.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -15,7 +15,7 @@
 namespace imulab::aided {
 namespace {
 
-/// A drive of an IMU without errors but white noise, beside a receiver of 1.5 m and 0.1 m/s that states what is given.
+/// A drive of an IMU with only white noise, and a receiver of 1.5 m and 0.1 m/s that states given sigmas.
 struct Drive {
   motion::NominalMotion motion;
   Recording recording;
@@ -60,11 +60,11 @@ TEST(AidedHonesty, SigmasStatedFarTooSmallAreFound) {
     EXPECT_FALSE(n.findings.doubtful()) << testing::PrintToString(n.findings.all());
     EXPECT_TRUE(n.converged);
     const double noise = std::sqrt(std::ranges::find(n.factors, "gnss.position", &AidedFactor::name)->factor) * 1e-4;
-    EXPECT_NEAR(noise, 1.5, 0.4);  // 200 values: 5 %, less what a slow error takes
+    EXPECT_NEAR(noise, 1.5, 0.4);  // 200 values: 5 %, minus the part absorbed by a slow error
     for (std::size_t i = 0; i < n.solution.size(); i += 100, values += 6)
       squares += minus(n.solution.states[i], d.motion.states[i]).cwiseQuotient(sigmas_at(n, n.solution.time[i])).tail<6>().squaredNorm();
   }
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(values)), 1.5);  // errors of a drive are a few independent values
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(values)), 1.5);  // the errors of a drive are a few independent values
 }
 
 TEST(AidedHonesty, APositionThatNothingTellsIsLost) {
@@ -100,7 +100,7 @@ TEST(AidedHonesty, AHeadingThatContradictsIsNamed) {
   Aid& heading = d.aids.emplace_back(Aid{.kind = AidKind::heading, .scale = TimeScale::recording});
   for (std::size_t i = 0; i < d.motion.time.size(); i += 20) {
     heading.record.time.push_back(std::llround(1e9 * d.motion.time[i]));
-    heading.record.value.push_back(-euler_angles(d.motion.states[i].q_nb.toRotationMatrix()).heading);  // counted the other way
+    heading.record.value.push_back(-euler_angles(d.motion.states[i].q_nb.toRotationMatrix()).heading);  // counted in the opposite direction
   }
   EXPECT_THAT(doubts_of(d), testing::Contains(testing::HasSubstr("heading: its error comes out")));
 }

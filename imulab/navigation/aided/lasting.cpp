@@ -19,7 +19,7 @@ namespace imulab::aided {
 
 namespace {
 
-/// By source and component, in time.
+/// Returns the innovations by source and component, in time.
 std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> series_of(const std::vector<AidedInnovation>& innovations) {
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> out;
   std::size_t component = 0;
@@ -34,9 +34,9 @@ std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> series_of(con
 
 constexpr std::array<std::size_t, 2> block_lengths{5, 20};
 
-/// Of one series or several. Of white values the first correlation is normal, and sums of blocks have a chi-square of as many degrees of freedom.
+/// Correlation statistics of one or several series. For white values, the first correlation is normal, and sums of blocks are chi-square distributed.
 struct Likeness {
-  double count = 0, squares = 0, products = 0;  // of neighbors
+  double count = 0, squares = 0, products = 0;  // of adjacent values
   std::array<double, 2> chi2{}, blocks{};
   void add(const Likeness& other) {
     count += other.count, squares += other.squares, products += other.products;
@@ -56,7 +56,7 @@ Likeness likeness_of(const std::vector<double>& all) {
 }
 
 void take_larger(const Likeness& l, SerialCorrelation& out) {
-  constexpr double improbable = 2e-5;  // of a test: a drive of 15 series, those of all components included, has 45
+  constexpr double improbable = 2e-5;  // per test: a drive with 15 series, including those of all components, has 45 tests
   const auto take = [&](std::size_t values, double variance, double chi2, double freedom) {
     const double times = std::sqrt(std::max(variance, 0.));
     if (times > out.times && log_chi_square_tail(chi2, freedom) < std::log(improbable)) out = {values, times};
@@ -85,7 +85,7 @@ std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& n) {
 
 namespace {
 
-constexpr double much = 1.4;  // slow errors of another shape leave less, and the uncertainties hold all the same
+constexpr double much = 1.4;  // slow errors of another shape leave less, and uncertainties remain correct
 
 bool has_slow_error(const Problem& p, std::size_t source) {
   return std::ranges::any_of(p.channels, [&](const Channel& c) { return c.slow >= 0 && c.first_noise == source; });

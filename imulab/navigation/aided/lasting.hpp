@@ -1,7 +1,7 @@
-// Errors of aids that last: innovations that are alike over several in a row, of which a filter takes each for news.
+// Correlated errors of aids: innovations remain correlated over several values, although a filter treats values as independent.
 //
-// n white values tell their mean to sigma / sqrt(n). Where the mean of n innovations has a sigma that is `times` larger, a noise of `times` the sigma
-// tells as much in the long run as the values do: so the source is made that much noisier.
+// n white values determine their mean to sigma / sqrt(n). If the sigma of the mean of n innovations is larger by `times`, the values are in the long
+// run as informative as white noise with `times` the sigma, so the noise of the source is increased by this factor.
 #pragma once
 
 #include "imulab/navigation/aided/aided.hpp"
@@ -13,19 +13,19 @@
 
 namespace imulab::aided {
 
-/// What innovations of one source have in common over several in a row, where chance does not explain it: the sigma of their mean over
-/// the stated one, the largest of all; 1: white. Innovations smaller than stated count by their stated size.
+/// Significant correlation of a source's innovations: the largest ratio of the sigma of a mean over several values to the stated one; 1: white.
+/// Innovations smaller than stated count with their stated size.
 struct SerialCorrelation {
-  std::size_t values = 0;  // in a row
+  std::size_t values = 0;  // length of the mean
   double times = 1;
 };
-/// Of each source that has some, as many as there are factors.
+/// Returns the correlation of each source with innovations, in the order of the factors.
 std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& navigation);
 
-/// Widens `lasting` of the source whose innovations have most in common: those of others may be alike because it is believed. What has a slow error
-/// of its own is left as it is. False where there is none.
+/// Multiplies `lasting` of the source with the most correlated innovations: those of others may be a consequence. Sources with a slow error of their
+/// own are not changed. Returns false if no source qualifies.
 bool widen_lasting(const Problem& problem, AidedNavigation& navigation);
-/// The doubt in words where innovations have much in common; otherwise empty.
+/// Adds a doubt if innovations are strongly correlated.
 void judge_lasting(AidedNavigation& navigation);
 
 }  // namespace imulab::aided

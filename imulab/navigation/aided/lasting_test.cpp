@@ -1,4 +1,4 @@
-// Errors of aids that last, in innovations that are drawn.
+// Correlated errors of aids, in simulated innovations.
 #include "imulab/navigation/aided/lasting.hpp"
 
 #include "imulab/core/random.hpp"
@@ -15,7 +15,7 @@
 namespace imulab::aided {
 namespace {
 
-/// Of a receiver and a vehicle at 200 s: white, with a Markov error of `size` sigmas and `time` s on the velocities.
+/// Simulates innovations of a receiver and a vehicle at 200 s: white, with a Markov error of `size` sigmas and `time` s on the velocities.
 AidedNavigation drawn(std::uint64_t seed, double size, double time) {
   const RandomStream draw(seed, "innovations");
   AidedNavigation out;
@@ -39,7 +39,7 @@ TEST(LastingErrors, WhiteInnovationsAreNotNamed) {
   constexpr int drives = 1000;
   for (std::uint64_t seed = 1; seed <= drives; ++seed)
     named += std::ranges::any_of(serial_correlations(drawn(seed, 0, 1)), [](const auto& s) { return s.times > 1; });
-  EXPECT_LE(named, 4);  // 36 tests at 2e-5: 0.7 drives of a thousand; five or more once in 1,400 times
+  EXPECT_LE(named, 4);  // 36 tests at 2e-5: 0.7 of a thousand drives; five or more with p = 1/1400
 }
 
 TEST(LastingErrors, ThatAreThereAreNamed) {

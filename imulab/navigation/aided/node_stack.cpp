@@ -10,9 +10,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::size_t full_block = std::size_t{4} << 20;  // numbers: 32 MB
+constexpr std::size_t full_block = std::size_t{4} << 20;  // in numbers: 32 MB
 
-/// Appends to numbers; `NodeUnpacker` takes the same from them in the same order. Integers below 2^53 are exact.
+/// Appends values as numbers; `NodeUnpacker` reads them in the same order. Integers below 2^53 are exact.
 class NodePacker {
  public:
   explicit NodePacker(std::vector<double>& to) : to_(to) {}
@@ -24,7 +24,7 @@ class NodePacker {
       (*this)(static_cast<std::size_t>(m.rows())), (*this)(static_cast<std::size_t>(m.cols()));
     to_.insert(to_.end(), m.data(), m.data() + m.size());
   }
-  /// Its lower triangle.
+  /// Appends the lower triangle.
   void symmetric(const MatrixXd& m) {
     (*this)(static_cast<std::size_t>(m.rows()));
     for (Index k = 0; k < m.cols(); ++k) to_.insert(to_.end(), m.data() + k * m.rows() + k, m.data() + (k + 1) * m.rows());
@@ -95,7 +95,7 @@ void NodeStack::push(Node node) {
       block_.clear();
     }
     const std::size_t before = block_.size();
-    if (before == 0) block_.reserve(full_block + full_block / 64);  // not moved as it grows
+    if (before == 0) block_.reserve(full_block + full_block / 64);  // does not move as it grows
     NodePacker pack(block_);
     transfer(pack, last_);
     numbers_.push_back(block_.size() - before);

@@ -11,7 +11,7 @@
 namespace imulab::aided {
 namespace {
 
-/// All members different, the lists from empty to three long.
+/// Returns a node with different values in all members; its lists have zero to three elements.
 Node drawn_node(std::size_t k, Eigen::Index size) {
   double n = static_cast<double>(k);
   const auto fill = [&](auto&& m) {
@@ -70,14 +70,14 @@ void expect_same(const Node& a, const Node& b) {
   for (std::size_t i = 0; i < a.withheld.size(); ++i) expect_same(a.withheld[i], b.withheld[i]);
 }
 
-// Bit by bit, over two blocks of 32 MB in the file: 130 kB each.
+// Nodes of 130 kB are bit-identical over two blocks of 32 MB in the file.
 TEST(NodeStack, GivesBackWhatItTook) {
   NodeStack stack;
   constexpr std::size_t count = 700;
   constexpr Eigen::Index size = 160;
   for (std::size_t k = 0; k < count; ++k) {
     stack.push(drawn_node(k, size));
-    stack.back().error[0] = 1;  // the last one may still change
+    stack.back().error[0] = 1;  // the last node may still change
   }
   ASSERT_EQ(stack.size(), count);
   for (std::size_t k = count; k-- > 0;) {

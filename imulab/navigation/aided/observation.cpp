@@ -15,7 +15,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of each axis, where the row states it.
+/// Returns the value of each axis if the row states it, else `otherwise`.
 Vector3d stated_or(const std::vector<Vector3d>& rows, std::size_t row, double otherwise) {
   Vector3d out = Vector3d::Constant(otherwise);
   for (Eigen::Index k = 0; row < rows.size() && k < 3; ++k)
@@ -27,12 +27,12 @@ ObservedRows rows_of(Eigen::Index count, Eigen::Index size) {
   return {VectorXd::Zero(count), MatrixXd::Zero(count, size), VectorXd::Zero(count), std::vector<std::size_t>(static_cast<std::size_t>(count))};
 }
 
-/// The time from the epoch to the moment that the aid measured.
+/// Returns the time from the epoch to the moment of the measurement.
 double offset_in_time(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   return o.stamp - delay_at(p, c, at.state.x, o.stamp) - at.time;
 }
 
-/// What was measured changes at `rate`.
+/// Sets the derivative by the delay of a measured quantity that changes at `rate`.
 void set_delay(const Problem& p, const Channel& c, const Observation& o, const VectorXd& rate, MatrixXd& derivative) {
   if (c.delay < 0) return;
   derivative.col(c.delay) = -rate;
@@ -57,7 +57,7 @@ struct Derived {
   MatrixXd derivative;
 };
 
-/// Of the rate against the Earth, by all that it depends on.
+/// Returns the derivatives of the rate relative to the Earth by all states on which it depends.
 MatrixXd rate_derivative(const Problem& p, const Instant& at) {
   const NavigationState& motion = at.state.motion;
   MatrixXd out = MatrixXd::Zero(3, p.size);
@@ -76,7 +76,7 @@ MatrixXd rate_derivative(const Problem& p, const Instant& at) {
   return out;
 }
 
-/// How the aid's point moves about the IMU, body axes.
+/// Returns the velocity of the aid's point relative to the IMU, in body axes.
 Derived swing_of(const Problem& p, const Channel& c, const Instant& at) {
   const Vector3d lever = lever_of(c, at);
   Derived out{at.rate_eb.cross(lever), -skew<double>(lever) * rate_derivative(p, at)};
@@ -84,7 +84,7 @@ Derived swing_of(const Problem& p, const Channel& c, const Instant& at) {
   return out;
 }
 
-/// The velocity of the aid's point, and its acceleration, east-north-up. What a small time multiplies has no derivatives but by that time.
+/// Returns the velocity of the aid's point and its acceleration, east-north-up. Terms with a small time factor are differentiated only by that time.
 Derived velocity_of(const Problem& p, const Channel& c, const Instant& at) {
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const Derived swing = swing_of(p, c, at);
@@ -139,7 +139,7 @@ ObservedRows observe_gnss(const Problem& p, const Channel& c, const Observation&
   return out;
 }
 
-/// The velocity of the vehicle's point in its own axes.
+/// Returns the velocity of the vehicle's point in vehicle axes.
 Derived vehicle_velocity(const Problem& p, const Channel& c, const Instant& at) {
   const Matrix3d C_bn = at.state.motion.q_nb.toRotationMatrix().transpose(), R = mounting(p, c, at.state.x);
   const Derived swing = swing_of(p, c, at);
@@ -173,7 +173,7 @@ ObservedRows observe_wheels(const Problem& p, const Channel& c, const Observatio
   const double scale = 1 + (c.scale >= 0 ? at.state.x[c.scale] : 0);
   ObservedRows out = rows_of(1, p.size);
   const Matrix3d R = mounting(p, c, at.state.x);
-  const Vector3d sensed = at.state.motion.q_nb.conjugate() * acceleration_of(c, at) - at.rate_eb.cross(R.transpose() * v.value);  // in turning axes
+  const Vector3d sensed = at.state.motion.q_nb.conjugate() * acceleration_of(c, at) - at.rate_eb.cross(R.transpose() * v.value);  // in rotating axes
   const VectorXd rate = VectorXd::Constant(1, scale * (R * sensed).y());
   out.residual[0] = c.aid.record.value[o.row] - scale * v.value.y() - offset_in_time(p, c, o, at) * rate[0];
   out.derivative.row(0) = scale * v.derivative.row(1);
@@ -219,7 +219,7 @@ ObservedRows observe_heading(const Problem& p, const Channel& c, const Observati
   return out;
 }
 
-/// The rate at rest is a mean of a tenth of a second: with the noise of the gyros besides that of a base which is not quite still.
+/// The rate at rest is a mean over 0.1 s, with the noise of the gyros and of a base that is not quite still.
 ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   ObservedRows out = rows_of(6, p.size);
   out.residual << -at.state.motion.velocity, -at.rate_eb;
@@ -275,7 +275,7 @@ Matrix3d mounting(const Problem&, const Channel& c, const Eigen::VectorXd& x) {
 }
 
 Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
-  constexpr double half = 0.05;  // s: shorter means are noise of the sensors
+  constexpr double half = 0.05;  // s: shorter means are dominated by sensor noise
   const auto margin = static_cast<std::size_t>(std::max(1., std::round(half / p.interval)));
   Increment sum, raw;
   Vector3d before = Vector3d::Zero();

@@ -1,4 +1,4 @@
-// The table of aids: what each kind of aid would read in a given state, its derivatives by all states, and its noise. The filter knows no kind.
+// The table of aids: the predicted reading of each kind in a given state, its derivatives by all states, and its noise. The filter knows no kind.
 //
 //   GNSS position   z = p + C l - dt (v + C (w_eb x l))
 //   GNSS velocity   z = v + C (w_eb x l) - dt (a + C (w_eb x (w_eb x l) + w_eb' x l))
@@ -20,19 +20,19 @@
 
 namespace imulab::aided {
 
-/// The computed motion at an epoch, as the aids need it.
+/// The computed motion at an epoch, as input of the aids.
 struct Instant {
   FullState state;
   double time = 0;               // s
-  Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over a tenth of a second
-  Vector3d rate_eb;              // against the Earth
+  Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over 0.1 s
+  Vector3d rate_eb;              // relative to the Earth
   Vector3d turning;              // angular acceleration, body axes [rad/s^2], between the means of the halves of that time
   Vector3d acceleration;         // east-north-up [m/s^2]
-  Vector3d raw_rate, raw_force;  // with the sensors' errors
-  std::size_t sample = 0;        // the last before it
+  Vector3d raw_rate, raw_force;  // including the sensors' errors
+  std::size_t sample = 0;        // last sample before it
 };
 
-/// Rows of one observation: measured less computed, derivatives of the computed by the error state, variances with a factor of 1.
+/// Rows of one observation: measured minus computed, derivatives of the computed value by the error state, variances for a factor of 1.
 struct ObservedRows {
   Eigen::VectorXd residual;
   Eigen::MatrixXd derivative;
@@ -44,23 +44,23 @@ struct ObservedRows {
 struct AidLaw {
   AidKind kind;
   std::string_view name;
-  double position_sigma, velocity_sigma, value_sigma;  // where neither the aid nor its record states one: m, m/s, or the kind's own unit
+  double position_sigma, velocity_sigma, value_sigma;  // defaults if neither the aid nor its record states a sigma: m, m/s, or the kind's own unit
   ObservedRows (*observe)(const Problem& problem, const Channel& channel, const Observation& observation, const Instant& instant);
 };
 const AidLaw& aid_law(AidKind kind);
 
-/// A sigma that a record states, or else the aid, or else the kind.
+/// Returns the sigma that the record states, or else the aid's, or else the kind's.
 Vector3d position_sigma(const Aid& aid, std::size_t row);
 Vector3d velocity_sigma(const Aid& aid, std::size_t row);
 double value_sigma(const Aid& aid, std::size_t row);
 
-/// Body axes to the vehicle's: mounting angles about right and up [rad].
+/// Returns the rotation from body axes to vehicle axes: mounting angles about right and up [rad].
 Matrix3d mounting(const Problem& problem, const Channel& channel, const Eigen::VectorXd& x);
 
-/// The instant after sample `end - 1`, at the state there.
+/// Returns the instant after sample `end - 1`, with the given state.
 Instant instant_at(const Problem& problem, std::size_t end, const FullState& state);
 
-/// The rows of an observation by the law of its kind, without those that were not measured.
+/// Returns the measured rows of an observation by the law of its kind.
 ObservedRows observe(const Problem& problem, const Observation& observation, const Instant& instant);
 
 }  // namespace imulab::aided

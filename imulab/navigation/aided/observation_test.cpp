@@ -16,7 +16,7 @@
 namespace imulab::aided {
 namespace {
 
-// A velocity's derivative by the delay is the antenna's acceleration with that of its swing, which tells a delay from a lever arm forward.
+// The derivative of a velocity by the delay is the antenna's acceleration including its swing, which separates a delay from a forward lever arm.
 TEST(Observation, TheDelaySeesTheSwingOfTheAntenna) {
   const motion::Trajectory drive = motion::flight(
       {48 * unit::deg, 0.2, 500, 10, 0}, {motion::straight(2), motion::turn(120 * unit::deg, 0.35, 1.5), motion::straight(2)}, {.banks = false});
@@ -41,10 +41,10 @@ TEST(Observation, TheDelaySeesTheSwingOfTheAntenna) {
     swing = std::max(swing, (acceleration(lever) - acceleration(Vector3d::Zero())).norm());
   }
   EXPECT_GT(swing, 0.5);    // m/s^2
-  EXPECT_LT(worst, 0.035);  // means over a tenth of a second where the rate begins to change, 0.4 rad/s^3 over 0.05 s, at 3.6 m
+  EXPECT_LT(worst, 0.035);  // means over 0.1 s when the rate begins to change, 0.4 rad/s^3 over 0.05 s, at 3.6 m
 }
 
-/// A helicopter that hovers, its receiver's antenna about a meter off.
+/// A hovering helicopter with the antenna of its receiver at a distance of about a meter.
 struct Hovering {
   motion::Trajectory flight = motion::flight(
       {48 * unit::deg, 0.2, 500, 0, 10 * unit::deg},
@@ -68,13 +68,13 @@ struct Hovering {
   }
 };
 
-// A common rotation of both triads and of the lever arm is an attitude that no aid can tell from another: information on it is false.
+// A common rotation of both triads and of the lever arm is an attitude that no aid can distinguish: information about it would be false.
 TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
   const Hovering h;
   const Problem p = make_problem(h.readings, sensor_priors({}, {}), {h.receiver()}, {});
   const FilterStart start = start_near(p, h.motion.states.front());
   const AboutTrajectory truth{.at = [&](std::size_t samples) { return h.motion.states[samples]; }, .x = start.mean.x, .weights = {}};
-  Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(p.size, 3);  // of the states, by one about each body axis
+  Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(p.size, 3);  // of the states, by a rotation about each body axis
   rotation.middleRows<3>(At::attitude) = -h.motion.states.front().q_nb.toRotationMatrix();
   for (Eigen::Index j = 0; j < 3; ++j)
     for (const Eigen::Index matrix : {p.gyro_matrix, p.accel_matrix}) rotation.middleRows<3>(matrix + 3 * j) = -skew<double>(Vector3d::Unit(j));
@@ -90,7 +90,7 @@ TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
     least = std::min(least, over_bound.eigenvalues().minCoeff()), most = std::max(most, over_bound.eigenvalues().maxCoeff());
   }
   EXPECT_GT(least, 0.99);  // the transition sums samples over 0.05 s
-  EXPECT_LT(most, 4);      // and the aids leave little else
+  EXPECT_LT(most, 4);      // the aids leave little other uncertainty
 }
 
 }  // namespace

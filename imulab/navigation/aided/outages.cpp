@@ -6,12 +6,12 @@
 namespace imulab::aided {
 namespace {
 
-/// The outage that a stamp is in: begun where the one before is over.
+/// Returns the outage of each withheld stamp; a new one begins after the previous one has ended.
 std::vector<Outage> withheld_times(const Problem& p) {
   std::vector<Outage> out;
   for (const Observation& o : p.observations) {
     if (!o.withheld) continue;
-    constexpr double apart = 5;  // s: fixes of one outage are closer
+    constexpr double apart = 5;  // s: fixes within one outage are closer
     if (out.empty() || o.stamp - out.back().end > apart) out.push_back({o.stamp, o.stamp});
     out.back().end = o.stamp;
   }

@@ -18,8 +18,8 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double far_level = 4.5;   // sizes of a slow error: a Gaussian one stays below, once in 1e5 values
-constexpr double far_constant = 5;  // sigmas of a prior
+constexpr double far_level = 4.5;   // in sizes of a slow error: a Gaussian one exceeds it with p = 1e-5
+constexpr double far_constant = 5;  // in sigmas of a prior
 constexpr double shaking = 50;      // times the declared noise: a car on a road has ten
 constexpr double wrong = 20;        // times an aid's usual noise: a receiver between houses has ten
 constexpr std::array axis_names{"east", "north", "up"};
@@ -30,7 +30,7 @@ std::string place_of(const Channel& c) { return c.aid.file.empty() ? c.name : fm
 
 void find_runs_of_suspects(AidedNavigation& n) {
   struct Run {
-    double begin = 0, end = -INFINITY, last = -INFINITY;  // of suspects; the last value
+    double begin = 0, end = -INFINITY, last = -INFINITY;  // times of suspects; time of the last value
     std::size_t values = 0;
   };
   constexpr std::size_t many = 10;
@@ -51,12 +51,12 @@ void find_runs_of_suspects(AidedNavigation& n) {
 
 namespace {
 
-/// The change of a slow error within some seconds that its law forbids most, in sigmas of that.
+/// The least probable change of a slow error within some seconds, in its sigmas.
 struct LevelStep {
   double time = 0, change = 0, sigmas = 0;
 };
 LevelStep largest_step(const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size, double time_constant) {
-  constexpr double soon = 3;  // s: the smoothed level changes so quickly where it jumps
+  constexpr double soon = 3;  // s: the smoothed level changes this quickly at a jump
   LevelStep out;
   for (std::size_t from = 0, to = 1; to < times.size(); ++from) {
     while (to + 1 < times.size() && times[to] - times[from] < soon) ++to;
@@ -68,7 +68,7 @@ LevelStep largest_step(const std::vector<double>& times, const std::function<dou
   return out;
 }
 
-/// Adds what the law of a slow error forbids of its level, and returns true if it forbids it. `size`: its stationary sigma.
+/// Adds to `out` what is improbable in the level of a slow error; returns true if anything is. `size`: its stationary sigma.
 bool contradicts(const Channel& c, const std::vector<double>& times, const std::function<double(std::size_t)>& level, double size,
                  double time_constant, Index axis, AidedNavigation& out) {
   std::size_t worst = 0;
@@ -100,7 +100,7 @@ void widen_by_levels(const Problem& p, const SmootherPass& smoothed, AidedNaviga
     for (Index axis = 0; axis < slow.size; ++axis) {
       const auto level = [&](std::size_t k) { return smoothed.nodes[k].state.x[c.slow + axis]; };
       if (!contradicts(c, times, level, size, slow.time, axis, out) || c.aid.kind != AidKind::gnss) continue;
-      // It lasts as the slow error does: a jump passes through zero.
+      // The deviation lasts as long as the slow error: a jump passes through zero.
       std::vector<double> around(times.size());
       for (std::size_t k = 0; k < around.size(); ++k)
         around[k] = k > 0 ? std::max(std::abs(level(k)), around[k - 1] * std::exp((times[k - 1] - times[k]) / slow.time)) : std::abs(level(k));
@@ -117,11 +117,11 @@ void widen_by_levels(const Problem& p, const SmootherPass& smoothed, AidedNaviga
 
 namespace {
 
-/// Records have the same positions: one receiver, whose errors count once.
+/// Returns true if records have the same positions: one receiver, whose errors count once.
 bool same_positions(const AidRecord& a, const AidRecord& b) {
   constexpr double equal = 1e-10;  // rad: less than a millimeter
   constexpr std::size_t fewest = 5;
-  if (b.position.size() != b.time.size()) return false;  // a record of velocities alone has no positions
+  if (b.position.size() != b.time.size()) return false;  // a record with only velocities has no positions
   std::size_t common = 0, same = 0, j = 0;
   for (std::size_t i = 0; i < a.position.size(); ++i) {
     j = static_cast<std::size_t>(std::lower_bound(b.time.begin() + static_cast<std::ptrdiff_t>(j), b.time.end(), a.time[i]) - b.time.begin());
@@ -132,7 +132,7 @@ bool same_positions(const AidRecord& a, const AidRecord& b) {
   return common >= fewest && 2 * same > common;
 }
 
-/// How many times its usual size the noise of an aid is, or its slow error, the largest of its sources.
+/// Returns the largest ratio of an aid's noise, or of its slow error, to its usual size.
 double times_usual(const Problem& p, const Channel& c) {
   const AidRecord& r = c.aid.record;
   const AidLaw& law = aid_law(c.aid.kind);
@@ -169,7 +169,7 @@ void judge_estimates(const Problem& p, const SmoothedNode& last, AidedNavigation
     for (const StateBlock& b : p.blocks) {
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
       for (Index k = b.first; own && k < b.first + b.size; ++k) {
-        // What data that agree with a prior add to it has the variance by which they reduce it.
+        // If data agree with a prior, their change of the estimate has the variance by which they reduce the prior's.
         constexpr double learned = 0.05;  // of the variance: less is rounding
         const double off = std::abs(last.state.x[k] - prior.mean[k]), declared = b.prior[k - b.first] * b.prior[k - b.first];
         const double added = declared - last.variance[k];

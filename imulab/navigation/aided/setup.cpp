@@ -24,12 +24,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Where an aid declares nothing: one sigma.
+// One-sigma defaults for undeclared properties of an aid.
 constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
-constexpr double delay_sigma = 0.2;                    // s: of an aid on the recording's clock
-constexpr double clock_sigma = 300e-6;                 // of a logger's clock against the aid's
+constexpr double delay_sigma = 0.2;                    // s: for an aid on the recording's clock
+constexpr double clock_sigma = 300e-6;                 // of a logger's clock relative to the aid's
 constexpr double mount_sigma = 20 * unit::deg;
-constexpr double flicker_time = 100;  // s: over which the flicker of an offset is as large as its bias instability
+constexpr double flicker_time = 100;  // s: time over which an offset's flicker equals its bias instability
 
 double density(const std::optional<double>& declared, const Vector3d* rest, Eigen::Index axis, double of_grade) {
   if (declared) return *declared;
@@ -100,17 +100,17 @@ void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.joint.diagonal().setZero();
 }
 
-/// The typical sigma of one axis of a receiver's positions.
+/// Returns the typical sigma of one axis of a receiver's positions.
 double typical_position_sigma(const Aid& aid) {
   std::vector<double> all;
   for (std::size_t i = 0; i < aid.record.time.size(); i += 1 + aid.record.time.size() / 1000) all.push_back(position_sigma(aid, i).mean());
   return median(all);
 }
 
-/// Heights that a receiver states far worse than the place have no reference, as above an unknown geoid: takes what they have in common out of the
-/// rows' sigmas. 0: nothing.
+/// Removes the common part from stated sigmas of heights that are far larger than the horizontal sigmas: such heights lack a reference, as above an
+/// unknown geoid. Returns the common part, or 0.
 double take_level(Aid& aid) {
-  constexpr double dilution = 4, usual = 2;  // of the vertical over the horizontal: of satellites above
+  constexpr double dilution = 4, usual = 2;  // ratio of vertical to horizontal sigma for satellites above the horizon
   std::vector<Vector3d>& rows = aid.record.position_sigma;
   std::vector<double> levels;
   const auto stated = [&](std::size_t row) { return position_sigma(aid, row); };
@@ -187,7 +187,7 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
     for (double t = p.begin + options.vehicle_interval; t <= p.time.back(); t += options.vehicle_interval)
       p.observations.push_back({.stamp = t, .channel = channel});
   } else if (aid.kind == AidKind::zero_velocity) {
-    constexpr double edge = 0.3;  // s: a rest is found in windows of half a second
+    constexpr double edge = 0.3;  // s: rests are found in windows of half a second
     for (const Range& rest : rests_of(recording, session).ranges)
       for (double t = recording.time_s(rest.begin) + edge; t <= recording.time_s(rest.end - 1) - edge; t += options.rest_interval)
         p.observations.push_back({.stamp = t, .channel = channel});
@@ -199,8 +199,8 @@ void add_observations(Problem& p, std::size_t channel, const Recording& recordin
   }
 }
 
-/// No receiver and no wheel moves until then, as far as their sigmas tell, and there are some, or an initial state that does not move: a steady
-/// motion looks like a rest to an IMU.
+/// Returns true if all receivers and wheels are at rest until `end` within their sigmas and there are some, or there is an initial state at rest: for
+/// an IMU, steady motion resembles a rest.
 bool still_by_aids(const Problem& p, const std::optional<InitialState>& initial, double end) {
   constexpr double slow = 0.3;  // m/s
   std::optional<Vector3d> first;
@@ -222,7 +222,7 @@ double offset_walk(const NoiseModel& n) { return std::hypot(n.K, n.B / std::sqrt
 
 namespace {
 
-/// Among the constants of the sensors, matrices column by column.
+/// Indices among the constants of the sensors; matrices are column by column.
 enum ConstantPlace : Index {
   gyro_offset_at = 0,
   accel_offset_at = 3,
@@ -232,7 +232,7 @@ enum ConstantPlace : Index {
   all_constants = 33
 };
 
-/// What errors of the coefficients make of the constants, a row each.
+/// Returns the derivatives of the constants by the coefficients, one row for each constant.
 Eigen::MatrixXd constants_by(const SensorModel& model, const std::vector<CoefficientIndex>& coefficients) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(all_constants, std::ssize(coefficients));
   for (std::size_t a = 0; a < coefficients.size(); ++a) {
@@ -244,7 +244,7 @@ Eigen::MatrixXd constants_by(const SensorModel& model, const std::vector<Coeffic
     if (c.term == Term::offset) by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = 1;
     if (c.term == Term::g_sensitivity) by[g_sensitivity_at + 3 * c.column + c.row] = 1;
     if (c.term != Term::matrix) continue;
-    by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = -(to_raw * m.offset)[c.column];  // by the raw readings where the output is zero
+    by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = -(to_raw * m.offset)[c.column];  // by the raw readings at zero output
     for (Index j = 0; j < 3; ++j) by[(gyro ? gyro_matrix_at : accel_matrix_at) + 3 * j + c.row] = to_raw(c.column, j);
   }
   return out;
@@ -280,7 +280,7 @@ SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration&
   const auto estimated = [&](Triad triad, Term term, int i, int j) {
     return std::ranges::find(calibration.estimated, coefficient_index(triad, term, i, j)) != calibration.estimated.end();
   };
-  const auto matrix_known = [&](Triad triad, int i, int j) {  // also by the frame
+  const auto matrix_known = [&](Triad triad, int i, int j) {  // also fixed by the frame
     if (estimated(triad, Term::matrix, i, j)) return true;
     const std::string name(coefficient(coefficient_index(triad, Term::matrix, i, j)).name);
     bool any = false;

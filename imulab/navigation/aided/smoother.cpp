@@ -1,5 +1,5 @@
-// The fixed-interval smoother in its adjoint form (Bryson and Frazier 1963; de Jong 1989; Koopman 1993), which inverts no covariance. Backward go the
-// derivatives of the likelihood of all later data by the state: the gradient r and, with the other sign, the matrix of second derivatives N.
+// The fixed-interval smoother in its adjoint form (Bryson and Frazier 1963; de Jong 1989; Koopman 1993), which inverts no covariance. It propagates
+// backward the derivatives of the likelihood of all later data by the state: the gradient r and, with opposite sign, the Hessian N.
 //
 //   row     u = v / S - K r,   D = 1 / S + K N K        its noise comes out R u, of variance R - R D R
 //           r <- r + h u,      N <- (I - h K) N (I - K h) + h h / S
@@ -7,7 +7,7 @@
 //           r <- F^T r,        N <- F^T N F
 //   state   x + P r of covariance P - P N P             x, P: filtered
 //
-// It is what the form of Rauch, Tung and Striebel gives.
+// This is equivalent to the Rauch-Tung-Striebel form.
 #include "imulab/navigation/aided/filter.hpp"
 #include "imulab/stop.hpp"
 
@@ -22,7 +22,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Part of P that P - P N P may lose by rounding: it counts as not known. Of a kilometer it is a centimeter.
+/// Fraction of P that P - P N P may lose by rounding, and that counts as unknown: 1 cm of 1 km.
 constexpr double rounding = 1e-10;
 
 struct Smoother {
@@ -31,20 +31,20 @@ struct Smoother {
   MatrixXd N = MatrixXd::Zero(p.size, p.size);
   SmootherPass out{};
 
-  /// Noise: its square over its variance, and how much of the variance the data resolve.
+  /// Adds the evidence of a noise: its square over its variance, and the resolved fraction of the variance.
   void add(std::size_t source, double square, double resolved) {
     out.evidence[source].squares += square;
     out.evidence[source].resolved += resolved;
   }
 
-  /// Of a slow error. A jump is no noise: it does not make it larger.
+  /// Adds the evidence of a slow error. A jump is not noise and does not enlarge it.
   void add_slow(std::size_t source, Index state, double variance) {
     const double square = variance * r[state] * r[state], explained = 1 - variance * N(state, state), weight = tail_weight(square + explained);
     add(source, weight * square, 1 - weight * explained);
   }
 
-  /// Back over a row; gives the weight that its noise gets as it comes out. One factor of N after the other: a precise row after a long time without
-  /// any leaves a part of 1e-10 of N and less, which their product has and a difference has not.
+  /// Goes back over a row and returns the weight of its estimated noise. N is multiplied by one factor at a time: a precise row after a long gap
+  /// leaves 1e-10 of N or less, which a product preserves and a difference loses.
   double row(const EpochRows& e, Index k) {
     const VectorXd h = e.rows.derivative.row(k), K = e.gain.col(k), NK = N * K;
     const double noise = row_variance(p, e.rows, k), R = noise / e.weight[k], S = e.innovation_variance[k] - noise + R;
@@ -66,7 +66,7 @@ struct Smoother {
     }
   }
 
-  /// Back over the time between two epochs.
+  /// Goes back over the time between two epochs.
   void step(const Transition& t) {
     const Matrix9 Q = motion_noise(p, t);
     const Eigen::Matrix<double, 9, 1> noise = Q * r.head<9>(), resolved = (Q * N.topLeftCorner<9, 9>() * Q).diagonal();
@@ -80,7 +80,7 @@ struct Smoother {
     r.head<9>().setZero();
     r = t.decay.cwiseProduct(r);
     r.head(m) += t.motion.transpose() * of_motion;
-    // With F = [M; 0 D]: M^T A M + M^T B D + D B^T M + D C D.
+    // With F = [M; 0 D], compute M^T A M + M^T B D + D B^T M + D C D.
     NineRows half = N.topRows<9>() * t.decay.asDiagonal();
     half.leftCols<9>().setZero();
     half.leftCols(m) += N.topLeftCorner<9, 9>() * t.motion / 2;
@@ -91,14 +91,14 @@ struct Smoother {
     N = (N + N.transpose()).eval() / 2;
   }
 
-  /// Slow errors at the start, drawn from what their noise has made before.
+  /// Adds the evidence of slow errors at the start, which follow from the earlier noise.
   void begin() {
     for (const StateBlock& b : p.blocks)
       for (Index k = b.first; b.stationary() && k < b.first + b.size; ++k)
         add_slow(*b.noise, k, p.sources[*b.noise].factor * b.prior[k - b.first] * b.prior[k - b.first]);
   }
 
-  /// Of the first `size` states.
+  /// Returns the covariance of the first `size` states.
   MatrixXd covariance(const MatrixXd& P, Index size) const {
     const MatrixXd NP = N * P.leftCols(size), less = P.topRows(size) * NP;
     return (1 + rounding) * P.topLeftCorner(size, size) - (less + less.transpose()) / 2;

@@ -18,15 +18,15 @@ namespace {
 
 constexpr int headings = 12;
 constexpr double heading_sigma = 30 * unit::deg, tilt_sigma = 5 * unit::deg;  // of a candidate
-constexpr double velocity_sigma_at_start = 2, position_sigma_at_start = 30;   // m/s, m: besides what is stated
-constexpr double unknown_velocity = 20, unknown_acceleration = 1.5;           // m/s, m/s^2: where no fix tells them
-constexpr double prompt = 2;                                                  // s: a fix until then is one of the start
+constexpr double velocity_sigma_at_start = 2, position_sigma_at_start = 30;   // m/s, m: in addition to stated sigmas
+constexpr double unknown_velocity = 20, unknown_acceleration = 1.5;           // m/s, m/s^2: if no fix determines them
+constexpr double prompt = 2;                                                  // s: an earlier fix counts as one at the start
 constexpr double decided = 12;                                                // of ln likelihood: odds of 1 to 160,000
 
-/// What receivers say at their first position, or where none has positions at their first velocity.
+/// The measurements of receivers at their first position or, if there are no positions, at their first velocity.
 struct Fixes {
   std::optional<Vector3d> position, velocity, acceleration;
-  double time = INFINITY;     // of the first of them
+  double time = INFINITY;     // of the first fix
   double velocity_noise = 0;  // m/s: one sigma
 };
 
@@ -40,7 +40,7 @@ Fixes first_fixes(const Problem& p, double begin) {
     if (o.withheld || aid.kind != AidKind::gnss || o.stamp < begin) continue;
     if (out.position && o.stamp - out.time > longest) break;
     const bool place = !r.position.empty() && r.position[o.row].allFinite(), velocity = !r.velocity.empty() && r.velocity[o.row].allFinite();
-    if (place && !out.position) {  // a velocity before it is that of another time
+    if (place && !out.position) {  // an earlier velocity belongs to another time
       out = {.position = r.position[o.row], .velocity = {}, .acceleration = {}, .time = o.stamp};
     } else if (place && !out.velocity && !velocity && o.stamp - out.time >= span) {
       const double length = o.stamp - out.time;
@@ -60,7 +60,7 @@ Fixes first_fixes(const Problem& p, double begin) {
   return out;
 }
 
-/// The mean specific force of the first seconds, in the body axes of their middle.
+/// Returns the mean specific force of the first seconds in the body axes of their middle.
 Vector3d mean_force(const Problem& p, std::size_t from, double span) {
   Vector3d sum = Vector3d::Zero();
   Matrix3d turned = Matrix3d::Identity(), middle = turned;
@@ -76,14 +76,14 @@ Vector3d mean_force(const Problem& p, std::size_t from, double span) {
 
 double heading_of(const NavigationState& s) { return euler_angles(s.q_nb.toRotationMatrix()).heading; }
 
-/// The first sample after a time.
+/// Returns the first sample after a time.
 std::size_t sample_after(const Problem& p, double time) {
   return static_cast<std::size_t>(std::ranges::upper_bound(p.time, time + p.interval / 2) - p.time.begin());
 }
 
 double time_before(const Problem& p, std::size_t sample) { return sample > 0 ? p.time[sample - 1] : p.begin; }
 
-/// A rest from there to the first fix, which shows no motion either.
+/// Returns true if the unit rests from `begin` to the first fix, which is also at rest.
 bool resting(const Problem& p, double begin, const Fixes& fixes) {
   constexpr double sigmas = 6, slow = 0.3, gap = 1.5;  // m/s; s: between two rows of a rest, and before the first
   if (!fixes.velocity || fixes.velocity->norm() > sigmas * fixes.velocity_noise + slow) return false;
@@ -93,13 +93,13 @@ bool resting(const Problem& p, double begin, const Fixes& fixes) {
   return fixes.time - until < gap;
 }
 
-/// Where and when it starts, and how uncertain that is.
+/// The known start: state and time, with uncertainty.
 struct Known {
   NavigationState state;
   std::size_t sample = 0;
   double velocity_sigma = velocity_sigma_at_start, tilt = tilt_sigma;
   Vector3d acceleration = Vector3d::Zero();
-  bool late = false;  // the first fix is of another time
+  bool late = false;  // the first fix is at another time
   double late_by = 0;
 };
 Known known_start(const Problem& p, const Session& session, std::size_t sample, const InitialState* given) {
@@ -138,7 +138,7 @@ Known known_start(const Problem& p, const Session& session, std::size_t sample, 
   return out;
 }
 
-/// Level, but for the acceleration, with a heading.
+/// Returns a filter start with a heading, leveled after removal of the acceleration.
 FilterStart candidate(const Problem& p, const Known& known, double heading) {
   FilterStart out = start_near(p, known.state);
   out.sample = known.sample;
@@ -150,7 +150,7 @@ FilterStart candidate(const Problem& p, const Known& known, double heading) {
   return out;
 }
 
-/// The candidate with the largest likelihood.
+/// Returns the candidate with the largest likelihood.
 FoundStart best_heading(const Problem& p, const Known& known) {
   struct Candidate {
     FilterStart start;
@@ -170,7 +170,7 @@ FoundStart best_heading(const Problem& p, const Known& known) {
     std::erase_if(left, [&](const Candidate& c) { return !(c.log_likelihood >= left.front().log_likelihood - decided); });
     out.seconds = span;
     if (end == p.time.size()) break;
-    // Neighbors that agree describe one heading: the filter about the best one has it.
+    // Adjacent candidates that agree represent one heading, which the filter about the best one can find.
     if (left.size() <= 3 && span >= 80) {
       const double best = heading_of(left.front().start.mean.motion);
       if (std::ranges::all_of(left, [&](const Candidate& c) {
@@ -182,7 +182,7 @@ FoundStart best_heading(const Problem& p, const Known& known) {
   out.start = left.front().start;
   double weights = 0, squares = 0;
   for (const Candidate& c : left) {
-    constexpr double overstated = 4;  // a filter that linearizes about a wrong heading learns from what says nothing
+    constexpr double overstated = 4;  // a filter that linearizes about a wrong heading gains false information
     const double weight = std::exp((c.log_likelihood - left.front().log_likelihood) / overstated);
     weights += weight, squares += weight * std::pow(std::remainder(c.heading - left.front().heading, 2 * std::numbers::pi), 2);
   }
@@ -198,7 +198,7 @@ FilterStart start_near(const Problem& p, const NavigationState& state) {
   out.sigma.segment<3>(At::attitude) << tilt_sigma, tilt_sigma, heading_sigma;
   out.sigma.segment<3>(At::velocity).setConstant(velocity_sigma_at_start);
   out.sigma.segment<3>(At::position).setConstant(position_sigma_at_start);
-  constexpr double vague = 10;  // of a level: the height is that of a fix, and must not count for one that knows better
+  constexpr double vague = 10;  // factor on a level: the height of a fix must not count as independent knowledge
   for (const Channel& c : p.channels)
     if (c.level >= 0) out.sigma[At::position + 2] = std::max(out.sigma[At::position + 2], vague * prior.sigma[c.level]);
   return out;

@@ -1,4 +1,4 @@
-// Where an aided navigation starts that is given an initial state.
+// The start of an aided navigation with a given initial state.
 #include "imulab/navigation/aided/start.hpp"
 
 #include "imulab/calibration.hpp"
@@ -19,7 +19,7 @@
 namespace imulab::aided {
 namespace {
 
-/// A drive without errors, with the state in the middle of it.
+/// A drive without errors, with its state at mid-drive.
 struct StartedLate {
   motion::NominalMotion motion;
   Session session;
@@ -64,7 +64,7 @@ TEST(AidedStart, AnInitialStateIsThatOfItsTime) {
               testing::ThrowsMessage<Error>(testing::HasSubstr("the initial state is at 1000.000000 s; expected inside the recording")));
 }
 
-/// Without the fixes of the first seconds, and with errors of the stated size.
+/// Removes the fixes of the first seconds and adds errors of the stated size.
 void fix_late(Aid& aid, double seconds) {
   AidRecord& r = aid.record;
   const auto lost = std::ranges::lower_bound(r.time, std::llround(1e9 * seconds)) - r.time.begin();
@@ -76,7 +76,7 @@ void fix_late(Aid& aid, double seconds) {
     r.position[i] += 0.1 * Vector3d(draw.normal(3 * i) / radius, draw.normal(3 * i + 1) / radius, draw.normal(3 * i + 2));
 }
 
-/// The largest error of position and velocity over its sigma.
+/// Returns the largest error of position and velocity divided by its sigma.
 double worst_error(const AidedNavigation& n, const motion::NominalMotion& motion) {
   const std::size_t first = motion.states.size() - n.solution.size();
   double worst = 0;
@@ -87,7 +87,7 @@ double worst_error(const AidedNavigation& n, const motion::NominalMotion& motion
   return worst;
 }
 
-// A receiver that needs a while: the solution begins with what is there, a rest, an initial state or the first fix, and is not falsely sure of it.
+// The receiver needs some time: the solution begins with a rest, an initial state or the first fix, and is not overconfident.
 TEST(AidedStart, ALateFixIsNotTheStart) {
   struct Case {
     double rest, first_fix, begin;
@@ -101,12 +101,12 @@ TEST(AidedStart, ALateFixIsNotTheStart) {
     EXPECT_NEAR(n.solution.time.front(), c.begin, 0.03) << c.rest << ", " << c.first_fix;
     EXPECT_EQ(std::ranges::count_if(n.findings.all(), [](const std::string& w) { return w.find("begins with the first fix") != std::string::npos; }),
               c.begin > 0);
-    EXPECT_LT(worst_error(n, d.motion), 4.5) << c.rest << ", " << c.first_fix;  // sigmas: once in 1e5
+    EXPECT_LT(worst_error(n, d.motion), 4.5) << c.rest << ", " << c.first_fix;  // sigmas: p = 1e-5
     EXPECT_LT(n.innovation_rms, 1.5) << c.rest << ", " << c.first_fix;
   }
 }
 
-// On a level road a gyro's offset and what gravity makes of it are one number, at rest as well.
+// On a level road, a gyro's offset and its g-sensitivity to gravity form a single number, also at rest.
 TEST(AidedStart, ARestDoesNotTellAnOffsetFromGSensitivity) {
   const StartedLate d = started_late(0, 20, 0.02);
   const AidedNavigation n = foresee(sensor_priors({}, {}), {}, d.motion, d.aids, 3);
@@ -115,7 +115,7 @@ TEST(AidedStart, ARestDoesNotTellAnOffsetFromGSensitivity) {
     EXPECT_TRUE(std::ranges::find(n.constants, name, &AidedConstant::name)->undetermined()) << name;
 }
 
-// A calibration that knows gravity's reading, but not offset and scale apart: a level drive, which knows the same, tells neither.
+// A calibration determines the reading under gravity, but not offset and scale separately; neither does a level drive.
 TEST(AidedStart, WhatACalibrationKnowsTogetherStaysTogether) {
   const StartedLate d = started_late(0, 20, 0.02);
   Calibration c;
@@ -127,8 +127,8 @@ TEST(AidedStart, WhatACalibrationKnowsTogetherStaysTogether) {
     return std::ranges::find(n.constants, "accel.matrix.zz", &AidedConstant::name)->sigma / scale;
   };
   const double apart = scale_after(0);
-  EXPECT_GT(apart, std::sqrt(0.5));  // the drive shows nothing but the sum
-  EXPECT_LT(apart, 0.8);             // and nearly that
+  EXPECT_GT(apart, std::sqrt(0.5));  // the drive determines only the sum
+  EXPECT_LT(apart, 0.8);             // nearly determined
   EXPECT_NEAR(scale_after(-0.999), 1, 0.02);
 }
 

@@ -1,4 +1,4 @@
-// Terms beside offsets and matrices are constants of the sensors' output like these.
+// Terms other than offsets and matrices are also constants of the sensors' output.
 #include "imulab/core/rotation.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/observation.hpp"
@@ -30,7 +30,7 @@ struct WithTerms {
     problem.terms_first = add_block(problem, {.name = "terms", .size = 2, .prior = terms.sigma, .walk = {}, .noise = {}});
     problem.sensors_end = problem.size;
   }
-  /// What `use` makes of the problem with a term added to the readings.
+  /// Returns the result of `use` for the problem with a term added to the readings.
   auto moved(Eigen::Index term, double c, auto use) const {
     Recording readings = recording;
     Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, 2);
@@ -58,7 +58,7 @@ TEST(AidedTerms, MoveTheMotionAsTheirReadingsDo) {
     const auto reached = [&](double x) { return w.moved(term, x, [&](const Problem& p) { return integrate(p, begin, end, start, false).end; }); };
     const Eigen::Matrix<double, 9, 1> difference = minus(reached(c), reached(-c)) / (2 * c), column = t.motion.col(w.problem.terms_first + term);
     ASSERT_GT(difference.norm(), 1);
-    // The transition takes the samples one by one to first order: a five hundredth of what moves in 20 ms.
+    // The transition treats samples to first order: 2e-3 of the motion in 20 ms.
     EXPECT_LT((column - difference).norm(), 2e-3 * difference.norm()) << "term " << term;
   }
 }

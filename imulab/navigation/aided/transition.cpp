@@ -16,23 +16,23 @@ namespace {
 
 using NineByThree = Eigen::Matrix<double, 9, 3>;
 
-/// The product, column by column: of nine rows the general one is slow.
+/// Returns the product column by column, because the general product of nine rows is slow.
 NineByThree times(const NineByThree& by, const Matrix3d& m) {
   NineByThree out;
   for (Eigen::Index j = 0; j < 3; ++j) out.col(j) = m(0, j) * by.col(0) + m(1, j) * by.col(1) + m(2, j) * by.col(2);
   return out;
 }
-/// by [w x].
+/// Returns by [w x].
 NineByThree crossed(const NineByThree& by, const Vector3d& w) { return by.rowwise().cross(w.transpose()); }
 
-/// The derivatives of the motion at the end by all errors at the start, from the last to the first of steps of some samples: 9 x 3 parts then do for
-/// all elements of the sensors' matrices. Within a step the Earth and what a tilt makes of the force change evenly: at 1 rad/s this leaves 4e-4 of
-/// what the sensors' errors do.
+/// The derivatives of the motion at the end by all errors at the start, from the last to the first step of several samples: 9 x 3 parts then suffice
+/// for all elements of the sensors' matrices. Within a step, the Earth terms and the effect of a tilt change linearly: at 1 rad/s, the error is 4e-4
+/// of the sensors' effects.
 class ErrorGrowth {
  public:
   explicit ErrorGrowth(const Problem& problem) : p_(problem) {}
 
-  /// `C`: C_nb at the sample's middle.
+  /// Adds a sample; `C` is C_nb at its middle.
   void add(std::size_t number, const Matrix3d& C, const TimedIncrement& raw, const Increment& sample, const NavigationState& state,
            const LocalEarth& earth) {
     constexpr double longest = 0.0501;  // s
@@ -69,7 +69,7 @@ class ErrorGrowth {
   }
 
  private:
-  /// Sums over some samples: of C_nb times their length, their readings and the changes by each term.
+  /// Sums over several samples: of C_nb times their length, their readings, and the changes by each term.
   struct Step {
     Vector3d turn;  // at the begin
     double time = 0;
@@ -79,14 +79,14 @@ class ErrorGrowth {
     Eigen::Matrix<double, 6, Eigen::Dynamic> terms = {};
   };
 
-  /// A step is, with w dt and f dt the sums of what C makes of the sensors' errors,
+  /// With w dt and f dt the sums of the sensors' errors rotated by C, a step is
   ///
   ///   u = -dt ((w_in x phi) + T dv) + dw dt,   phi <- phi + u,   r <- r + dt (dv before + dv after) / 2
   ///   dv <- dv - f x (phi + u / 2) - dt (2 w_ie + w_en) x dv + dg + df dt
   void add_motion(const LocalEarth& earth, Transition& t) const {
-    NineByThree phi = NineByThree::Zero(), v = phi, r = phi;  // of the end by the state after the step
+    NineByThree phi = NineByThree::Zero(), v = phi, r = phi;  // derivatives of the end by the state after the step
     phi.topRows<3>().setIdentity(), v.middleRows<3>(3).setIdentity(), r.bottomRows<3>().setIdentity();
-    Matrix3d T = Matrix3d::Zero();  // of the transport rate by the velocity
+    Matrix3d T = Matrix3d::Zero();  // derivative of the transport rate by the velocity
     T(0, 1) = -1 / earth.meridian_radius, T(1, 0) = 1 / earth.transverse_radius;
     T(2, 0) = earth.sin_latitude / earth.cos_latitude / earth.transverse_radius;
     const double gradient = -2 * earth.gravity.z() / earth.transverse_radius;
@@ -112,7 +112,7 @@ class ErrorGrowth {
     t.motion.leftCols<9>() << phi, v, r;
   }
 
-  /// White noise of the rate with the force constant over the interval: phi(t) is a walk, v its integral times -[f x], r that of v.
+  /// Adds white noise of the rate under constant force over the interval: phi(t) is a random walk, v its integral times -[f x], r the integral of v.
   void add_noise(Transition& t) const {
     Vector3d pushed = Vector3d::Zero();
     Matrix3d C = Matrix3d::Zero();
@@ -140,14 +140,14 @@ class ErrorGrowth {
 
 Integrated integrate(const Problem& p, std::size_t begin, std::size_t end, const FullState& start, bool with_transition,
                      std::vector<NavigationState>* each) {
-  constexpr double served = 0.1;  // s, by the Earth at a place: the mean error of gravity is 1e-7 m/s^2 at 2 g
+  constexpr double served = 0.1;  // s, validity of the Earth at one place: the mean error of gravity is 1e-7 m/s^2 at 2 g
   const StrapdownOptions options{.gravity = p.gravity};
   NavigationState state = start.motion;
   ErrorGrowth growth(p);
   const LocalEarth first = integration::earth_at(state.latitude, state.height, options);
   LocalEarth earth = first;
   Vector3d slow = integration::slow_acceleration(earth, state.velocity);
-  double left = 0;  // s: for which that Earth serves
+  double left = 0;  // s: remaining validity of that Earth
   std::optional<Increment> previous;
   if (begin > 0) previous = corrected(p, p.samples[begin - 1], start.x);
   for (std::size_t i = begin; i < end; ++i) {

@@ -20,11 +20,11 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t repeated = 5;  // positions in a row: numbers of few digits may repeat by chance
+constexpr std::size_t repeated = 5;  // successive positions: numbers with few digits may repeat by chance
 
 bool has_place(const AidRecord& r, std::size_t row) { return r.position[row].allFinite(); }
 
-/// Loggers write zeros before the first fix.
+/// Removes rows of zeros, which loggers write before the first fix.
 std::size_t take_null_rows(AidRecord& r) {
   std::size_t taken = 0;
   for (std::size_t i = 0; i < r.position.size(); ++i) {
@@ -35,12 +35,12 @@ std::size_t take_null_rows(AidRecord& r) {
   return taken;
 }
 
-/// Rows that repeat, and those of them that a receiver held for long while it moved, as far as it says: one in a rest may hold its position.
+/// Number of repeated rows, and of those that a receiver repeated for long while its velocity was not zero: at rest it may keep its position.
 struct Repeats {
   std::size_t taken = 0, held = 0;
 };
 Repeats take_repeats(AidRecord& r) {
-  constexpr double lasting = 5, slow = 0.3;  // s: slower receivers than that are read by loggers at a rate of their own; m/s
+  constexpr double lasting = 5, slow = 0.3;  // s: loggers read slower receivers at a rate of their own; m/s
   Repeats out;
   for (std::size_t begin = 0, end = 0; begin < r.position.size(); begin = end) {
     for (end = begin + 1; end < r.position.size() && r.position[end] == r.position[begin];) ++end;
@@ -58,12 +58,12 @@ Repeats take_repeats(AidRecord& r) {
 
 double way_between(const Vector3d& from, const Vector3d& to) { return minus(at_place(to), at_place(from)).segment<3>(At::position).norm(); }
 
-/// Fixes that a motion joins.
+/// Fixes that a plausible motion connects.
 struct JoinedFixes {
   std::size_t first = 0, last = 0, count = 1;
 };
 
-/// Each fix belongs to the latest of the joined ones that a motion may come from: for old ones any way is possible.
+/// Assigns each fix to the latest group from which a motion may lead to it: from old groups, any path is possible.
 class FixJoiner {
  public:
   FixJoiner(const Aid& aid, const std::vector<std::size_t>& rows) : aid_(aid) {
@@ -73,7 +73,7 @@ class FixJoiner {
     usual_ = quantile(std::move(speeds), 0.75);  // jumps are fewer
     for (const std::size_t row : rows) add(row);
   }
-  /// The most first.
+  /// Returns the groups, the largest first.
   std::vector<JoinedFixes> joined() {
     std::ranges::stable_sort(all_, std::greater<>(), &JoinedFixes::count);
     return all_;
@@ -86,7 +86,7 @@ class FixJoiner {
     return std::isfinite(size) ? size : 0;
   }
   double reach(std::size_t from, std::size_t to) const {
-    constexpr double sigmas = 6, reflected = 50, fast = 100, usual_times = 3;  // m: as of reflected signals; m/s
+    constexpr double sigmas = 6, reflected = 50, fast = 100, usual_times = 3;  // m, as of reflected signals; m/s
     return reflected + sigmas * (position_sigma(aid_, from).norm() + position_sigma(aid_, to).norm()) +
            (fast + usual_times * usual_ + speed(from) + speed(to)) * seconds(from, to);
   }
@@ -110,10 +110,10 @@ class FixJoiner {
   std::vector<JoinedFixes> all_;
 };
 
-/// The first fixes are the start, about which all is linear: wrong ones elsewhere are suspects.
+/// Removes wrong fixes at the start, about which everything is linearized; wrong ones elsewhere become suspects.
 void take_lost_begin(Aid& aid, double begin, Subject name, Findings& findings) {
-  constexpr double before = 1;     // s: of late stamps
-  constexpr std::size_t part = 4;  // more than one in four is a matter of opinion
+  constexpr double before = 1;     // s: for late stamps
+  constexpr std::size_t part = 4;  // with more than one in four, the correct group is uncertain
   AidRecord& r = aid.record;
   const auto time = [&](std::size_t row) { return 1e-9 * static_cast<double>(r.time[row]); };
   std::vector<std::size_t> rows;
@@ -131,14 +131,14 @@ void take_lost_begin(Aid& aid, double begin, Subject name, Findings& findings) {
   findings.add<Code::begin_left_out>(name, lost, rows.size(), time(rows[lost - 1]), way);
 }
 
-/// Squares of displacements over ten seconds and more less those that the velocities give: as they stand, with latitude and longitude swapped, and of
-/// the displacements by the velocities.
+/// Squared differences between displacements over at least ten seconds and the integrated velocities: as recorded, and with latitude and longitude
+/// swapped; and the squared displacements from the velocities.
 struct Agreement {
   double plain = 0, swapped = 0, moved = 0;
 };
 Agreement agreement_of(const AidRecord& r) {
   Agreement out;
-  constexpr double span = 10;  // s: then the noise of positions is small against the motion
+  constexpr double span = 10;  // s: the noise of positions is then small compared with the motion
   std::size_t from = 0;
   Vector3d moved = Vector3d::Zero();
   for (std::size_t i = 1; i < r.time.size(); ++i) {
@@ -161,7 +161,7 @@ Agreement agreement_of(const AidRecord& r) {
   return out;
 }
 
-/// Where the session's initial state or site is nowhere near.
+/// Warns if the initial state or site of the session is far away.
 void judge_place(const AidRecord& r, const Session& session, Subject name, Findings& findings) {
   constexpr double far = 1e6, mean_radius = 6.371e6;  // m
   const std::optional<InitialState>& initial = session.initial;
@@ -182,7 +182,7 @@ void judge_place(const AidRecord& r, const Session& session, Subject name, Findi
 }  // namespace
 
 void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recording& recording, AidedNavigation& out) {
-  constexpr double few = 1e-3;  // of the samples, as of a bump
+  constexpr double few = 1e-3;  // of the samples, as for a bump
   const auto size = static_cast<double>(recording.size()), clipped = static_cast<double>(recording.saturated.size());
   if (clipped > few * size) {
     out.findings.add<Code::samples_at_a_limit>(100 * clipped / size).place = recording.name;

@@ -1,4 +1,4 @@
-// What aids' records hold that was not measured, before the filter takes it.
+// Checks records of aids for values that were not measured, before the filter uses them.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -10,10 +10,10 @@
 
 namespace imulab::aided {
 
-/// Takes away what a receiver did not measure, and says so in `out`; a doubt where that is most of its positions: rows of latitude and longitude 0;
-/// positions that repeat the one before exactly, five times in a row or more, and with them a velocity that repeats and is not zero; and at the begin
-/// of the navigation positions from which no motion leads to the others. Names an aid that is nowhere near the initial state or the site. Doubts
-/// readings at a limit. Throws Error where a receiver's displacements fit its velocities with latitude and longitude swapped alone.
+/// Removes values that a receiver did not measure and adds findings to `out`, a doubt if they are most of its positions: rows with latitude and
+/// longitude 0; positions that are repeated exactly at least five times, together with a repeated nonzero velocity; and positions at the start from
+/// which no motion leads to the others. Names an aid far from the initial state or site. Doubts readings at a limit. Throws Error if a receiver's
+/// displacements fit its velocities only with latitude and longitude swapped.
 void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recording& recording, AidedNavigation& out);
 
 }  // namespace imulab::aided

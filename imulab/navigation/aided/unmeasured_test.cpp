@@ -1,4 +1,4 @@
-// What a receiver did not measure.
+// Values that a receiver did not measure.
 #include "imulab/navigation/aided/unmeasured.hpp"
 
 #include "imulab/navigation/aided/foreseen.hpp"
@@ -21,7 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Northward, a fix each `interval` [s].
+/// Returns a northward motion with a fix each `interval` [s].
 Aid northward(double speed, std::size_t fixes = 40, double interval = 1) {
   Aid aid{.file = "g.csv"};
   for (std::size_t i = 0; i < fixes; ++i) {
@@ -36,7 +36,7 @@ Aid northward(double speed, std::size_t fixes = 40, double interval = 1) {
 struct Checked {
   AidRecord record;
   std::vector<std::string> warnings, doubts;
-  /// Rows without a position.
+  /// Returns the rows without a position.
   std::set<std::size_t> taken() const {
     std::set<std::size_t> out;
     for (std::size_t i = 0; i < record.position.size(); ++i)
@@ -62,7 +62,7 @@ TEST(AidedUnmeasured, TheStartFollowsTheMostFixes) {
   EXPECT_THAT(lost.taken(), ElementsAre(0, 1)) << "a wrong fix later is a suspect";
   EXPECT_THAT(lost.warnings, ElementsAre(AllOf(HasSubstr("g.csv: 2 of 40 positions, until 1 s, "), HasSubstr("5e+04 m"))));
   EXPECT_THAT(lost.doubts, IsEmpty());
-  for (std::size_t i = 0; i < 15; ++i) aid.record.position[i].x() -= far_off;  // of 40: which are right is not known
+  for (std::size_t i = 0; i < 15; ++i) aid.record.position[i].x() -= far_off;  // of 40: the correct ones are unknown
   const Checked two = checked(aid);
   EXPECT_THAT(two.taken(), IsEmpty());
   EXPECT_THAT(two.doubts, ElementsAre(HasSubstr("from 15 s on, and 14 from 2 s on: which are right is not known")));
@@ -106,7 +106,7 @@ TEST(AidedUnmeasured, MostlyHeldPositionsAreDoubtful) {
   EXPECT_THAT(checked(aid).doubts, ElementsAre(HasSubstr("29 of 40 positions are zeros, or held while it moves")));
   for (std::size_t i = 0; i < 30; ++i) aid.record.velocity[i].setZero();  // parked
   EXPECT_THAT(checked(aid).doubts, IsEmpty());
-  Aid logged = northward(12, 400, 0.1);  // ten times for each fix
+  Aid logged = northward(12, 400, 0.1);  // ten rows for each fix
   for (std::size_t i = 0; i < 400; ++i) logged.record.position[i] = logged.record.position[i / 10 * 10];
   const Checked kept = checked(logged);
   EXPECT_EQ(kept.taken().size(), 360u);
@@ -130,7 +130,7 @@ TEST(AidedUnmeasured, ConstraintsAloneMeasureNoPosition) {
   EXPECT_THAT(n.findings.reasons(), testing::Contains(HasSubstr("no aid measures the position; expected an [[aid]]")));
 }
 
-// Heights above an unknown geoid, 45 m off: the rest is as good as without.
+// Heights are above an unknown geoid, 45 m too large: other results are as accurate as without this error.
 TEST(AidedUnmeasured, ALevelOfAllHeightsStaysUncertain) {
   const motion::NominalMotion motion = motion::nominal_motion(
       motion::flight({48 * unit::deg, 0.2, 500, 0, 0}, {motion::accelerate(10, 10), motion::turn(90 * unit::deg, 0.2, 2), motion::straight(20)},
