@@ -18,7 +18,7 @@
 namespace imulab {
 namespace {
 
-constexpr std::size_t most_advised_turns = 100;  // a longer procedure is planned (plan.hpp), in less time than a second a turn
+constexpr std::size_t most_advised_turns = 100;  // `plan.hpp` plans longer procedures in less than 1 s per turn
 
 void append(std::vector<std::string>& problems, const std::vector<std::string>& more, std::string_view place) {
   for (const std::string& problem : more) problems.push_back(fmt::format("{}: {}", place, problem));
@@ -43,14 +43,14 @@ std::vector<std::string> problems_of(const CalibrationOptions& options) {
   return problems;
 }
 
-/// Given rests lie in the only recording, in time order. Those that were found in the data may share what a window of the detection does.
+/// Checks that given rests are in the only recording, in time order. Rests found in the data may overlap by a window of the detection.
 void check_rests(const CalibrationInput& input, std::vector<std::string>& problems) {
   if (!input.rests) return;
   const std::size_t before = problems.size();
   const Recording none, &recording = input.recordings.empty() ? none : input.recordings.front();
   const double window = recording.interval_s > 0 ? RestOptions{}.window_s / recording.interval_s : 0;
   const auto shared = static_cast<std::size_t>(std::min(window, 1e9));
-  std::size_t begin = 0, end = 0;  // of the one before
+  std::size_t begin = 0, end = 0;  // of the previous rest
   for (const Range& rest : *input.rests) {
     const std::size_t least = std::max(begin, end - std::min(end, shared));
     if (rest.end <= rest.begin)
@@ -90,7 +90,7 @@ CalibrationInput checked_input(const Method& method, const CalibrationInput& inp
   if (!input.recordings.empty()) collect_problem(problems, [&] { out.session = declared_session(input.session, input.recordings); });
   check_rests(input, problems);
   throw_problems("", problems);
-  if (out.session.file.empty()) out.session.file = "session";  // as messages name one in memory
+  if (out.session.file.empty()) out.session.file = "session";  // name in messages for a session in memory
   return out;
 }
 

@@ -1,4 +1,4 @@
-// What every method needs checked before it begins, in one place.
+// The checks of the input that are common to all methods.
 #pragma once
 
 #include "imulab/calibrate.hpp"
@@ -8,14 +8,14 @@
 
 namespace imulab {
 
-/// The input with a session that declares its recordings (recording/validate.hpp). Throws Error that lists all that is wrong with the session, the
-/// options, the rests and the recordings.
+/// Returns the input with a session that declares its recordings (recording/validate.hpp). Throws Error with all faults of the session, the options,
+/// the rests and the recordings.
 CalibrationInput checked_input(const Method& method, const CalibrationInput& input, const CalibrationOptions& options);
 
-/// Throws Error that lists all that is wrong with the procedure and the options.
+/// Throws Error with all faults of the procedure and the options.
 void expect_valid(const Session& procedure, const PredictionOptions& options);
 
-/// What a prediction with restricted terms takes as absent: the terms of the whole one that it does not have. Empty: nothing.
+/// Names the terms that a prediction with restricted terms assumes to be absent, compared with the whole one; empty if there are none.
 std::string note_of_absent(const Prediction& restricted, const Prediction& whole);
 
 }  // namespace imulab

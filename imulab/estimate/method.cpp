@@ -41,7 +41,7 @@
 
 namespace imulab {
 
-/// Calls a method's function, after the checks.
+/// Calls a method's function after the common checks.
 struct CheckedMethod {
   template <class Result, class... Arguments>
   static Result call(const MethodFunction<Result(Arguments...)>& function, std::type_identity_t<Arguments>... arguments) {
@@ -129,14 +129,14 @@ constexpr std::array all{
            .example = [](const ExampleSize& size) { return dai_unit_procedure(size.on_machines); }},
 };
 
-/// The recordings with even stamps where theirs scatter, and with samples that were lost one or two at a time; empty where all are good as they are.
+/// Returns recordings with even stamps if theirs scatter, and with one or two successive lost samples filled in; empty if no recording needs it.
 std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::vector<std::string>& said) {
   std::vector<Recording> out;
   for (std::size_t k = 0; k < input.recordings.size(); ++k) {
     const Recording& r = input.recordings[k];
     const Stamps wanted = input.session.recordings[k].time.stamps;
     const std::optional<EvenClock> clock = replacing_clock(r, wanted);
-    const std::size_t lost = input.rests || clock ? 0 : short_gaps(r).filled;  // given rests name samples: their numbers stay
+    const std::size_t lost = input.rests || clock ? 0 : short_gaps(r).filled;  // given rests refer to sample numbers, which must not change
     if (!clock && lost == 0) continue;
     if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
     if (lost > 0) {
@@ -153,8 +153,8 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
   return out;
 }
 
-/// Recordings with gyros that read nothing in place of gyros that they do not have; empty where all have them. Throws Error where the method needs
-/// what a recording lacks.
+/// Returns recordings with zero gyro readings for missing gyros; empty if all have gyros. Throws Error if the method needs a triad that a recording
+/// lacks.
 std::vector<Recording> with_both_triads(const Method& method, std::span<const Recording> recordings) {
   std::vector<Recording> out;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
@@ -173,7 +173,7 @@ std::vector<Recording> with_both_triads(const Method& method, std::span<const Re
   return out;
 }
 
-/// A method for one recording takes several as one.
+/// Calibrates; a method for one recording joins several into one.
 CalibrationResult calibrate_together(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   if (method.takes_several || input.recordings.size() <= 1) return CheckedMethod::call(method.calibrate, input, options);
   const Joined joined = join(input.session, input.recordings);
@@ -189,11 +189,11 @@ CalibrationResult calibrate_together(const Method& method, const CalibrationInpu
   return result;
 }
 
-/// By how much chi-square is larger than is expected.
+/// Returns the excess of chi-square over its expectation.
 double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * quality.degrees_of_freedom; }
 
-/// A latitude of the wrong sign is far from the right one, where no fit about it comes: what is doubtful is tried in the other hemisphere. Gyros that
-/// are all reversed fit as well there as the right ones here; then nothing may contradict the other.
+/// Repeats a doubtful calibration in the other hemisphere, because no fit reaches a latitude of the wrong sign. Gyros that are all reversed fit
+/// equally well there; the other result is then only used if nothing contradicts it.
 CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
@@ -207,7 +207,7 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
     CalibrationResult other = calibrate_together(method, {elsewhere, input.recordings, input.rests}, options);
     const double before = excess_of(result.calibration.quality);
     Quality& quality = other.calibration.quality;
-    // What explains a part only is another fault, which the latitude's turn of the Earth's rate resembles.
+    // A partial explanation indicates another fault, which resembles the latitude's rotation of the Earth's rate.
     const bool by_chi2 = excess_of(quality) + obvious < before && excess_of(quality) < before / 2;
     if (!by_chi2 && !(by_latitude && quality.verdict == Verdict::good)) return result;
     quality.findings.add<Code::latitude_by_fit>(
@@ -223,7 +223,7 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
   }
 }
 
-/// Where the other method cannot judge the data it has no opinion; where it refuses what the session declares, that is one.
+/// Adds a second opinion. A method that cannot judge the data has none; its refusal of the session's declarations is one.
 void add_second_opinion(Calibration& calibration, const Method& of, const CalibrationInput& input, const CalibrationOptions& options) {
   try {
     CalibrationOptions same;
@@ -321,7 +321,7 @@ CalibrationResult calibrate(std::string_view name, const CalibrationInput& input
 Prediction predict(const Method& method, const Session& declared, const PredictionOptions& options) {
   expect_valid(declared, options);
   Session procedure = declared;
-  if (procedure.file.empty()) procedure.file = "procedure";  // as messages name one in memory
+  if (procedure.file.empty()) procedure.file = "procedure";  // name in messages for a procedure in memory
   errors_at(procedure.file, [&] { procedure.site.gravity(); });
   if (!method.predict) throw Error(fmt::format("the method {} has no prediction", method.name));
   const WorkScope scope(options.stop);

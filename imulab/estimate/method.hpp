@@ -1,4 +1,4 @@
-// The table of methods. A new method is a folder beside these and one line in the table.
+// The table of methods. A new method is a folder next to these and one row in the table.
 #pragma once
 
 #include "imulab/calibrate.hpp"
@@ -21,13 +21,13 @@
 
 namespace imulab {
 
-/// Throws Error that lists all options out of range: levels that are no probabilities, terms that are not in the table, requirements, times.
+/// Throws Error that lists all options out of range: levels that are not probabilities, unknown terms, requirements, times.
 void validate(const CalibrationOptions& options);
 
-/// The rests and turns that inspection has found in a recording.
+/// Rests and turns that the inspection of a recording found.
 struct RestEvidence {
   std::size_t rests = 0, turns = 0;
-  double determined = 0;   ///< of the nine accelerometer parameters, by the rests' directions
+  double determined = 0;   ///< number of determined parameters among the nine of the accelerometers, from the directions of the rests
   bool explained = false;  ///< the gyros explain the turns
 };
 struct MethodSupport {
@@ -35,7 +35,7 @@ struct MethodSupport {
   std::string why;
 };
 
-/// The session that `Method::example` makes. The defaults are a short one.
+/// Sizes of the session from `Method::example`; the default is short.
 struct ExampleSize {
   HandHeldOptions by_hand = {.poses = 20};
   TableProcedureOptions on_table = {.rest = 15, .rate_hz = 20};
@@ -43,7 +43,7 @@ struct ExampleSize {
   std::uint64_t seed = 1;
 };
 
-/// A function of a method. Only `calibrate` and `predict` below call it: they check first what is common to all methods.
+/// A function of a method. Only `calibrate` and `predict` below call it, after the common checks.
 template <class Function>
 class MethodFunction;
 template <class Result, class... Arguments>
@@ -58,7 +58,7 @@ class MethodFunction<Result(Arguments...)> {
   Result (*function_)(Arguments...) = nullptr;
 };
 
-/// A row of the table: everything that the rest of the program knows of a method.
+/// A row of the table, with all information about a method.
 struct Method {
   std::string_view name;       ///< "handheld"
   std::string_view summary;    ///< one line
@@ -66,52 +66,52 @@ struct Method {
   std::string_view needs;      ///< besides a recording: of steps, site and rig
   int equipment = 0;           ///< by which methods are offered: the least first
 
-  bool takes_accel_alone = false;  ///< recordings without gyros
-  bool takes_several = false;      ///< recordings, each on its own; else they are joined to one
-  bool takes_aids = false;         ///< records of the session's aids, which also tell the place
+  bool takes_accel_alone = false;  ///< accepts recordings without gyros
+  bool takes_several = false;      ///< processes several recordings separately; otherwise they are joined
+  bool takes_aids = false;         ///< uses records of the session's aids, which also determine the place
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
-  bool takes_runs = false;       ///< predictions by Monte Carlo, and the classical ones
-  std::string_view second = {};  ///< the method that gives a second opinion on the same data; empty: none
+  bool takes_runs = false;       ///< predicts by Monte Carlo and by the classical model
+  std::string_view second = {};  ///< method for a second opinion on the same data; empty: none
 
-  // Statements of a certificate.
-  std::string_view test = {};  ///< by its usual name; empty: those of the session's machines
+  // Statements for a certificate.
+  std::string_view test = {};  ///< usual name; empty: determined by the session's machines
   std::string_view angle_source = "the angle between the directions of gravity before and after each turn";
-  /// The origin of angles and rates: an instrument or none.
+  /// Whether an instrument is the origin of angles and rates.
   enum class Instrument { none, where_declared, always } instrument = Instrument::none;
 
-  /// Throws Error where declarations contradict each other or the data, Unsupported where nothing can be determined.
+  /// Calibrates. Throws Error if declarations contradict each other or the data, and Unsupported if nothing can be determined.
   MethodFunction<CalibrationResult(const CalibrationInput& input, const CalibrationOptions& options)> calibrate;
-  /// Predicts a procedure; none where the method has no prediction. Throws Error where the procedure lacks what the method needs, and for a
-  /// requirement on a coefficient that it does not estimate; TermsError as calibrate does.
+  /// Predicts a procedure; absent if the method has no prediction. Throws Error if the procedure lacks something that the method needs, or the method
+  /// does not estimate a required coefficient; TermsError like calibrate.
   MethodFunction<Prediction(const Session& procedure, const PredictionOptions& options)> predict = {};
-  /// Finds its own procedure; without functions where it cannot.
+  /// Plans its own procedure; without functions if it cannot.
   PathPlanner plan = {};
-  /// Null: a recording alone is not enough.
+  /// Returns whether a recording supports the method; null: a recording alone is insufficient.
   MethodSupport (*support)(const RestEvidence& evidence) = nullptr;
-  /// A procedure that the method can work on, for tests; null where no session is one.
+  /// Returns a procedure for the method, for tests; null if there is none.
   Session (*example)(const ExampleSize& size) = nullptr;
 };
 
-/// All methods, by name.
+/// Returns all methods, by name.
 std::span<const Method> methods();
-/// Throws Error that lists the known ones.
+/// Returns the method with this name; throws Error with the known names.
 const Method& method(std::string_view name, std::span<const Method> table = methods());
-/// Null where there is none of this name.
+/// Returns the method with this name, or null.
 const Method* find_method(std::string_view name, std::span<const Method> table = methods());
-/// The least equipment first.
+/// Returns the methods, the one with the least equipment first.
 std::vector<Method> methods_by_equipment();
-/// The one that plans its own procedure.
+/// Returns the method that plans its own procedure.
 const Method& planning_method();
-/// The methods with a capability: "hybrid", or several with commas.
+/// Returns the names of methods with a capability: "hybrid", or several with commas.
 std::string names_of_methods(bool Method::*capability);
 
-/// Calibrates as the command does: checks the input (Error that lists all that is wrong with the session, the options, the rests and the recordings),
-/// then the result in the way that is common to all methods (are scales and axes as declared?), and fills in its origin (add_declared_origin). Throws
-/// as the method does, and Stopped. Several calibrations may run at the same time in different threads; each uses several (core/parallel.hpp).
+/// Calibrates like the command: checks the input (Error with all faults of the session, the options, the rests and the recordings), then the result
+/// by the checks common to all methods (scales and axes as declared), and fills in its origin (add_declared_origin). Throws as the method does, and
+/// Stopped. Several calibrations may run in different threads; each uses several threads (core/parallel.hpp).
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {});
 
-/// Throws Error that lists all that is wrong with the procedure and the options, where the method has no prediction, or neither gravity nor the
-/// latitude is known; and as the method does. With restricted terms a note says what is taken as absent. Throws Stopped.
+/// Predicts. Throws Error with all faults of the procedure and the options, if the method has no prediction, or if neither gravity nor the latitude
+/// is known; also as the method does. With restricted terms, a note names absent terms. Throws Stopped.
 Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab

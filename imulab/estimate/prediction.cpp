@@ -50,7 +50,7 @@ void add_sizes(Prediction& p, const Session& procedure, const std::function<Pred
 
 namespace {
 
-/// What requirements judge: not a prior alone.
+/// Returns the sigma for a requirement, which must not come from a prior alone.
 StatedSigma judged_sigma(const Prediction& p, CoefficientIndex index) {
   return contains(p.considered, index) ? StatedSigma{std::numeric_limits<double>::infinity()} : predicted(p, index);
 }

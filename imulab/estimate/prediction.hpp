@@ -1,4 +1,4 @@
-// The prediction that an estimate of ideal readings gives.
+// Predictions from an estimate with ideal readings.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -21,13 +21,13 @@ namespace imulab {
 /// Throws Error that lists all options out of range: terms and requirements.
 void validate(const PredictionOptions& options);
 
-/// The prediction that a calibration of ideal readings gives. Its degrees of freedom are those of the fit.
+/// Returns the prediction from a calibration with ideal readings. Its degrees of freedom are those of the fit.
 Prediction prediction_of(const Calibration& calibration);
 
-/// Adds the sigmas for an IMU of half and of twice the expected effects; `of`: the prediction of a procedure.
+/// Adds the sigmas for an IMU with half and twice the expected effects; `of` predicts a procedure.
 void add_sizes(Prediction& prediction, const Session& procedure, const std::function<Prediction(const Session&)>& of);
 
-/// Infinite where the procedure does not determine it; 0 where the frame fixes it.
+/// Returns the predicted sigma: infinite if the procedure does not determine it, 0 if the frame fixes it.
 StatedSigma predicted(const Prediction& prediction, CoefficientIndex index);
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// How a method plans its own procedure (docs/reference/predict.md).
+// The interface of methods that plan their own procedure (docs/reference/predict.md).
 #pragma once
 
 #include "imulab/core/shared_work.hpp"
@@ -13,15 +13,15 @@
 
 namespace imulab {
 
-/// The functions with which a method plans; null where it does not. `unit` is a procedure whose site and IMU count, not its steps.
+/// Functions for planning; null if the method has no plan. `unit` provides site and IMU; its steps are ignored.
 struct PathPlanner {
-  /// Throws Error where a required coefficient is not among those that the method estimates.
+  /// Throws Error if the method does not estimate a required coefficient.
   void (*expect_estimated)(const std::vector<Requirement>& requirements, const Session& unit) = nullptr;
-  /// The uncertainty that no path reduces, with turns of this rate [rad/s].
+  /// Returns the uncertainty that no path reduces, for turns at this rate [rad/s].
   double (*least_sigma)(const Session& unit, CoefficientIndex index, double turn_rate) = nullptr;
-  /// Finds, among all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given
-  /// time. Where no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. `sharing`: of the
-  /// search. Bit-equal on any number of threads, and from parts.
+  /// Searches all examined paths from zero angles for the shortest with a `worst` of at most 1, or for the one with the smallest `worst` in the given
+  /// time. If no path up to `longest_path` reaches 1, returns the one with the smallest `worst`. `progress` is called with percent done; `sharing`
+  /// distributes the search. Results are bit-identical for any number of threads and parts.
   TurnPath (*design)(const PathLimits& limits, const Session& unit, const std::function<void(int)>& progress, const Sharing* sharing) = nullptr;
 };
 

@@ -12,7 +12,7 @@ namespace imulab::coarse {
 
 namespace {
 
-/// Below this ratio of singular values (columns normalized) the data do not determine a combination: directions set by hand are off by a few percent.
+/// Below this ratio of singular values (columns normalized), a combination is undetermined: directions set by hand are wrong by a few percent.
 constexpr double rank_threshold = 1e-2;
 
 std::optional<Eigen::VectorXd> solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return solve_full_rank(a, b, rank_threshold); }
@@ -69,7 +69,7 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<RestMeans>& rest
 
 std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& model,
                                               const Scaling& scaling) {
-  // Over each quarter of a second: up(end) - up(begin) = sum over samples of (up x W1 v) dt, v the gyro reading less its mean at rest.
+  // For each quarter of a second, up(end) - up(begin) is the sum over samples of (up x W1 v) dt, where v is the gyro reading minus its mean at rest.
   const double quarter = std::min(std::round(0.25 / recording.interval_s), static_cast<double>(recording.size()));  // an interval of 0 gives all
   const auto chunk = static_cast<std::size_t>(std::max(2.0, quarter));
   const Vector3d at_rest = mean_gyro(rests);
@@ -84,11 +84,11 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
   for (std::size_t k = 0; k + 1 < rests.size(); ++k) {
     for (std::size_t i = rests[k].range.end; i + chunk <= rests[k + 1].range.begin; i += chunk) {
-      if (i < around || i + chunk + around >= recording.size()) continue;  // gravity is not seen around both its ends
-      // its angle was not measured, nor is that of a chunk that ends at a gap or follows one
+      if (i < around || i + chunk + around >= recording.size()) continue;  // gravity is unknown around one of its ends
+      // the angle of this chunk was not measured, or it is adjacent to a gap
       if (saturation.in({i, i + chunk}) > 0 || recording.gaps_in({i, i + chunk + 1}) > 0) continue;
       const auto beyond = [&](std::size_t at) { return recording.saturated_in({at - around, at + around + 1}) > 0; };
-      if (beyond(i) || beyond(i + chunk)) continue;  // gravity was not
+      if (beyond(i) || beyond(i + chunk)) continue;  // gravity was not measured
       const Vector3d begin = up_at(i), end = up_at(i + chunk);
       Vector3d angle = Vector3d::Zero();
       for (std::size_t s = i; s < i + chunk; ++s)
@@ -100,7 +100,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
       right += row.transpose() * (end - begin);
     }
   }
-  // Squares: an axis that turns less than 3 % of the most turned one shows its noise rather than its scale.
+  // Squares: the noise of an axis that turns by less than 3 % of the largest turning dominates its scale.
   if (!(normal.diagonal().minCoeff() > 1e-3 * normal.diagonal().maxCoeff())) return {};
   const auto x = solve(normal, right);
   if (!x) return {};

@@ -1,4 +1,4 @@
-// Coarse solutions without a rig, all linear: the start of the maximum-likelihood refinements (Cheng 2014 sec 1.2, "shape from motion").
+// Linear coarse solutions without a rig: the start of the maximum-likelihood refinements (Cheng 2014 sec 1.2, "shape from motion").
 #pragma once
 
 #include "imulab/recording/scaling.hpp"
@@ -12,10 +12,10 @@ namespace imulab::coarse {
 struct CoarseAccel {
   Vector3d offset;
   Matrix3d matrix;
-  bool misalignment;  ///< false: the rests do not determine the quadric's cross terms (cardinal positions), which were taken as zero
+  bool misalignment;  ///< false: the rests do not determine the quadric's cross terms (cardinal positions), which are set to zero
 };
 
-/// `readings`: accelerometer means of the rests, scaled. Empty where not even offsets and scales follow.
+/// Solves for the accelerometers; `readings` are scaled means of the rests. Empty if not even offsets and scales are determined.
 std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, double gravity);
 
 /// Gyro offset and matrix from f . w = g w_ie sin L at every rest, linear in twelve unknowns (Cheng 2014 eqs 11-14).
@@ -26,8 +26,8 @@ struct CoarseGyro {
 std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<RestMeans>& rests, const SensorModel& scaled_model, const Scaling& scaling,
                                               double earth_rate_vertical);
 
-/// Gyro matrix from the motion between the rests: the direction of gravity that the accelerometers see turns at -w x f. Linear in nine unknowns and
-/// good to some percent for any acceleration of the hand. Empty where the motion does not turn the unit about all axes.
+/// Returns the gyro matrix from the motion between the rests: the measured direction of gravity changes by -w x f. Linear in nine unknowns and
+/// accurate to some percent for any acceleration of the hand. Empty if the motion does not turn the unit about all axes.
 std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& scaled_model,
                                               const Scaling& scaling);
 

@@ -46,7 +46,7 @@ TEST(Coarse, SixFacesLeaveMisalignmentOpen) {
   const auto found = coarse_accel(readings, g);
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->misalignment);
-  // Zero misalignment where it is 2 % leaves second-order errors in the scales.
+  // A misalignment of 2 % that is set to zero causes second-order errors in the scales.
   EXPECT_LT((found->matrix.diagonal() - truth.matrix.diagonal()).norm(), 2e-3);
   EXPECT_LT((found->offset - truth.offset).norm(), 1e-2);
 }
@@ -89,7 +89,7 @@ TEST(Coarse, GyrosInMotionEndWhateverTheIntervalIs) {
 }
 
 TEST(Coarse, GyrosInMotionTakeNothingBeyondTheRecording) {
-  // 20 s at 1 kHz of motion about all axes; gravity is averaged over an eighth of a second, the first and the last rest last a hundredth.
+  // 20 s of motion about all axes at 1 kHz; gravity is averaged over 1/8 s, and the first and last rests last 1/100 s.
   constexpr std::size_t n = 20'000, rest = 10;
   Recording recording;
   recording.interval_s = 1e-3;

@@ -22,7 +22,7 @@ namespace imulab::coarse {
 
 namespace {
 
-/// The declaration is wrong if gravity reads as half or twice itself. Offsets and scales of uncalibrated accelerometers are below 20 %.
+/// Throws Error if gravity reads as less than half or more than twice itself. Uncalibrated accelerometers have errors below 20 %.
 void check_accel_unit(const Recording& recording, const std::vector<RestMeans>& rests, double gravity) {
   if (recording.accel_unit == "count") return;
   std::vector<double> sizes;
@@ -33,26 +33,26 @@ void check_accel_unit(const Recording& recording, const std::vector<RestMeans>& 
         fmt::format("{}: gravity at rest: {}", recording.name, kernel::scale_contradiction(Triad::accel, scale * Matrix3d::Identity(), recording)));
 }
 
-/// Do the rests change every axis's reading by a part of gravity? Else the quadric would be fitted to noise.
+/// Returns true if the rests change the reading of every axis by a substantial part of gravity; otherwise the quadric would be fitted to noise.
 bool gravity_on_every_axis(const RestStart& start) {
   const auto [low, high] = accel_extremes(start.rests);
   const Vector3d range = high - low;
-  // Uncalibrated scales differ by less than a factor of 5, and a sample's noise is below a fiftieth of g.
+  // Uncalibrated scales differ by less than a factor of 5, and the noise of a sample is below g / 50.
   return range.minCoeff() > 0.2 * range.maxCoeff() && (range.array() > 20 * start.noise.accel.array()).all();
 }
 
-/// Why these rests do not determine everything, if there is a simple reason.
+/// Warns of rests that do not determine everything, if there is a simple reason.
 void warn_of_poor_rests(RestStart& start) {
-  constexpr std::size_t enough = 9;  // as many as the accelerometers have coefficients
+  constexpr std::size_t enough = 9;  // the accelerometers have as many coefficients
   const std::size_t n = start.rests.size();
   if (n < enough) start.findings.add<Code::few_rests>(n, n == 1 ? "" : "s");
   Matrix3d scatter = Matrix3d::Zero();
   for (const RestMeans& rest : start.rests) scatter += start.up(rest) * start.up(rest).transpose() / static_cast<double>(n);
-  // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
+  // A third in every direction is even; at 1/30, every rest is within about 10 deg of one plane.
   if (n > 1 && symmetric_eigenvalues(scatter)[0] < 1.0 / 30) start.findings.add<Code::rests_near_a_plane>();
 }
 
-/// Raw noise of a declared density, and a warning where the rests show another. A raw axis feeds its column of the matrix.
+/// Returns the raw noise for a declared density, and warns if the rests have another. A raw axis contributes to its column of the matrix.
 Vector3d declared_sigma(std::string_view triad, double density, const Matrix3d& raw_matrix, double interval_s, const Vector3d& measured,
                         kernel::Findings& findings) {
   const Vector3d declared = (density / std::sqrt(interval_s)) * raw_matrix.colwise().norm().transpose().cwiseInverse();
@@ -60,7 +60,7 @@ Vector3d declared_sigma(std::string_view triad, double density, const Matrix3d& 
   return declared;
 }
 
-/// The accelerometers of `start.model` and `start.prior`.
+/// Sets the accelerometers of `start.model` and `start.prior`.
 void start_accel(RestStart& start, const Recording& recording, double gravity) {
   std::vector<Vector3d> readings;
   for (const RestMeans& rest : start.rests) readings.push_back(start.accel(rest));
@@ -141,7 +141,7 @@ kernel::SeenOfUnit seen_of(const RestStart& start, const Recording& recording, d
   for (const RestMeans& rest : start.rests) rate += model.gyro.matrix * rest.gyro / static_cast<double>(start.rests.size());
   kernel::SeenOfUnit seen = kernel::seen_of_axes(per_sample * kernel::output_sigma(model.accel.matrix, start.noise.accel),
                                                  per_sample * kernel::output_sigma(model.gyro.matrix, start.noise.gyro), model.accel.offset, rate);
-  // Offsets beyond those of any IMU are those of counts; gyros' below the Earth's rate are not told from it.
+  // Offsets beyond any IMU's belong to counts; gyro offsets below the Earth's rate cannot be separated from it.
   if (!(seen.accel_offset < 0.2 * gravity)) seen.accel_offset = 0;
   if (!(seen.gyro_offset > 2 * earth_rate && seen.gyro_offset < 1)) seen.gyro_offset = 0;
   return seen;
@@ -164,7 +164,7 @@ std::optional<double> explained_turning(const Recording& recording, const RestSt
     const Range between{start.rests[k].range.end, start.rests[k + 1].range.begin};
     const Vector3d begin = start.up(start.rests[k]), end = start.up(start.rests[k + 1]);
     if (begin.dot(end) > std::cos(least_turn) || saturation.in(between) > 0 || recording.gaps_in({between.begin, between.end + 1}) > 0) continue;
-    Vector3d carried = begin;  // gravity turns in the IMU against the IMU's turning
+    Vector3d carried = begin;  // gravity turns relative to the IMU opposite to the IMU's turning
     for (std::size_t i = between.begin; i < between.end; ++i)
       carried = rotation_exp(-recording.interval_s * (gyro * (start.scaling.gyro(reading_at(recording.gyro, i)) - at_rest))) * carried;
     turned += (end - begin).squaredNorm();
@@ -177,7 +177,7 @@ std::optional<double> explained_turning(const Recording& recording, const RestSt
 
 std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, const RestStart& start) {
   const std::optional<Matrix3d> coarse = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
-  // Scales that are off by a third explain nine tenths; gyros that have nothing to do with the turns explain none of them, or less.
+  // Scale errors of a third still explain nine tenths; gyros unrelated to the turns explain nothing or less.
   constexpr double least = 0.5;
   const auto by_coarse = coarse ? explained_turning(recording, start, *coarse) : std::nullopt;
   const auto as_declared = recording.gyro_unit != "count" ? explained_turning(recording, start, Matrix3d::Identity()) : std::nullopt;
@@ -188,7 +188,7 @@ std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, 
                     "check that both triads are of one recording, with stamps of one clock",
                     recording.name, 100 * std::max(0.0, best)));
   if (!coarse || recording.gyro_unit == "count") return coarse;
-  const bool lost = !recording.gaps.empty() || !GyroSaturation(recording).samples().empty();  // and with it the turns that would show the scale
+  const bool lost = !recording.gaps.empty() || !GyroSaturation(recording).samples().empty();  // the turns that determine the scale were lost
   if (!as_declared) return lost ? std::nullopt : coarse;
   return *as_declared > *by_coarse && !near_identity(*coarse) ? std::nullopt : coarse;
 }

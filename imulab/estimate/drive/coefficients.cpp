@@ -37,7 +37,7 @@ aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<Coe
   out.gyro_offset.setConstant(std::hypot(g.gyro_bias, g.gyro_noise.turn_on.value));
   out.accel_offset.setConstant(std::hypot(g.accel_bias, g.accel_noise.turn_on.value));
   out.g_sensitivity.setConstant(optional_sizes(imu).g_sensitivity);
-  // The misalignments that a grade draws from ranges are those in the case: the accelerometers' own are then the gyros', too.
+  // A grade with ranges draws misalignments in the case frame, so those of the accelerometers also affect the gyros.
   if (g.ranges)
     out.gyro_matrix += (std::hypot(g.gyro_misalignment, g.accel_misalignment) - g.gyro_misalignment) * (Matrix3d::Ones() - Matrix3d::Identity());
   for (const CoefficientIndex index : coefficient_indices()) {
@@ -53,14 +53,14 @@ aided::SensorPriors unit_priors(const ImuDeclaration& imu, const std::vector<Coe
 
 namespace {
 
-/// The model with C and W0 where `constants` has G and bg, and back.
+/// Converts a model with G and bg in place of C and W0 to C and W0.
 SensorModel model_of(SensorModel constants) {
   constants.g_sensitivity = constants.g_sensitivity * constants.accel.matrix.inverse();
   constants.gyro.offset -= constants.g_sensitivity * constants.accel.offset;
   return constants;
 }
 
-/// Place of a coefficient among the estimated ones; -1: not there.
+/// Returns the index of a coefficient among the estimated ones, or -1.
 Index place_of(const Calibration& c, Triad triad, Term term, int axis) {
   const auto at = std::ranges::find(c.estimated, coefficient_index(triad, term, axis, axis));
   return at == c.estimated.end() ? -1 : at - c.estimated.begin();
@@ -86,7 +86,7 @@ StatedUnit calibration_of(const AidedNavigation& n) {
     out.estimated.push_back(index), places.push_back(static_cast<Index>(k));
   }
   out.model = model_of(constants);
-  // Differences over one sigma either way: exact but for the third derivatives.
+  // Central differences over one sigma are exact except for third derivatives.
   const Index coefficients = std::ssize(out.estimated);
   for (std::size_t k = 0; k < n.constants.size(); ++k)
     if (is_effect(n.constants[k].name)) places.push_back(static_cast<Index>(k));
@@ -108,7 +108,7 @@ StatedUnit calibration_of(const AidedNavigation& n) {
 
 double wander(Triad triad, const Recording& recording, const ImuDeclaration& imu) {
   const NoiseModels noise = declared_terms(imu);
-  constexpr double resolved = 100;  // s: the time over which a drive shows an offset
+  constexpr double resolved = 100;  // s: time over which a drive determines an offset
   const double length = recording.time_s(recording.size() - 1) - recording.time_s(0), part = std::min(resolved, length);
   const MatrixXd variance =
       kernel::slow_noise({{(length - part) / 2, (length + part) / 2}}, triad == Triad::accel ? noise.accel : noise.gyro, recording.interval_s);

@@ -40,7 +40,7 @@ void expect_si(const Recording& recording) {
       throw Error(fmt::format("{}: {} in counts, whose size a drive does not tell; expected its unit and counts_per_unit", recording.name, triad));
 }
 
-/// What goes with a recording: its aids; an initial state is that of an only one.
+/// Returns the session of one recording with its aids; an initial state applies only if there is one recording.
 Session session_of_drive(const Session& session, const Recording& recording, std::size_t drives) {
   Session out = session;
   for (std::size_t k = 0; k < session.aids.size() && drives > 1; ++k)
@@ -53,7 +53,7 @@ Session session_of_drive(const Session& session, const Recording& recording, std
   return out;
 }
 
-/// The site with the place of the drive where the session has none: gravity follows from it.
+/// Returns the session with the place of the drive if it has none, because gravity depends on it.
 Session with_place(Session session, const AidedNavigation& n) {
   if (session.site.given_gravity || session.site.latitude) return session;
   const NavigationState& state = n.solution.states.front();
@@ -61,7 +61,7 @@ Session with_place(Session session, const AidedNavigation& n) {
   return session;
 }
 
-/// Gravity is the same part of all three scales of the accelerometers.
+/// Adds the uncertainty of gravity, which has the same relative effect on all three accelerometer scales.
 void add_gravity(Calibration& c, const Site& site) {
   Eigen::VectorXd common = Eigen::VectorXd::Zero(std::ssize(c.estimated));
   for (std::size_t k = 0; k < c.estimated.size(); ++k)
@@ -70,7 +70,7 @@ void add_gravity(Calibration& c, const Site& site) {
   c.covariance += common * common.transpose();
 }
 
-/// With all that a unit may have; chosen terms are all that it has.
+/// Navigates the drives, with all optional terms of a unit; chosen terms exclude others.
 std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<CoefficientIndex>& chosen, bool all_terms) {
   std::vector<Drive> out;
   const Shared shared = shared_by(input.recordings, input.session);
@@ -85,7 +85,7 @@ std::vector<Drive> navigated(const CalibrationInput& input, const std::vector<Co
   return out;
 }
 
-/// The calibration that these constants are, with what the navigation has no states for.
+/// Returns the calibration for these constants, including errors for which the navigation has no states.
 StatedUnit stated(const AidedNavigation& constants, const Session& session) {
   StatedUnit out = calibration_of(constants);
   out.calibration.imu = session.imu.name;
@@ -121,7 +121,7 @@ CalibrationResult calibration_result(const std::vector<Drive>& drives, const Cal
   CalibrationResult result{.calibration = unit.calibration};
   Calibration& calibration = result.calibration;
   for (const Drive& drive : drives) result.iterations = std::max(result.iterations, drive.navigation.passes);
-  if (drives.size() == 1) {  // of several the change is part of each
+  if (drives.size() == 1) {  // with several drives, the change is part of each
     for (const Triad triad : {Triad::gyro, Triad::accel}) add_to_offsets(calibration, triad, wander(triad, input.recordings.front(), session.imu));
     if (const Drive& d = drives.front(); d.accel_turn_on > 0 || d.gyro_turn_on > 0)
       calibration.turn_on = {.accel = std::sqrt(d.accel_turn_on), .gyro = std::sqrt(d.gyro_turn_on)};

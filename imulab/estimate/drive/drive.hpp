@@ -8,19 +8,19 @@
 
 namespace imulab::drive {
 
-/// Offsets, matrices and g-sensitivity from recordings in SI and the records of the session's aids, smoothed under the priors of the unit's grade
-/// (mems where none is declared); each recording is a drive, with states and aids of its own, and their statements of the unit are joined. Frame:
-/// accelerometers. Every coefficient is stated; those of which the drives say less than the prior are named as considered. Throws Error where the
-/// session has no aids, a record is missing, goes with no recording or does not overlap it, and for readings in counts.
+/// Estimates offsets, matrices and g-sensitivity from recordings in SI and the records of the session's aids, smoothed under the priors of the unit's
+/// grade (default mems). Each recording is a drive with states and aids of its own; their results for the unit are combined. The frame is that of the
+/// accelerometers. Every coefficient is stated; those about which the drives are less informative than the prior are named as considered. Throws
+/// Error if the session has no aids, a record is missing, belongs to no recording or does not overlap it, and for readings in counts.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options);
 
-/// A drive as it is joined with others.
+/// Returns a drive in the form in which drives are combined.
 Drive drive_of(AidedNavigation navigation, const Recording& recording, const ImuDeclaration& imu);
-/// What the drives of the input, navigated under `unit_priors`, say of the unit: the second half of `calibrate`.
+/// Returns the combined result for the unit from the drives of the input, navigated under `unit_priors`: the second half of `calibrate`.
 CalibrationResult calibration_result(const std::vector<Drive>& drives, const CalibrationInput& input, const CalibrationOptions& options);
 
-/// What calibrate will state of one drive on the motion of the options, by an IMU and aids as the session declares them; the aids have records on the
-/// motion's clock. Throws Error where there is no motion or no aid.
+/// Predicts the result of `calibrate` for one drive with the motion of the options, by an IMU and aids as declared; the aids have records on the
+/// motion's clock. Throws Error if there is no motion or no aid.
 Prediction predict(const Session& mission, const PredictionOptions& options);
 
 }  // namespace imulab::drive

@@ -21,7 +21,7 @@ std::string in_front(const std::vector<Drive>& drives, const Drive& drive) { ret
 
 namespace {
 
-/// Terms that the model may do without: what a drive does not show of them needs no words.
+/// Returns true for optional terms, which are not named if a drive does not determine them.
 bool is_curvature(const std::string& constant) {
   return constant.find(".quadratic") != std::string::npos || constant.find(".cubic") != std::string::npos;
 }
@@ -61,7 +61,7 @@ void doubt_drive(const Drive& drive, const std::string& before, kernel::Findings
   }
 }
 
-/// The drive that adds to the others what they exclude.
+/// Adds a doubt for the drive that contradicts the others most.
 void doubt_contradiction(const std::vector<Contradiction>& all, kernel::Findings& findings) {
   const auto chance = [](const Contradiction& c) { return c.freedom > 0 ? log_chi_square_tail(c.chi2, c.freedom) : 0; };
   const auto worst = std::ranges::min_element(all, {}, chance);
@@ -71,9 +71,9 @@ void doubt_contradiction(const std::vector<Contradiction>& all, kernel::Findings
                                         worst->sigmas);
 }
 
-/// A unit that is not of its grade, or not mounted as its axes say: the prior then pulls the estimates.
+/// Doubts a unit that is not of its grade, or not mounted as declared: the prior then biases the estimates.
 void doubt_priors(const AidedNavigation& n, const Session& session, kernel::Findings& findings) {
-  constexpr double many = 4, far = 2;  // sigma of the prior; mounting angles are linear to some 30 deg
+  constexpr double many = 4, far = 2;  // sigma of the prior; mounting angles are linear up to about 30 deg
   const AidedConstant* worst = nullptr;
   for (const AidedConstant& c : n.constants) {
     if (of_unit(c) && (!worst || std::abs(c.value / c.prior) > std::abs(worst->value / worst->prior))) worst = &c;
@@ -85,7 +85,7 @@ void doubt_priors(const AidedNavigation& n, const Session& session, kernel::Find
                                      session.imu.grade.value_or("mems, which is assumed,"));
 }
 
-/// The part of it that the drive determined.
+/// Returns the part of a calibration that the drive determined.
 Calibration determined_part(const Calibration& c) {
   Calibration out = c;
   out.estimated.clear();
@@ -93,7 +93,7 @@ Calibration determined_part(const Calibration& c) {
   for (std::size_t k = 0; k < c.estimated.size(); ++k)
     if (is_result(c, c.estimated[k])) out.estimated.push_back(c.estimated[k]), places.push_back(static_cast<Eigen::Index>(k));
   out.covariance = c.covariance(places, places).eval();
-  out.quality.converged = true;  // a drive says by itself what still changes
+  out.quality.converged = true;  // the drive reports lack of convergence itself
   return out;
 }
 

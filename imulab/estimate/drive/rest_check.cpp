@@ -20,26 +20,26 @@ namespace {
 
 constexpr double mg = 1000 * unit::ug;
 
-/// One result of a rest or turn: how far it is beyond what is known of it.
+/// The error of a rest or turn relative to its uncertainty.
 struct Excess {
   double begin_s = 0, end_s = 0, error = 0, sigma = 1;
   double sigmas() const { return std::abs(error) / sigma; }
 };
 
-/// The largest where chance explains none as large among so many, else none.
+/// Returns the largest excess if it is significant among all, else null.
 const Excess* improbable(const std::vector<Excess>& all) {
   constexpr double chance = 1e-5;
   const auto worst = std::ranges::max_element(all, {}, &Excess::sigmas);
-  // exp(-s^2 / 2) is the tail of two errors at right angles, and bounds that of one
+  // exp(-s^2 / 2) is the tail probability of two orthogonal errors, and bounds that of one
   return worst != all.end() && std::pow(worst->sigmas(), 2) > -2 * std::log(chance / static_cast<double>(all.size())) ? &*worst : nullptr;
 }
 
-/// Covariance of the output (rate, then force) at a motion.
+/// Returns the covariance of the output (rate, then force) at a motion.
 Eigen::Matrix<double, 6, 6> covariance_at(const Calibration& calibration, const Motion& motion) {
   return output_covariance(calibration, decompensate(calibration.model, motion));
 }
 
-/// Bound of one sigma of the rotation over a range [rad]: all that the coefficients leave open turns the same way.
+/// Returns an upper bound of the sigma of the rotation over a range [rad]: all errors of the coefficients turn in the same direction.
 double rotation_sigma(const Calibration& calibration, const Recording& recording, const Range& range, double random_walk) {
   constexpr std::size_t places = 200;
   if (range.size() == 0) return 0;

@@ -1,4 +1,4 @@
-// A drive's calibration against what needs no aid: at rest the force is gravity, and the gyros take its direction from one rest to the next.
+// Checks a drive's calibration without aids: at rest, the force is gravity, and the gyros propagate its direction from one rest to the next.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -10,8 +10,8 @@
 
 namespace imulab::drive {
 
-/// Doubts a calibration whose rests or turns have errors that its covariance does not explain. The rests are those of `recording`, which `navigation`
-/// is of; `before` is in front of the reason.
+/// Doubts a calibration whose rests or turns have errors that its covariance does not explain. The rests are those of `recording`, on which
+/// `navigation` is based; `before` is the prefix of the reason.
 void doubt_at_rest(const Calibration& calibration, const AidedNavigation& navigation, const Recording& recording, const Session& session,
                    const std::string& before, kernel::Findings& findings);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double rate_hz = 100, turn_rate = 30 * unit::deg, gravity = 9.81;
 
-/// Five seconds level, a roll of a quarter turn in three, five seconds on the side.
+/// Returns five seconds level, a roll of a quarter turn in three seconds, and five seconds on the side.
 Recording rolled() {
   Recording r;
   r.interval_s = 1 / rate_hz;
@@ -25,7 +25,7 @@ Recording rolled() {
   return r;
 }
 
-/// u: 1 mm/s^2 of the accelerometers' offsets, 0.001 of the scale of the gyro about x.
+/// Returns a unit with u of 1 mm/s^2 for the accelerometers' offsets and 0.001 for the scale of the gyro about x.
 Calibration unit_of(double accel_offset, double gyro_scale) {
   Calibration c;
   c.method = "drive";

@@ -20,7 +20,7 @@ bool of_aid(const AidedConstant& c) { return !of_unit(c) && !is_effect(c.name); 
 
 namespace {
 
-/// What data say of the unit's constants in units of their priors: exponent -(x.N x)/2 + g.x.
+/// The information of data about the unit's constants in units of their priors: exponent -(x.N x)/2 + g.x.
 struct Said {
   MatrixXd N;
   VectorXd g;
@@ -55,20 +55,20 @@ Said said_by(const Drive& drive) {
   return out;
 }
 
-/// One over the prior's variance, in units of that of a drive.
+/// Returns the inverse variance of the unit's prior relative to a drive's.
 VectorXd unit_information(const Drive& drive) {
   const std::vector<Index> places = sensor_places(drive.navigation);
   VectorXd out = VectorXd::Ones(std::ssize(places));
   for (Index k = 0; k < out.size(); ++k) {
     const AidedConstant& c = drive.navigation.constants[static_cast<std::size_t>(places[static_cast<std::size_t>(k)])];
     const double turn_on = c.name.starts_with("gyro.offset") ? drive.gyro_turn_on : c.name.starts_with("accel.offset") ? drive.accel_turn_on : 0;
-    constexpr double least = 0.01;  // of the prior: the rest is turn-on
+    constexpr double least = 0.01;  // of the prior: the remainder is turn-on
     out[k] = 1 / std::max(least, 1 - turn_on / (c.prior * c.prior));
   }
   return out;
 }
 
-/// `part` of `all`, which has the prior: the state with it against that without.
+/// Compares the state with and without `part` of `all` (which includes the prior).
 Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& part) {
   const MatrixXd with = inverse_of(all.N), without = inverse_of(all.N - part.N);
   const VectorXd step = with * all.g - without * (all.g - part.g);
@@ -77,7 +77,7 @@ Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& 
   const MatrixXd half = root.matrixL().solve(with), learned = MatrixXd::Identity(with.rows(), with.cols()) - root.matrixL().solve(half.transpose());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes((learned + learned.transpose()) / 2);
   Contradiction out{.drive = drive.name, .worst = {}};
-  constexpr double some = 0.05;  // of the variance: less is hardly learned, and rounding
+  constexpr double some = 0.05;  // of the variance: less is hardly informative and subject to rounding
   for (Index k = 0; k < white.size(); ++k)
     if (const double part_learned = axes.eigenvalues()[k]; part_learned > some)
       out.chi2 += std::pow(axes.eigenvectors().col(k).dot(white), 2) / part_learned, ++out.freedom;
@@ -91,7 +91,7 @@ Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& 
   return out;
 }
 
-/// The aids' constants of a drive as it has them, after those of the unit.
+/// Appends a drive's constants of aids to those of the unit.
 void append_aids(const Drive& drive, AidedNavigation& out) {
   for (std::size_t k = 0; k < drive.navigation.constants.size(); ++k) {
     if (!of_aid(drive.navigation.constants[k])) continue;

@@ -27,7 +27,7 @@ const Effect& effect_named(std::string name) {
   return *find_effect(name.substr(0, name.rfind('.')));
 }
 
-/// A drive needs no site. Where the effects are centered, and the play's width, a local gravity matters by a thousandth.
+/// Adds a default gravity because a drive needs no site: local gravity changes the center of the effects and the width of the play by 1e-3.
 Session with_gravity(Session session) {
   if (!session.site.given_gravity && !session.site.latitude) session.site.given_gravity = unit::g;
   return session;
@@ -42,7 +42,7 @@ kernel::EffectSizes sizes_of(const Session& session) {
   return out;
 }
 
-/// Forces in their order drag the play of the accelerometers along.
+/// Returns the play of the accelerometers, which depends on the sequence of forces.
 std::vector<Vector3d> plays(const Recording& recording, double gravity) {
   PlayOperator play(gravity);
   std::vector<Vector3d> out;

@@ -1,4 +1,4 @@
-// Whole-unit sessions whose declarations contradict the data.
+// Whole-unit sessions with declarations that contradict the data.
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
@@ -46,7 +46,7 @@ std::string error_of(const std::vector<Recording>& recordings, const Session& se
   return "no error";
 }
 
-/// The steps of one recording with a mount.
+/// Changes the steps of one recording with a mount.
 template <class Change>
 void at_mount(Session& session, const std::string& file, const std::string& mount, Change change) {
   for (Step& step : session.steps)
@@ -104,7 +104,7 @@ TEST(WholeUnitBadInput, AnUnsettledChamberIsReportedWithItsDrift) {
   DaiUnitOptions options;
   options.record = 10;
   const WholeUnitSession s = whole_unit_session(12, options, [](Session& session) {
-    double time = 0;  // half a minute of soak in place of half an hour
+    double time = 0;  // half a minute of soak instead of half an hour
     for (Step& step : session.steps)
       if (step.recording == "chamber.csv") step.start = time + 60, step.end = time += 70;
   });
@@ -119,7 +119,7 @@ TEST(WholeUnitBadInput, HysteresisShowsWhereTheChamberGoesBothWays) {
   const auto calibrated = [&](double hysteresis) {
     const WholeUnitSession s = whole_unit_session(13, options, [&](Session& session) { session.rigs[0].hysteresis = hysteresis; });
     CalibrationOptions without;
-    without.effects = false;  // drifts would take it up
+    without.effects = false;  // drifts would absorb it
     return calibration_from(s.recordings, s.session, without).quality.findings.warnings();
   };
   EXPECT_THAT(calibrated(0), Not(Contains(HasSubstr("hysteresis"))));
@@ -156,7 +156,7 @@ TEST(WholeUnitBadInput, AnOutlierIsDroppedByName) {
 
 TEST(WholeUnitBadInput, RepeatedPointsAreMorePoints) {
   WholeUnitSession s = good();
-  const Step first = s.session.steps.front();  // again, on the same samples: nothing new, but nothing breaks
+  const Step first = s.session.steps.front();  // again, on the same samples: it adds no information, but must not fail
   s.session.steps.insert(s.session.steps.begin(), first);
   const Calibration c = calibration_from(s.recordings, s.session);
   EXPECT_THAT(c.quality.findings.warnings(), Contains(HasSubstr("twice")));

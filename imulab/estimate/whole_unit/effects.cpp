@@ -1,4 +1,4 @@
-// The states of the machines' points, on which the effects of the table depend.
+// States of the machines' points, on which the effects of the table depend.
 #include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/whole_unit/problem.hpp"
 #include "imulab/rig/thermal_scale.hpp"
@@ -14,14 +14,14 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// The mean of C_bn at a point: while it turns, what is horizontal averages out.
+/// Returns the mean of C_bn at a point: horizontal components average out while it turns.
 Matrix3d mean_attitude(const Step& step) {
   const Matrix3d C_bn = mount_attitude(mount_of(step)).transpose();
   if (step.kind == StepKind::hold) return C_bn * rotation_about(Vector3d::UnitZ(), -step.angles[static_cast<std::size_t>(RigAxis::outer)]);
   return C_bn * Vector3d::UnitZ() * Vector3d::UnitZ().transpose();
 }
 
-/// Kelvin of a unit of the thermal readings: as declared; of others, as if their range were that of a chamber, 70 K.
+/// Returns the kelvin per unit of the thermal readings: as declared, or for raw units as if their range were that of a chamber, 70 K.
 double kelvin(const MachinePoints& points, const Session& session) {
   const ThermalRange& thermal = points.thermal[points.thermometer()];
   if (thermal.unit != "raw") return 1;
@@ -31,7 +31,7 @@ double kelvin(const MachinePoints& points, const Session& session) {
   return 70 / std::max(thermal.size(), 1e-12);
 }
 
-/// The variance of force that is the sensors' own: as declared, else that of the quietest point.
+/// Returns the force variance of the sensors themselves: as declared, else that of the quietest point.
 Vector3d own_variance(const PointProblem& problem) {
   if (const double N = declared_terms(problem.session->imu).accel.N; N > 0) return Vector3d::Constant(N * N / problem.points.interval_s);
   Vector3d least = Vector3d::Constant(HUGE_VAL);
@@ -39,10 +39,10 @@ Vector3d own_variance(const PointProblem& problem) {
   return problem.model.accel.matrix.cwiseAbs2() * least;
 }
 
-/// What the points of a session have in common.
+/// Properties common to the points of a session.
 struct Reached {
   double full_force, full_rate;
-  double full_arm_rate = 0;  ///< of the centrifuges
+  double full_arm_rate = 0;  ///< largest rate of a centrifuge
   std::vector<double> begin, end;
   std::vector<std::string> rigs;
 };
@@ -66,7 +66,7 @@ Reached reached(const PointProblem& problem) {
   return out;
 }
 
-/// A machine whose level is not declared is set up with a mechanic's level, 0.1 mm/m. One that is level exactly says so: { fixed = 0 }.
+/// Sets the tilt of machines without a declared level to that of a mechanic's level, 0.1 mm/m. { fixed = 0 } declares an exactly level machine.
 void set_undeclared_levels(std::vector<CommonError>& common, const Session& session) {
   for (CommonError& error : common) {
     if (error.rig.empty() || error.source.kind != RigErrorKind::tilt) continue;
@@ -75,7 +75,7 @@ void set_undeclared_levels(std::vector<CommonError>& common, const Session& sess
   }
 }
 
-/// The force of 1 m more arm at full rate.
+/// Returns the force of an additional arm of 1 m at full rate.
 Vector3d stretching(const MachinePoint& point, double full_rate) {
   if (point.machine != RigKind::centrifuge || point.step.kind != StepKind::spin) return Vector3d::Zero();
   const Mount mount = mount_of(point.step);
@@ -83,7 +83,7 @@ Vector3d stretching(const MachinePoint& point, double full_rate) {
   return -mount.outward.sign * rate * rate * std::pow(rate / full_rate, 2) * Vector3d::Unit(mount.outward.index);
 }
 
-/// What one unit more of the thermal reading changes in the output.
+/// Returns the change of the output per unit of the thermal reading.
 Vector3d of_thermometer(const TriadModel& triad, const Vector3d& reading) {
   if (!triad.temperature) return Vector3d::Zero();
   const Vector3d warming = reading.array() - triad.temperature->reference;
@@ -112,7 +112,7 @@ void PointProblem::set_place() {
 void PointProblem::add_effects(const kernel::SeenOfUnit& seen) {
   const Reached all = reached(*this);
   kernel::EffectSizes sizes = kernel::effect_sizes(*session, seen);
-  for (const char* name : {"accel.offset_temperature", "gyro.offset_temperature"}) sizes.declared[name] = 0;  // coefficients of their own
+  for (const char* name : {"accel.offset_temperature", "gyro.offset_temperature"}) sizes.declared[name] = 0;  // they are coefficients
   effects = kernel::Effects(sizes, {.accel = true,
                                     .gyro = true,
                                     .thermometer = points.thermal[points.thermometer()].known,

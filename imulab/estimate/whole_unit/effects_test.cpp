@@ -1,4 +1,4 @@
-// Effects of the table in whole-unit calibration. Over drawn units: tests/effects_simulation.
+// Effects of the table in whole-unit calibration. tests/effects_simulation tests them on random units.
 #include "imulab/earth.hpp"
 #include "imulab/estimate/kernel/site.hpp"
 #include "imulab/estimate/whole_unit/problem.hpp"
@@ -58,13 +58,13 @@ TEST(WholeUnitEffects, ColumnsAreTheDerivativesOfTheResiduals) {
       moved.correct(step * VectorXd::Unit(problem.size(), column));
       const Vector6d change = (moved.equations(points[at]).residual - before) / step, expected = by_effects.col(k);
       const std::string_view name = problem.effects.columns()[static_cast<std::size_t>(k)].effect->name;
-      const double of_arm = name == "site.latitude" ? 5e-3 : 0;  // m/s^2: the column leaves out what the Earth's rate adds to a centrifuge's
+      const double of_arm = name == "site.latitude" ? 5e-3 : 0;  // m/s^2: the column neglects the Earth's rate in a centrifuge's rotation
       EXPECT_LT((change - expected).norm(), 1e-3 * expected.norm() + 1e-12 / step + of_arm) << name;
     }
   }
 }
 
-/// What the place changes is the derivative of the machine's motion, held or turning.
+/// The effect of the site is the derivative of the machine's motion, at rest or turning.
 TEST(WholeUnitEffects, TheSiteMovesTheEarthsRateAndGravity) {
   Session session = dai_unit_procedure({});
   const auto at = [&](const Step& step, double latitude, double heading) {
@@ -76,7 +76,7 @@ TEST(WholeUnitEffects, TheSiteMovesTheEarthsRateAndGravity) {
   };
   const kernel::SiteChanges site(session.site);
   constexpr double h = 1e-4;
-  for (const std::size_t k : {std::size_t{0}, std::size_t{15}, std::size_t{35}}) {  // the chamber; a spin; a hold on the rate table
+  for (const std::size_t k : {std::size_t{0}, std::size_t{15}, std::size_t{35}}) {  // the chamber, a spin, and a hold on the rate table
     const Step& step = session.steps[k];
     EffectState state;
     Matrix3d C_bn = mount_attitude(mount_of(step)).transpose();
@@ -96,14 +96,14 @@ TEST(WholeUnitEffects, WithoutThemNothingIsAdded) {
   EXPECT_FALSE(c.quality.cause);
 }
 
-/// A chamber with one mount does not show it, however good all that it shows is.
+/// A chamber with one mount does not determine this effect, however accurate its data are.
 TEST(WholeUnitEffects, WhatThePointsDoNotShowKeepsHalfOfItsSize) {
   const Calibration c = calibrate(navigation_session(3).input(), with_effects()).calibration;
   const Effect& hidden = *find_effect("accel.scale_temperature");
   for (const double sigma : effect_of(c, std::string(hidden.name)).sigma) EXPECT_GT(sigma, 0.45 * hidden.prior[1]);
 }
 
-/// A turn-on of 200 ug between recordings is found, declared or not: eight times what is expected of the grade.
+/// A turn-on change of 200 ug between recordings is detected, declared or not: it is eight times the expected size of the grade.
 TEST(WholeUnitEffects, AnotherZeroInOneRecordingIsATurnOn) {
   WholeUnitSession s = navigation_session(3);
   const Vector3d shift = 200 * unit::ug * Vector3d(1, -1, 1);
@@ -115,7 +115,7 @@ TEST(WholeUnitEffects, AnotherZeroInOneRecordingIsATurnOn) {
   EXPECT_GT(next, 80) << "the shifts of one recording of three have an RMS of 115 ug";
   EXPECT_LT(next, 400);
   EXPECT_NEAR(named.turn_on->accel, 200 * unit::ug / 3, 100 * unit::ug / 3);
-  SensorModel mean = s.truth.model;  // of the three recordings
+  SensorModel mean = s.truth.model;  // mean of the three recordings
   mean.accel.offset -= shift / 3;
   const VectorXd errors = errors_of(named, mean);
   for (Index k = 0; k < errors.size(); ++k) EXPECT_LT(std::abs(errors[k]), 5 * std::sqrt(named.covariance(k, k)));
@@ -135,7 +135,7 @@ TEST(WholeUnitEffects, ALatitudeOfTheWrongSignIsNamed) {
   const Calibration c = calibrate(s.input(), with_effects()).calibration;
   EXPECT_NE(c.quality.verdict, Verdict::good);
   EXPECT_EQ(c.quality.cause.value_or(""), "site.latitude");
-  const VectorXd e = errors_of(c, s.truth.model);  // of the latitude that the gyros show
+  const VectorXd e = errors_of(c, s.truth.model);  // the gyros imply this latitude
   for (Index k = 0; k < e.size(); ++k) EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(c.covariance(k, k)));
 }
 

@@ -1,4 +1,4 @@
-// Predictions of the whole-unit method. Agreement with its calibrations: tests/methods_test.cpp.
+// Predictions of the whole-unit method. tests/methods_test.cpp compares them with its calibrations.
 #include "imulab/calibration.hpp"
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"

@@ -28,15 +28,15 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// Offsets by the full scale reached, m/s^2 and rad/s. Second and third orders are three to a hundred times what Dai's table 2 has (3e-4 /g and
-/// 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), as other units may be worse than his.
+/// Returns prior sizes for the full scale reached [m/s^2, rad/s]. Second and third orders are three to a hundred times those of Dai's table 2 (3e-4
+/// /g and 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), because other units may be worse.
 kernel::PriorSizes prior_sizes(double force, double rate) {
   using unit::deg, unit::g;
   return {.accel = {0.2 * force, 0.2, 0.05, 3e-4 / g, 6e-5 / (g * g), 0.15 * g},
           .gyro = {0.2 * rate, 0.2, 0.05, 7.5e-4 / deg, 1e-7 / (deg * deg), 15 * deg}};
 }
 
-/// The coefficients that the points can determine.
+/// Returns the coefficients that the points can determine.
 std::vector<CoefficientIndex> candidates(const MachinePoints& points) {
   std::vector<CoefficientIndex> indices;
   for (const CoefficientIndex k : coefficient_indices()) {
@@ -176,11 +176,11 @@ PointEquations PointProblem::equations(const MachinePoint& point) const {
   Rows motion_by_common;
   const Motion truth = motion(point, &motion_by_common);
   PointEquations out;
-  out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;  // Dai 2011 eqs 1 to 4 less the machine's motion: his eqs 5, 7, 10
+  out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;  // Dai 2011 eqs 1 to 4 minus the machine's motion: his eqs 5, 7, 10
 
   const Matrix6 thermal = d.temperature * points.thermal_variance.asDiagonal() * d.temperature.transpose();
   Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
-  // A coarsely quantized or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
+  // A coarsely quantized or dead channel has no noise; 1e-8 of the full range keeps the weights finite.
   variance.diagonal() += 1e-16 * (Vector6d() << Vector3d::Constant(place_.gravity * place_.gravity), Vector3d::Ones()).finished();
   variance.diagonal() += point_variance[point.recording];
   variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
@@ -205,7 +205,7 @@ std::vector<Index> PointProblem::acting_columns(std::size_t recording) const {
   for (std::size_t k = 0; k < common.size(); ++k)
     if (k == 0 || (common[k].drift ? common[k].drift->recording == recording : std::ranges::count(of_machine, k) > 0))
       columns.push_back(static_cast<Index>(coefficients.size() + k));
-  for (Index k = 0; k < effects.size(); ++k) {  // drift of another recording is nothing here
+  for (Index k = 0; k < effects.size(); ++k) {  // the drift of another recording has no effect here
     const auto acts = [&](const MatrixXd& at_point) { return at_point.size() > 0 && !at_point.col(k).isZero(0); };
     if (std::ranges::any_of(by_effects[recording], acts)) columns.push_back(size() - effects.size() + k);
   }
@@ -271,7 +271,7 @@ void PointProblem::correct(const VectorXd& x) {
 
 Fit fit(PointProblem& problem, Priors priors) {
   constexpr int most_iterations = 20;
-  constexpr double still = 0.01 * 0.01;  // of chi-square: no parameter moves by more than a hundredth of its standard deviation
+  constexpr double still = 0.01 * 0.01;  // of chi-square: every parameter changes by less than a hundredth of its standard deviation
   Fit out;
   problem.update_effects();
   out.converged = kernel::iterate(most_iterations, [&](int) {
@@ -299,7 +299,7 @@ void PointProblem::add_drifts() {
       if (p.recording == recording) of_recording.push_back(&p);
     if (of_recording.empty()) continue;
     const auto n = std::ssize(of_recording);
-    // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
+    // Noise begins with the recording. Its clock begins at the same time unless it starts at more than the recording's length.
     const double first = of_recording.front()->step.start, origin = first < of_recording.back()->step.end - first ? 0 : first;
     std::vector<kernel::TimeSpan> times;
     for (const MachinePoint* p : of_recording) times.push_back({p->step.start - origin, p->step.end - origin});

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Why a coefficient is not determined, where counting levels tells.
+/// Explains an undetermined coefficient by the number of levels, if that is the reason.
 std::string count_of_levels(const PointProblem& problem, const Coefficient& c) {
   const int order = c.term == Term::quadratic ? 2 : c.term == Term::cubic ? 3 : 0;
   if (order == 0) return "";
@@ -78,7 +78,7 @@ void note_residuals(Quality& quality) {
   note(&quality.fit_residuals[0], unit::g, "g"), note(&quality.fit_residuals[3], unit::deg, "deg/s");
 }
 
-/// Radii one by one, where the data know them twice as well as their declaration; the many small angles in one line.
+/// Lists radii one by one if the data determine them twice as well as declared; the many small angles in one line.
 void note_rig_errors(Quality& quality) {
   std::size_t angles = 0;
   double square = 0;
@@ -95,10 +95,10 @@ void note_rig_errors(Quality& quality) {
   if (angles > 0) quality.findings.add<Code::rig_angles>(angles, std::sqrt(square / static_cast<double>(angles)) / unit::arcsec);
 }
 
-/// Probability of a warning in a good session, shared among all tests of a kind.
+/// Probability of a warning in a good session, for all tests of a kind together.
 constexpr double level = 1e-3;
 
-/// The chamber's points at one temperature, reached by warming and by cooling.
+/// The chamber's points at one temperature, reached by heating and by cooling.
 struct Directions {
   Vector6d sum[2] = {Vector6d::Zero(), Vector6d::Zero()};
   int n[2] = {0, 0};
@@ -108,7 +108,7 @@ bool warn_hysteresis(kernel::Findings& findings, const PointProblem& problem) {
   std::map<std::int64_t, Directions> by_temperature;
   const std::size_t triad = problem.points.thermometer();
   const auto reading = [&](const MachinePoint& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
-  // Visits to one set point; without set points, readings within a fortieth of the range.
+  // A visit belongs to one set point; without set points, to readings within 1/40 of the range.
   const auto visit = [&](const MachinePoint& p) {
     return p.step.temperature ? std::llround(100 * *p.step.temperature) : std::llround(40 * reading(p) / problem.points.thermal[triad].size());
   };
@@ -133,7 +133,7 @@ bool warn_hysteresis(kernel::Findings& findings, const PointProblem& problem) {
   bool found = false;
   for (Index k = 0; k < 6; ++k) {
     const double mean = difference[k] / n, sigma = std::sqrt(std::max(square[k] / n - mean * mean, 1e-300) / (n - 1));
-    if (std::abs(mean) < normal_quantile(1 - level / 12) * sigma * (1 + 4 / n)) continue;  // a little more for Student's few degrees
+    if (std::abs(mean) < normal_quantile(1 - level / 12) * sigma * (1 + 4 / n)) continue;  // with a margin for the few degrees of Student's t
     found = true;
     findings.add<Code::hysteresis>(Subject{k < 3 ? "accel" : "gyro"}, "xyz"[k % 3], k < 3 ? mean / unit::ug : mean / unit::deg_per_h,
                                    k < 3 ? "ug" : "deg/h");
@@ -144,7 +144,7 @@ bool warn_hysteresis(kernel::Findings& findings, const PointProblem& problem) {
 /// Errors of a machine that change together.
 struct Hypothesis {
   ErrorInWords error;
-  VectorXd direction;  ///< among the parameters
+  VectorXd direction;  ///< in the space of the parameters
 };
 
 std::vector<Hypothesis> hypotheses(const PointProblem& problem) {
@@ -196,12 +196,12 @@ Quality quality_of(const PointProblem& problem, const JointEstimate& estimate) {
 Findings wrong_machine(const PointProblem& problem) {
   const kernel::Information data = problem.information();
   const kernel::Solution s = kernel::solve(data, problem.parameters(), "the points");
-  const VectorXd slope = data.g + data.N * s.x;  // half of that of the sum of squares, at the solution
+  const VectorXd slope = data.g + data.N * s.x;  // half the gradient of the sum of squares, at the solution
   const std::vector<Hypothesis> all = hypotheses(problem);
   const Hypothesis* worst = nullptr;
   double most = 0, by = 0;
   for (const Hypothesis& h : all) {
-    // One more direction to move in: its curvature less what the free parameters explain of it, whose own slope and that of their priors cancel.
+    // The curvature along one more direction excludes what the free parameters explain; their slope and that of their priors cancel.
     const VectorXd nd = data.N * h.direction;
     const double curvature = h.direction.dot(nd) - nd.dot(s.covariance * nd), gradient = h.direction.dot(slope);
     // Directions that the estimate follows for any data carry no information.
@@ -211,7 +211,7 @@ Findings wrong_machine(const PointProblem& problem) {
     if (saved > most) most = saved, by = -gradient / curvature, worst = &h;
   }
   if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return {};
-  // In points that scatter more than they should, the one thing to name is what explains a good part of that.
+  // A cause of excess scatter is only named if it explains a substantial part of it.
   const double excess = s.chi2 - s.degrees_of_freedom / (problem.noise_factor * problem.noise_factor);
   if (most < 0.3 * excess) return {};
   Findings out;

@@ -23,8 +23,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Reference temperature: the mean of the points outside of the chamber, where most of them are; the middle of the range where there is a chamber
-/// alone. A whole number.
+/// Returns the reference temperature, a whole number: the mean of the points outside the chamber, where most points are, or the middle of the range
+/// if there is only a chamber.
 double reference_temperature(const MachinePoints& points, std::size_t triad) {
   double sum = 0, n = 0;
   for (const MachinePoint& p : points.all)
@@ -32,8 +32,8 @@ double reference_temperature(const MachinePoints& points, std::size_t triad) {
   return std::round(n > 0 ? sum / n : 0.5 * (points.thermal[triad].low + points.thermal[triad].high));
 }
 
-/// Offset and matrix for readings less `center`, by least squares of what the machines did, without some points; absent where they did not move
-/// each axis.
+/// Returns offset and matrix for readings minus `center`, by least squares with the motion of the machines, without some points; absent if the
+/// machines did not excite each axis.
 std::optional<TriadModel> linear_fit(const std::vector<MachinePoint>& points, const Range& without, const Session& session, const Vector6d& center,
                                      std::size_t triad) {
   const auto rows = static_cast<Index>(points.size() - without.size());
@@ -47,7 +47,7 @@ std::optional<TriadModel> linear_fit(const std::vector<MachinePoint>& points, co
   }
   if (rows < 4) return std::nullopt;
   const Eigen::RowVectorXd scale = x.colwise().norm().cwiseMax(1e-300);
-  constexpr double threshold = 1e-3;  // what temperature and noise leave of a direction that was not excited is below this
+  constexpr double threshold = 1e-3;  // the effect of temperature and noise on an unexcited direction is below this
   const LeastSquares scaled = least_squares(x * scale.cwiseInverse().asDiagonal(), y, threshold);
   if (scaled.rank < 4) return std::nullopt;
   const MatrixXd fit = scale.cwiseInverse().asDiagonal() * scaled.x;
@@ -90,10 +90,10 @@ void check_mounts(const MachinePoints& points, const Session& session, const Sen
   const auto same_mounting = [](const MachinePoint& a, const MachinePoint& b) {
     return a.recording == b.recording && mount_of(a.step) == mount_of(b.step);
   };
-  for (Range here; here.begin < all.size(); here.begin = here.end) {  // a mounting: points one after the other
+  for (Range here; here.begin < all.size(); here.begin = here.end) {  // a mounting: consecutive points
     while (here.end < all.size() && same_mounting(all[here.begin], all[here.end])) ++here.end;
     TriadModel accel = start.accel, gyro = start.gyro;
-    // Counts mean nothing without a fit; one of the other points is not bent by these.
+    // Counts require a fit; a fit to the other points is independent of these.
     if (accel.raw_unit == "count") accel = linear_fit(all, here, session, center, 0).value_or(accel);
     if (gyro.raw_unit == "count") gyro = linear_fit(all, here, session, center, 1).value_or(gyro);
     std::vector<Motion> measured;
@@ -109,9 +109,9 @@ namespace {
 
 constexpr std::initializer_list<Term> polynomial{Term::offset, Term::matrix, Term::quadratic, Term::cubic};
 
-/// Three misfits of force or rate, linear in the coefficients of their step, a column each of: the derivatives by the problem's coefficients (the
-/// step's own, and those of steps before); the misfit with the coefficients so far; the derivatives by the unit-variance noises of all points, then
-/// by the common errors over their sigmas (none without covariance).
+/// Three misfits of force or rate, linear in the coefficients of their step. Columns: derivatives by the problem's coefficients (of this step, and of
+/// earlier steps); the misfit with the coefficients so far; derivatives by the unit-variance noises of all points, then by the common errors over
+/// their sigmas (absent without covariance).
 using Equations = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 class Steps {
@@ -163,7 +163,7 @@ class Steps {
 
   /// Step 2: means of opposed positions at equal rate; W0, W1, W2, W3 (eqs 5, 6).
   void rate_table() {
-    // The body's rate along an axis; of the positions with that axis up and down.
+    // The keys are the body's rate along an axis; the values are positions with that axis up and down.
     std::map<std::pair<int, std::int64_t>, std::array<std::vector<std::size_t>, 2>> opposed;
     for (const std::size_t p : points_of(RigKind::rate_table)) {
       const Step& step = points_[p].step;
@@ -171,7 +171,7 @@ class Steps {
       const double rate = step.kind == StepKind::spin ? step.rate * up.sign : 0;
       opposed[{up.index, std::llround(rate * 1e6)}][up.sign > 0].push_back(p);
     }
-    // Two passes: how the noise of a reading moves the misfit is known once there are coefficients.
+    // The second pass knows coefficients, and therefore the effect of reading noise on the misfit.
     for (int pass = 0; pass < 2; ++pass) {
       std::vector<Equations> means;
       for (const auto& [key, positions] : opposed) {
@@ -205,7 +205,7 @@ class Steps {
     return points;
   }
 
-  /// The change of the raw means by one sigma of the mean's noise, which is stated in force and rate.
+  /// Returns the change of the raw means per sigma of the mean's noise, which is given in force and rate.
   Eigen::Matrix<double, 6, 6> raw_by_noise(std::size_t p) const {
     const Vector6d sigma = (problem_.noise / static_cast<double>(points_[p].samples)).cwiseSqrt();
     return accel_first_derivatives(problem_.model, problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
@@ -213,7 +213,7 @@ class Steps {
 
   Vector6d thermal_sigma(std::size_t p) const { return (problem_.points.thermal_variance / static_cast<double>(points_[p].samples)).cwiseSqrt(); }
 
-  /// e = compensate - motion at a point, with the coefficients so far.
+  /// Returns e = compensate - motion at a point with the coefficients so far.
   Equations equations(std::size_t p, Triad triad) const {
     const CompensationDerivatives d = accel_first_derivatives(model_, problem_.sample(points_[p]));
     Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_common;
@@ -233,7 +233,7 @@ class Steps {
     return e;
   }
 
-  /// Least squares for the step's own coefficients; the effects of noise and of the steps before on the misfits propagate to them.
+  /// Solves least squares for the coefficients of the step, and propagates the effects of noise and of earlier steps.
   void solve(const std::vector<Equations>& equations, Triad triad, std::initializer_list<Term> terms, std::string_view points) {
     std::vector<Index> own;
     for (Index k = 0; const CoefficientIndex index : problem_.coefficients) {
@@ -250,7 +250,7 @@ class Steps {
       set_coefficient(model_, index, coefficient_value(model_, index) + s.x[k++]);
     }
     if (!with_covariance_) return;
-    all(Eigen::all, own).setZero();  // what remains are the steps before
+    all(Eigen::all, own).setZero();  // the remaining columns belong to earlier steps
     sensitivity_(own, Eigen::all) =
         -s.covariance * design.transpose() * (all.rightCols(sensitivity_.cols()) + all.leftCols(coefficients_) * sensitivity_);
   }
@@ -260,10 +260,10 @@ class Steps {
   SensorModel model_;
   bool with_covariance_;
   Index coefficients_, noises_;
-  MatrixXd sensitivity_;  ///< of the coefficients, as in the equations
+  MatrixXd sensitivity_;  ///< of the coefficients, with columns as in the equations
 };
 
-/// Has the session what the three steps need?
+/// Returns true if the session has the data for all three steps.
 bool has_three_steps(const PointProblem& problem) {
   std::map<RigKind, std::array<bool, 6>> seen;
   for (const MachinePoint& p : problem.points.all) {

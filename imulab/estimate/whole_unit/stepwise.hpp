@@ -1,6 +1,5 @@
-// The starts of whole-unit calibration: the readings' center, a linear model, whether the IMU was mounted as the session says; and Dai's three steps
-// one after the other (Dai 2011 section 3.1), each by unweighted least squares, with the covariance that noise and the machines' errors give the
-// whole chain.
+// The starts of whole-unit calibration: the center of the readings, a linear model, and a check of the mounts; and Dai's three steps in sequence (Dai
+// 2011 section 3.1), each by unweighted least squares, with the covariance of the whole chain due to noise and machine errors.
 #pragma once
 
 #include "imulab/estimate/whole_unit/problem.hpp"
@@ -9,23 +8,23 @@
 
 namespace imulab::whole_unit {
 
-/// Offset-binary counts are centered on the middle of their range, so that powers of them remain distinguishable; other readings stay as they are.
+/// Returns the middle of the range for offset-binary counts, so that their powers remain distinguishable; zero for other readings.
 Vector6d reading_center(const MachinePoints& points);
 
-/// The start for readings less `center`. Readings in SI start from the identity, counts from linear least squares over all points. Throws
-/// Unsupported where that does not determine a scale of counts.
+/// Returns the start for readings minus `center`: the identity for readings in SI, linear least squares over all points for counts. Throws
+/// Unsupported if that does not determine a scale of counts.
 SensorModel starting_model(const MachinePoints& points, const Session& session, const Vector6d& center);
 
-/// Throws Error where the readings of a mount contradict it and another mount, or the opposite rate, explains them.
+/// Throws Error if the readings contradict a mount, and another mount or the opposite rate explains them.
 void check_mounts(const MachinePoints& points, const Session& session, const SensorModel& start, const Vector6d& center);
 
 struct StepwiseEstimate {
-  SensorModel model;           ///< of readings less the problem's center
-  Eigen::MatrixXd covariance;  ///< of the problem's coefficients; zero where it was not asked for
+  SensorModel model;           ///< of readings minus the problem's center
+  Eigen::MatrixXd covariance;  ///< of the problem's coefficients; zero if it was not requested
 };
 
-/// Needs a chamber, a rate table with opposed mounts along every axis, and a centrifuge with an accelerometer of each axis outward: throws
-/// Unsupported that says so, or which points do not determine their coefficients.
+/// Estimates in three steps. Requires a chamber, a rate table with opposed mounts along every axis, and a centrifuge with each accelerometer axis
+/// outward: otherwise throws Unsupported, also for points that do not determine their coefficients.
 StepwiseEstimate stepwise_estimate(const PointProblem& problem, bool with_covariance);
 
 }  // namespace imulab::whole_unit

@@ -16,9 +16,9 @@ using kernel::TermGroup;
 namespace {
 
 constexpr std::size_t parts_of_validation = 10;
-constexpr double chance = 0.005;  // of the RMS of some 2000 residuals: twenty of chi-square, more than nine coefficients gain by chance
+constexpr double chance = 0.005;  // of the RMS of some 2000 residuals: twenty of chi-square, more than the chance gain of nine coefficients
 
-/// The optional terms, of estimated coefficients.
+/// Returns the optional terms of the estimated coefficients.
 std::vector<TermGroup> optional_terms(const PointProblem& problem) {
   std::vector<TermGroup> groups;
   const auto add = [&](Triad triad, std::string_view name, Term term, int column = -1) {
@@ -48,7 +48,7 @@ std::vector<TermTest> choose_terms(PointProblem& problem, double significance) {
   const auto test = [&](const std::vector<TermGroup>& groups) {
     const kernel::Parameters parameters = problem.parameters();
     const kernel::Solution s = kernel::solve(all, parameters, "the points");
-    const VectorXd values = s.x - parameters.offset;  // less the starting values
+    const VectorXd values = s.x - parameters.offset;  // minus the starting values
     const kernel::CrossValidation missed = kernel::cross_validation(parts, all, parameters, groups);
     std::vector<TermTest> tests;
     for (std::size_t k = 0; k < groups.size(); ++k) {

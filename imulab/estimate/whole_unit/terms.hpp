@@ -8,8 +8,7 @@
 
 namespace imulab::whole_unit {
 
-/// Which optional terms are seen. Without effects, those that are not are left out; an effect may hide one that is there, so that with effects all
-/// stay.
+/// Tests the optional terms for significance. Without effects, insignificant ones are left out; with effects, which may hide a term, all stay.
 std::vector<TermTest> choose_terms(PointProblem& problem, double significance);
 
 }  // namespace imulab::whole_unit

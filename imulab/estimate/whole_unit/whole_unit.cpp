@@ -35,18 +35,18 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// A fit whose suspects are its points.
 struct PointFit {
   PointProblem problem;
-  std::size_t may_go;  ///< so many points more
+  std::size_t may_go;  ///< number of points that may still be dropped
   kernel::Solution solution = whole_unit::fit(problem).solution();
 
   std::vector<kernel::Suspect> suspects() const {
     std::vector<double> statistic;
     for (const MachinePoint& point : problem.points.all) {
       const PointEquations e = problem.equations(point);
-      // The misfit as the other points predict it: I - J P J^T is what the fit leaves of unit noise.
+      // The misfit is predicted from the other points: I - J P J^T is the part of unit noise that the fit leaves.
       const Matrix6 remaining = Matrix6::Identity() - e.jacobian * solution.covariance * e.jacobian.transpose();
       statistic.push_back(e.white.dot(remaining.ldlt().solve(e.white)));
     }
-    const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, where their size is not the noise's
+    const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, if they scatter more than their noise
     std::vector<kernel::Suspect> out;
     for (std::size_t k = 0; k < statistic.size(); ++k)
       out.push_back({problem.points.all[k].name(*problem.session), log_chi_square_tail(statistic[k] / spread, 6)});
@@ -67,18 +67,18 @@ std::vector<std::string> drop_bad_points(PointProblem& problem, double outlier_l
   return std::move(cleaned.dropped);
 }
 
-/// Holds the coefficients that are not asked for at their starting values.
+/// Fixes coefficients that were not requested at their starting values.
 void hold_others(PointProblem& problem, const std::vector<CoefficientIndex>& terms) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(terms, problem.coefficients, "whole-unit");
   for (std::size_t k = 0; k < problem.role.size(); ++k)
     if (!contains(chosen, problem.coefficients[k])) problem.role[k] = Role::fixed;
 }
 
-/// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model. The steps themselves have no effects.
+/// Fits everything under its prior, starting from Dai's three steps if possible, else from the linear model. The steps do not include effects.
 void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) {
   if (options.terms.empty()) try {
       problem.model = stepwise_estimate(problem, false).model;
-    } catch (const Unsupported&) {  // too few machines or rates for the steps are not too few for the joint estimate
+    } catch (const Unsupported&) {  // data that are insufficient for the steps may suffice for the joint estimate
     }
   if (options.effects && !options.whole_unit.stepwise) {
     PointProblem without = problem;
@@ -89,7 +89,7 @@ void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) 
   fit(problem, Priors::all);
 }
 
-/// Fits the coefficients that the data determine, with the noise that the fitted slopes give.
+/// Fits the coefficients that the data determine, with the noise for the fitted slopes.
 Fit fit_determined(PointProblem& problem) {
   const kernel::Parameters parameters = problem.parameters(Priors::all);
   const kernel::Solution s = kernel::solve(problem.information(), parameters, "the points");
@@ -120,9 +120,9 @@ void infer_sizes(PointProblem& problem) {
   }
 }
 
-/// The Earth's horizontal rate is the same on the other side of the equator: a latitude of the wrong sign is another minimum, which no step reaches.
-/// Effects of the gyros explain a part of it, for which their priors pay, as wider ones do for their width. Where the declared latitude is right, the
-/// points of a MEMS unit are as much more probable on the other side in one session of a hundred and fifty, those of better gyros never.
+/// The Earth's horizontal rate is equal on the other side of the equator: a wrong sign of the latitude is another minimum that steps do not reach.
+/// Effects of the gyros explain part of it, at the cost of their priors. With a correct latitude, the other side is more probable by this limit in
+/// one of 150 sessions of a MEMS unit, and never for better gyros.
 void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
   constexpr double more_likely = 2;  // logarithm
   if (problem.effects.size() == 0) return;
@@ -133,7 +133,7 @@ void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
     return kernel::log_probability(b.data, b.parameters, "the points") - kernel::log_probability(a.data, a.parameters, "the points");
   };
   if (!(by_more(problem, mirrored) > more_likely)) return;
-  // Unless some other effect is larger than expected, which may be so on either side.
+  // The comparison is repeated with effects of inferred sizes, which may be larger than expected on either side.
   PointProblem here = problem, there = mirrored;
   infer_sizes(here), infer_sizes(there);
   if (!(by_more(std::move(here), std::move(there)) > more_likely)) return;
@@ -142,7 +142,7 @@ void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
   findings.add<Code::wrong_latitude>();
 }
 
-/// Drops outliers, named in the findings. An effect may explain what would be outliers without it.
+/// Drops outliers and names them in the findings. Sizes of effects are inferred first because an effect may explain apparent outliers.
 void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findings& findings) {
   const std::size_t points = problem.points.all.size();
   infer_sizes(problem);
@@ -160,7 +160,7 @@ void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findin
       problem.effects.p_value(parameters, kernel::solve(data, parameters, "the points"), data.rows, 6 * dropped.size(), problem.coefficients));
 }
 
-/// Enlarges the noise until the residuals are as large as noise and declarations explain: by how much.
+/// Enlarges the noise until it explains the residuals; returns the factor.
 double enlarge_noise(PointProblem& problem) {
   double scatter = 1, more = 2;
   for (int pass = 0; pass < 10 && more >= 1.01; ++pass) {
@@ -172,10 +172,10 @@ double enlarge_noise(PointProblem& problem) {
   return scatter;
 }
 
-/// Coefficients that the data do not determine become considered. Outliers are dropped point by point while chance explains them with less than
-/// `outlier_level` shared among all; where those are more than one in fifty they are no outliers, and all stay. An optional term (cubic, quadratic,
-/// second-order thermal, g-sensitivity, by triad) is fixed at its starting value if it is not significant and points left out (ten parts) are not
-/// predicted worse without it beyond chance.
+/// Estimates jointly. Coefficients that the data do not determine become considered. Outliers are dropped point by point while their p-value is below
+/// `outlier_level` divided by the number of points; if more than one in fifty would be dropped, all stay. An optional term (cubic, quadratic,
+/// second-order thermal, g-sensitivity, by triad) is fixed at its starting value if it is not significant and does not improve the prediction of
+/// omitted points (ten parts) beyond chance.
 JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& options) {
   JointEstimate out;
   hold_others(problem, options.terms);
@@ -186,7 +186,7 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   Findings machine = wrong_machine(problem);  // before its points are dropped
   fit_good_points(problem, options.outlier_level, out.findings);
   out.scatter = enlarge_noise(problem);
-  // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
+  // Insignificant terms that are left out may exist within their uncertainty: they enter the others' covariance.
   const kernel::Parameters counted = problem.parameters(Priors::considered);
   const bool all = options.whole_unit.full || options.whole_unit.stepwise;
   if (options.terms.empty() && !all) out.tests = choose_terms(problem, options.significance);
@@ -206,7 +206,7 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   return out;
 }
 
-/// Throws Error where a scale came out far from that of the declared unit.
+/// Throws Error if a scale is far from that of the declared unit.
 void check_units(const PointProblem& problem) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     const Coefficient& c = coefficient(problem.coefficients[k]);
@@ -225,9 +225,9 @@ void expect_latitude(const Session& session) {
     throw Error(session.file + ": the site has no latitude; expected one, as the gyros measure the Earth's rate on every machine");
 }
 
-/// Coefficients and covariance of the readings, from those of readings less their center; the covariance may have more parameters after theirs. What
-/// is not estimated keeps its starting value; of that only the terms left out count in the covariance themselves.
-/// `constant`: the part of the covariance that the same IMU brings again; empty: zero.
+/// Sets coefficients and covariance for the readings from those for readings minus their center; the covariance may contain further parameters.
+/// Coefficients that were not estimated keep their start; of these only terms that were left out have a covariance of their own. `constant` is the
+/// part of the covariance that recurs for the same IMU; empty: zero.
 void set_estimate(Calibration& calibration, const PointProblem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
                   MatrixXd covariance, MatrixXd constant = {}) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
@@ -244,7 +244,7 @@ void set_estimate(Calibration& calibration, const PointProblem& problem, const s
   std::vector<Index> kept;
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     const auto i = static_cast<Index>(k);
-    if (problem.role[k] != Role::estimated && !(covariance(i, i) > 0)) continue;  // uncertain where it follows an estimated one
+    if (problem.role[k] != Role::estimated && !(covariance(i, i) > 0)) continue;  // uncertain if it depends on an estimated one
     kept.push_back(i);
     calibration.estimated.push_back(problem.coefficients[k]);
   }
@@ -274,7 +274,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   calibration.imu = session.imu.name;
   calibration.method = options.whole_unit.stepwise ? "whole-unit stepwise" : "whole-unit";
   calibration.frame = BodyFrame::rig;
-  if (options.whole_unit.stepwise) {  // residuals and rig errors stay those of the joint fit: they are the data's, not the estimate's
+  if (options.whole_unit.stepwise) {  // residuals and rig errors remain those of the joint fit because they describe the data
     const StepwiseEstimate steps = stepwise_estimate(problem, true);
     set_estimate(calibration, problem, {}, steps.model, steps.covariance * (joint.scatter * joint.scatter));
   } else {
@@ -303,14 +303,14 @@ Prediction predict(const Session& procedure, const PredictionOptions& asked) {
   const Vector6d center = reading_center(points);
   PointProblem problem(points, procedure, starting_model(points, procedure, center), center);
   problem.ideal = true;
-  for (MachinePoint& point : problem.points.all) {  // with the errors of the machines that are known exactly
+  for (MachinePoint& point : problem.points.all) {  // includes exactly known errors of the machines
     const Motion motion = problem.motion(point);
     point.raw << motion.force, motion.rate;
   }
   CalibrationOptions options;
   options.terms = asked.terms;
   options.effects = asked.effects;
-  options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
+  options.whole_unit.full = true;  // a term that is left out would still enter the covariance
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;
   calibration.frame = BodyFrame::rig;

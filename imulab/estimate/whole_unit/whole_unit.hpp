@@ -1,6 +1,6 @@
-// Whole-unit calibration (docs/theory/whole-unit.md): thermal chamber, rate table and centrifuge -> up to 57 independent coefficients (Dai 2011
-// section 3 counts 63 with the thermal constants, which the gauge c0 = d0 = 0 at T0 fixes), jointly by weighted least squares or in Dai's three
-// steps.
+// Whole-unit calibration (docs/theory/whole-unit.md): thermal chamber, rate table and centrifuge determine up to 57 independent coefficients (Dai
+// 2011 section 3 counts 63 including the thermal constants, which the gauge c0 = d0 = 0 at T0 fixes), jointly by weighted least squares or in Dai's
+// three steps.
 #pragma once
 
 #include "imulab/calibrate.hpp"
@@ -8,8 +8,8 @@
 
 namespace imulab::whole_unit {
 
-/// All recordings of the session together; frame "rig". Machines may be missing: what they would have determined keeps its starting value and is
-/// listed. Throws Unsupported where nothing can be determined, Error where a mount, a unit or a direction contradicts the data.
+/// Calibrates from all recordings of the session; the frame is "rig". Machines may be missing: coefficients that only they determine keep their
+/// starting value and are listed. Throws Unsupported if nothing can be determined, and Error if a mount, unit or direction contradicts the data.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 
 /// The standard uncertainties that the joint estimate will state of a procedure of the machines, of an ideal IMU with the declared noise

@@ -42,7 +42,7 @@ TEST(WholeUnit, ErrorsAreAsLargeAsStated) {  // ctest: long
     degrees += 57;
     const Calibration steps = calibration_of(s, full_whole_unit(true));
     stepwise_sum += squared_distance(steps, s.truth.model);
-    for (Index k = 0; k < 57; ++k)  // least squares with the right weights: never worse. Equal ones differ by the points' weights alone.
+    for (Index k = 0; k < 57; ++k)  // least squares with correct weights is never worse; equal ones differ only by the points' weights
       EXPECT_LT(c.covariance(k, k), 1.02 * steps.covariance(k, k)) << coefficient(c.estimated[static_cast<std::size_t>(k)]).name;
   }
   for (const double total : {sum, stepwise_sum}) {
@@ -61,8 +61,8 @@ TEST(WholeUnit, WithoutNoiseOrRigErrorsItIsTheTruth) {
     for (RecordingSource& source : session.recordings) source.gyro_temperature->noise = source.accel_temperature->noise = 0;
   });
   const Calibration c = calibration_of(s, full());
-  // There remains Earth's horizontal rate, which part of a turn does not average out: 5e-5 rad/s in a few of 246 points of up to 7 rad/s, and
-  // Coriolis' upward force, 2e-3 m/s^2 in a few of 42 points of up to 300 m/s^2.
+  // The remainder is the Earth's horizontal rate, which part of a turn does not average out (5e-5 rad/s in a few of 246 points of up to 7 rad/s), and
+  // the upward Coriolis force, 2e-3 m/s^2 in a few of 42 points of up to 300 m/s^2.
   for (std::size_t k = 0; k < c.estimated.size(); ++k) {
     const Coefficient& e = coefficient(c.estimated[k]);
     if (e.term != Term::matrix) continue;
@@ -81,7 +81,7 @@ TEST(WholeUnit, AbsentTermsAreLeftOut) {
   for (std::size_t k = 0; k < 3; ++k)
     s.recordings[k] = simulate_recording(s.session, s.session.recordings[k], s.truth, 4, draw_rig_errors(s.session, s.session.recordings[k], 4));
   CalibrationOptions without;
-  without.effects = false;  // which may hide a term, so that with them all stay
+  without.effects = false;  // with effects, which may hide a term, all terms stay
   const Calibration c = calibration_of(s, without);
   std::map<std::string, bool> kept;
   for (const TermTest& test : c.quality.term_tests) {
@@ -95,7 +95,7 @@ TEST(WholeUnit, AbsentTermsAreLeftOut) {
                                                {"gyro.quadratic", true},
                                                {"gyro.thermal second order", false},
                                                {"gyro.g_sensitivity", true}}));
-  EXPECT_EQ(c.estimated.size(), 57u);  // with those left out: they are zero, but uncertain
+  EXPECT_EQ(c.estimated.size(), 57u);  // includes terms that were left out: they are zero but uncertain
   EXPECT_EQ(c.quality.considered.size(), 9u);
   EXPECT_EQ(std::count(c.quality.considered.begin(), c.quality.considered.end(), "gyro.cubic.x"), 1);
   EXPECT_TRUE(c.quality.converged);
@@ -103,7 +103,7 @@ TEST(WholeUnit, AbsentTermsAreLeftOut) {
   EXPECT_LT(squared_distance(c, unit), chi_square_quantile(1 - 1e-4, 57));
 }
 
-/// Any thermal reading: one sensor for a triad, or the gyros' resonance frequency in hertz.
+/// The thermal reading is arbitrary: one sensor for a triad, or the gyros' resonance frequency in hertz.
 TEST(WholeUnit, EveryThermalReadingServes) {
   for (const ThermalSensors sensors : {ThermalSensors::three, ThermalSensors::one, ThermalSensors::resonance}) {
     DaiUnitOptions options;
@@ -118,7 +118,7 @@ TEST(WholeUnit, EveryThermalReadingServes) {
   }
 }
 
-/// Counts about the middle of an unsigned converter: the same calibration in another unit.
+/// Counts about the middle of an unsigned converter give the same calibration in another unit.
 TEST(WholeUnit, OffsetBinaryCountsGiveTheSameCalibration) {
   WholeUnitSession s = whole_unit_session(6);
   const Calibration si = calibration_of(s, full());
@@ -137,11 +137,11 @@ TEST(WholeUnit, OffsetBinaryCountsGiveTheSameCalibration) {
     RawSample in_counts = raw;
     in_counts.accel = Vector3d::Constant(middle) + counts_per_si[0] * raw.accel;
     in_counts.gyro = Vector3d::Constant(middle) + counts_per_si[1] * raw.gyro;
-    // Both iterate to a hundredth of their uncertainty, which is below 1e-3 m/s^2 and 1e-4 rad/s here.
+    // Both iterate to a hundredth of their uncertainty, here below 1e-3 m/s^2 and 1e-4 rad/s.
     EXPECT_LT((compensate(counts.model, in_counts).force - compensate(si.model, raw).force).norm(), 1e-4);
     EXPECT_LT((compensate(counts.model, in_counts).rate - compensate(si.model, raw).rate).norm(), 1e-5);
   }
-  for (std::size_t k = 0; k < 57; ++k) {  // scales: their relative uncertainty does not know the unit
+  for (std::size_t k = 0; k < 57; ++k) {  // the relative uncertainty of scales does not depend on the unit
     const Coefficient& e = coefficient(si.estimated[k]);
     if (e.term != Term::thermal) continue;
     const auto i = static_cast<Index>(k);
@@ -173,12 +173,12 @@ TEST(WholeUnit, CoefficientsOfMissingMachinesAreNotDetermined) {
     const Calibration calibration = calibration_of(s, full());
     for (const std::string& name : c.undetermined) EXPECT_THAT(calibration.quality.unobservable, Contains(name)) << "without " << c.machine;
     for (const std::string& name : c.still_known) EXPECT_THAT(calibration.quality.unobservable, Not(Contains(name))) << "without " << c.machine;
-    for (const std::string& name : calibration.quality.unobservable) {  // starting value, no uncertainty
+    for (const std::string& name : calibration.quality.unobservable) {  // starting value without uncertainty
       const CoefficientIndex index = coefficient_index(name);
       EXPECT_EQ(coefficient_value(calibration.model, index), coefficient_value(SensorModel{}, index)) << name;
       EXPECT_FALSE(standard_uncertainty(calibration, index)) << name;
     }
-    // The stated uncertainties hold though some coefficients are not determined: their prior counts.
+    // The stated uncertainties are correct although some coefficients are undetermined, because their prior counts.
     const Eigen::VectorXd e = errors_of(calibration, s.truth.model);
     for (Index k = 0; k < e.size(); ++k)
       EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(calibration.covariance(k, k)))
@@ -186,7 +186,7 @@ TEST(WholeUnit, CoefficientsOfMissingMachinesAreNotDetermined) {
   }
 }
 
-/// Terms that are left out for want of significance count in the others' uncertainty.
+/// Insignificant terms that are left out enter the uncertainty of the others.
 TEST(WholeUnit, InsignificantIsNotZero) {
   double sum = 0, degrees = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -199,7 +199,7 @@ TEST(WholeUnit, InsignificantIsNotZero) {
   EXPECT_LT(sum, chi_square_quantile(1 - 1e-5, degrees));
 }
 
-/// A scale that nothing excites must not shrink to rid its row of noise.
+/// A scale that nothing excites must not shrink to reduce the noise of its row.
 TEST(WholeUnit, OneMountOnTheRateTableGivesOneColumn) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     WholeUnitSession s = without(whole_unit_session(seed), "centrifuge");
@@ -221,11 +221,10 @@ TEST(WholeUnit, FewTemperaturesAndOneSenseOfRotationAreEnough) {
     return between || (step.recording == "rate_table.csv" && step.rate < 0);
   });
   CalibrationOptions options;
-  options.effects = false;  // drifts and scales by temperature look like the second order
+  options.effects = false;  // thermal drifts and scales resemble the second order
   const Calibration c = calibration_of(s, options);
   for (const TermTest& test : c.quality.term_tests)
-    EXPECT_TRUE(test.kept || test.term != "accel.thermal second order")
-        << test.p_value;  // though points left out of three temperatures are not predicted
+    EXPECT_TRUE(test.kept || test.term != "accel.thermal second order") << test.p_value;  // omitted points of three temperatures cannot be predicted
   EXPECT_LT(squared_distance(c, s.truth.model), chi_square_quantile(1 - 1e-5, static_cast<double>(c.estimated.size())));
 }
 

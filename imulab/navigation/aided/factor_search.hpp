@@ -16,8 +16,7 @@ inline constexpr double settled = 0.1;  // of a factor: another pass changes sig
 void set_first_factors(Problem& problem);
 
 /// Updates factors to the mean of their posterior: n values give a mean of n / (n - 2) times their observed variance. From the second pass on, it
-/// uses secants of the logarithms, because plain iteration is slow if noise is hidden in other noise, and oscillates if two sources share a small
-/// amount.
+/// uses secants of the logarithms: plain iteration is slow if noise is hidden in other noise, and oscillates if two sources share little.
 class FactorSearch {
  public:
   /// Sets the factors. Returns the largest relative change of the factors that the data resolve.
