@@ -1,4 +1,4 @@
-// The increments of a recording one by one, with those that bridge its gaps, without a copy of them.
+// The increments of a recording one by one, including those that bridge its gaps, without a copy.
 #pragma once
 
 #include "imulab/navigate.hpp"
@@ -9,7 +9,7 @@
 
 namespace imulab {
 
-/// Element i is what for_each_increment gives as the i-th of the whole recording, which has to outlive the view. Safe on any thread.
+/// Element i is the i-th increment that for_each_increment gives for the whole recording, which must outlive the view. Safe on any thread.
 class IncrementView {
  public:
   IncrementView() = default;

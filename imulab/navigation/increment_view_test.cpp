@@ -8,7 +8,7 @@
 namespace imulab {
 namespace {
 
-// Rates and increments, with gaps of less than a sample, of some samples, and side by side.
+// Tests rates and increments, with gaps of less than a sample, of several samples, and adjacent gaps.
 TEST(IncrementView, IsTheSamplesInTheirOrder) {
   const RandomStream draw(1, "view");
   for (const bool increments : {false, true}) {

@@ -16,18 +16,18 @@ using Eigen::Vector3d;
 
 Vector3d row(const Columns3& columns, std::size_t i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
 
-/// Length of what is missing between sample i - 1 and sample i.
+/// Returns the length of the missing time between samples i - 1 and i.
 double missing_before(const Recording& r, std::size_t i) { return r.time_s(i) - r.time_s(i - 1) - r.interval_s; }
 
-/// Whole samples that are missing before sample i, where a gap is: the two stamps alone may be late, the rows up to the next gaps on either side are
-/// counted against the clock.
+/// Returns the number of whole samples missing before sample i, at a gap: the two stamps alone may be late, so the rows up to the next gaps on either
+/// side are compared with the clock.
 std::size_t rows_before(const Recording& r, std::size_t i, double clock_interval_s) {
   const auto gap = std::lower_bound(r.gaps.begin(), r.gaps.end(), i);
   const std::size_t begin = gap == r.gaps.begin() ? 0 : *std::prev(gap), end = std::next(gap) == r.gaps.end() ? r.size() : *std::next(gap);
   return static_cast<std::size_t>(std::max(0., std::round(clock_step(r.time_ns, i, clock_interval_s, begin, end))));
 }
 
-/// Samples in place of those that are missing before sample i. A rate lasts for the time that is missing, increments are those of whole samples.
+/// Calls `each` for samples that replace those missing before sample i. A rate is extended over the missing time, increments are whole samples.
 void bridge(const Recording& r, std::size_t i, std::size_t rows, const std::function<void(const TimedIncrement&, double)>& each) {
   const std::size_t count = std::max<std::size_t>(1, rows);
   const double n = static_cast<double>(count), begin = r.time_s(i - 1), interval = missing_before(r, i) / n;
@@ -41,7 +41,7 @@ void bridge(const Recording& r, std::size_t i, std::size_t rows, const std::func
   }
 }
 
-/// That of a row.
+/// Returns the increment of a row.
 TimedIncrement increment_of(const Recording& r, std::size_t i) {
   const double interval = r.interval(i, false);
   return {{(r.gyro_increment ? r.interval_s : interval) * row(r.gyro, i), (r.accel_increment ? r.interval_s : interval) * row(r.accel, i)}, interval};

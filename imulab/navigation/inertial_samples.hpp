@@ -1,4 +1,4 @@
-// A compensated recording as increments for a navigator, one after the other without gaps.
+// A compensated recording as increments for a navigator, in sequence without gaps.
 #pragma once
 
 #include "imulab/navigate.hpp"
@@ -10,23 +10,23 @@
 namespace imulab {
 
 struct InertialSamples {
-  double begin = 0;  // of the first sample's interval [s]
+  double begin = 0;  // start of the first sample's interval [s]
   std::vector<TimedIncrement> steps;
   std::vector<double> time;       // end of each [s]
-  std::vector<MissingTime> gaps;  // bridged: rate and force are linear in time from the sample before to the one after
+  std::vector<MissingTime> gaps;  // bridged: rate and force are linear in time from the previous sample to the next
 };
 
-/// Calls `each`(increment, its end [s]) for the samples of `range`, with those that bridge gaps among them. A rate [rad/s], force [m/s^2] is
-/// integrated over the difference of the stamps, an increment output is taken as it is; both advance time by the stamps' difference. In a gap
-/// increments are bridged by whole samples, as many as the clock says, rates by the missing time.
+/// Calls `each`(increment, its end [s]) for the samples of `range` and those that bridge its gaps. A rate [rad/s] or force [m/s^2] is integrated over
+/// the difference of the stamps, an increment output is used directly; both advance time by the difference of the stamps. A gap in increments is
+/// bridged by whole samples, as many as the clock implies; in rates by the missing time.
 void for_each_increment(const Recording& recording, const Range& range, const std::function<void(const TimedIncrement&, double)>& each);
-/// All of them.
+/// Returns all of them.
 InertialSamples inertial_samples(const Recording& recording, const Range& range);
 
-/// The gaps inside the range that inertial_samples would bridge.
+/// Returns the gaps inside the range that inertial_samples would bridge.
 std::vector<MissingTime> missing_time(const Recording& recording, const Range& range);
 
-/// Standard deviation of the stamps' differences, gaps left out, over the nominal interval.
+/// Returns the standard deviation of the stamps' differences, without gaps, divided by the nominal interval.
 double stamp_jitter(const Recording& recording);
 
 }  // namespace imulab

@@ -31,7 +31,7 @@ struct Start {
 
 namespace {
 
-/// The reading whose compensation is the mean of a range. From the mean of raw readings it differs by what noise makes of nonlinearity.
+/// Returns the reading whose compensation is the mean of a range. It differs from the mean raw reading by the effect of noise on nonlinearity.
 RawSample mean_reading(const SensorModel& model, const Recording& r, const Range& range) {
   const auto mean = [&](const Columns3& columns, double origin) {
     Vector3d out = Vector3d::Zero();
@@ -47,7 +47,7 @@ RawSample mean_reading(const SensorModel& model, const Recording& r, const Range
   return decompensate(model, {.rate = mean(r.gyro, 0), .force = mean(r.accel, 0)}, gyro_tau, accel_tau);
 }
 
-/// The position of the session's initial state, or else of its site.
+/// Returns the position of the session's initial state, or else of its site.
 NavigationState position_of(const Session& session, std::vector<std::string>& warnings) {
   NavigationState state;
   if (session.initial) {
@@ -78,7 +78,7 @@ void check_heading(const FineAlignment& a) {
       std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
 }
 
-constexpr double at_rest = 1e-3;  // m: a base that moves by less counts as unmoved
+constexpr double at_rest = 1e-3;  // m: a base that moves by less counts as still
 
 void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warnings) {
   const double scatter = 1 / std::sqrt(static_cast<double>(a.updates));
@@ -102,7 +102,7 @@ void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warni
                     std::sqrt(a.innovation_square)));
 }
 
-/// The first one declared; or the first one found that is long enough to align on, less a window on either side, in which motion may begin or end.
+/// Returns the first declared rest; or the first one found that is long enough, shortened by a window at both ends, where motion may begin or end.
 Range first_rest(const Recording& recording, const Session& session) {
   const std::vector<Range> rests = rests_of(recording, session).ranges;
   if (rests.empty())
@@ -117,7 +117,7 @@ Range first_rest(const Recording& recording, const Session& session) {
   return inside(rests.front());
 }
 
-/// Covariance of the compensated output at the mean reading of the rest, from the calibration: constant errors of the alignment's sensors.
+/// Returns the constant sensor errors for the alignment: the covariance of the compensated output at the mean reading of the rest.
 AlignmentSensors sensors_of(const Calibration& calibration, const ImuDeclaration& imu, const RawSample& raw) {
   const Eigen::Matrix<double, 6, 6> P = output_covariance(calibration, raw);  // rate, then force
   return {P.topLeftCorner<3, 3>(), P.bottomRightCorner<3, 3>(), imu.gyro_noise_density, imu.accel_noise_density};
@@ -152,7 +152,7 @@ Start given_start(const InitialState& initial) {
 
 }  // namespace
 
-/// The start of a `compensated` recording. Throws as navigate does.
+/// Returns the start of a `compensated` recording. Throws like navigate.
 Start start_of(const Calibration& calibration, const Session& session, const Recording& compensated, const NavigateOptions& options) {
   const bool align = options.align || options.heading || !session.initial;
   return align ? aligned_start(calibration, session, compensated, options) : given_start(*session.initial);
@@ -164,11 +164,11 @@ namespace imulab {
 
 namespace {
 
-/// The integrated increments: those that end after `time`, the first one from there on.
+/// The integrated increments: those that end after `time`, the first one from there.
 struct IntegratedSteps {
-  Range range;  // of samples that have them
+  Range range;  // of samples with such increments
   double time, tolerance;
-  bool at_begin;  // of the recording
+  bool at_begin;  // at the begin of the recording
 };
 
 IntegratedSteps steps_from(const Recording& r, double time, const NavigateOptions& options, std::vector<MissingTime>& gaps) {
@@ -180,7 +180,7 @@ IntegratedSteps steps_from(const Recording& r, double time, const NavigateOption
   Range range{0, r.size()};
   while (r.time_s(range.begin) <= time + tolerance) ++range.begin;
   const bool inside_gap = r.time_s(range.begin) - r.interval(range.begin, false) > time + tolerance;
-  if (inside_gap && range.begin > 0) --range.begin;  // whose end is before the start: bridged from there
+  if (inside_gap && range.begin > 0) --range.begin;  // its end is before the start: bridged from there
   gaps = missing_time(r, range);
   if (options.gaps == GapTreatment::refuse && !gaps.empty())
     throw Error(fmt::format("{}: {:.6f} s are missing after {:.6f} s, and gaps are to be refused", r.name, gaps.front().length, gaps.front().begin));
@@ -199,7 +199,7 @@ void for_each_step(const Recording& r, const IntegratedSteps& steps, const std::
   });
 }
 
-/// Linear between the heights.
+/// Returns the linearly interpolated height.
 double height_at(const HeightRecord& record, double time) {
   const auto after = std::upper_bound(record.time.begin(), record.time.end(), time);
   if (after == record.time.begin()) return record.height.front();
@@ -222,8 +222,8 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
                             time.empty() ? 0 : time.back(), begin, end));
 }
 
-/// On the ground and in the air the specific force is about g most of the time; half or twice of it means another unit of readings, or a calibration
-/// of another IMU.
+/// Warns of an implausible force: it is about g most of the time on the ground and in the air, so half or twice as much means another unit of
+/// readings, or a calibration of another IMU.
 void warn_of_force(std::vector<double> forces, const std::string& name, std::vector<std::string>& warnings) {
   const double middle = median(std::move(forces));
   if (middle > 0.5 * unit::g && middle < 2 * unit::g) return;
@@ -245,7 +245,7 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
     if (options.each) options.each(time, strapdown.state());
   };
   constexpr std::size_t enough = 100'000;
-  std::vector<double> forces;  // of the steps, or of that many among them
+  std::vector<double> forces;  // of the steps, or a sample of them
   const std::size_t every = steps.range.size() / enough + 1;
   if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
   add(start.time);
@@ -257,7 +257,7 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
     if (taken++ % every == 0) forces.push_back(step.increment.velocity.norm() / step.interval);
     std::optional<double> height;
     if (options.barometer) height = height_at(*options.barometer, end);
-    if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
+    if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, but still possible to integrate
       throw Error(
           fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of an IMU",
                       recording.name, end, step.increment.angle.norm(), step.increment.velocity.norm()));
@@ -301,7 +301,7 @@ void warn_of_samples(const Recording& r, Navigated& out) {
               : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
 }
 
-/// A height error grows as cosh(k t), where k^2 is the decrease of gravity with height: a hundredfold in 50 min.
+/// Warns of height errors, which grow as cosh(k t), where k^2 is the decrease of gravity with height: a hundredfold in 50 min.
 void warn_of_height(const std::string& name, double duration, Navigated& out) {
   constexpr double k = 1 / 570.0, tolerable = 100;  // k in 1/s
   if (out.vertical != VerticalChannel::free || std::cosh(k * duration) < tolerable) return;
@@ -320,7 +320,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, Recor
   if (options.heading) validate(*options.heading);
   Navigated out;
   out.vertical = options.vertical;
-  constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes
+  constexpr double in_place = 1.4, with_states = 3.2;  // relative to the recording; a state takes 88 bytes
   expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()),
                 raw.name + (options.keep ? ": a navigation with a state for each sample" : ": a navigation"));
   CompensatedRecording compensated = compensate(calibration.model, std::move(raw));

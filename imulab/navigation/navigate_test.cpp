@@ -23,7 +23,7 @@ using ::testing::Not;
 
 NavigationError end_error(const Navigated& n, const Solution& truth) { return navigation_errors(n.solution, truth).history.back(); }
 
-/// Without samples begin .. end - 1, as read_recording gives it.
+/// Removes samples begin .. end - 1, in the form of read_recording.
 Recording without(Recording r, std::size_t begin, std::size_t end) {
   const auto cut = [&](auto& column) {
     column.erase(column.begin() + static_cast<std::ptrdiff_t>(begin), column.begin() + static_cast<std::ptrdiff_t>(end));
@@ -45,7 +45,7 @@ TEST(Navigate, AnIdealUnitFromAGivenStartIsWhereTheTruthIs) {
   EXPECT_THAT(n.warnings, IsEmpty());
   EXPECT_DOUBLE_EQ(n.solution.time.front(), flight_rest);
   const NavigationError end = end_error(n, f.truth);
-  EXPECT_LT(end.position.norm(), 2e-3);  // 60 s at 50 Hz with a turn of 3 s roll-in: the integrator's own millimetre
+  EXPECT_LT(end.position.norm(), 2e-3);  // 60 s at 50 Hz with a roll-in of 3 s: a millimeter is the integrator's own error
   EXPECT_LT(end.attitude.norm(), 1e-6);
 }
 
@@ -56,9 +56,9 @@ TEST(Navigate, StartsInsideASampleToo) {
   const Navigated n = navigate({}, f.session, f.recording);
   EXPECT_DOUBLE_EQ(n.solution.time.front(), flight_rest - 0.013);
   EXPECT_LT(end_error(n, f.truth).position.norm(), 2e-3);
-  f.session.initial->time = 0;  // the start of the first sample's interval
+  f.session.initial->time = 0;  // start of the first sample's interval
   EXPECT_LT(end_error(navigate({}, f.session, f.recording), f.truth).position.norm(), 3e-3);
-  for (const std::int64_t late : {100000, -100000}) {  // 0.1 ms of 20: the first sample is whole all the same
+  for (const std::int64_t late : {100000, -100000}) {  // 0.1 ms of 20: the first sample is still whole
     FlightSession stamped = f;
     stamped.recording.time_ns[0] += late;
     const Navigated begun = navigate({}, stamped.session, stamped.recording);
@@ -82,7 +82,7 @@ TEST(Navigate, AlignsOnTheFirstRestWithinTheStatedUncertainty) {
     const Eigen::Vector3d e = navigation_errors(n.solution, f.truth).history.front().attitude;
     square += e.dot(n.aligned->alignment.attitude.covariance.llt().solve(e));
   }
-  EXPECT_LT(square, chi_square_quantile(1 - 1e-6, 3 * runs));  // chance alone: once in a million
+  EXPECT_LT(square, chi_square_quantile(1 - 1e-6, 3 * runs));  // by chance p = 1e-6
   EXPECT_GT(square, chi_square_quantile(1e-6, 3 * runs));
 }
 
@@ -104,7 +104,7 @@ TEST(Navigate, BridgesGapsOrRefusesThem) {
   EXPECT_NEAR(n.gaps[0].length, 0.5, 1e-9);
   ASSERT_THAT(n.warnings, testing::SizeIs(1));
   EXPECT_THAT(n.warnings[0], HasSubstr("1 gap of 0.5 s altogether, the first after 50.000000 s"));
-  // The force runs straight on: its curvature, below 1 m/s^4, is missed over 0.5 s, 0.01 m/s at the most, 0.5 m after 50 s.
+  // The force is extrapolated linearly: neglecting its curvature, below 1 m/s^4, over 0.5 s costs at most 0.01 m/s, 0.5 m after 50 s.
   EXPECT_LT(end_error(n, f.truth).position.norm(), 0.5);
   EXPECT_THROW(navigate({}, f.session, holed, {.gaps = GapTreatment::refuse}), Error);
   f.session.initial->time = 50.3;  // a start inside the gap
@@ -132,7 +132,7 @@ TEST(Navigate, AVerticalChannelThatIsFreeForAnHourIsNamed) {
 }
 
 TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
-  // Stamps that scatter by a fifth of the interval, and 4 rows lost while it speeds up: the increments tell the same way.
+  // Stamps scatter by a fifth of the interval, and 4 rows are lost during acceleration: the increments still give the same path.
   const TemporaryFolder folder;
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
@@ -152,8 +152,8 @@ TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
     const Navigated n = navigate({}, session, read_recording(session, session.recordings[0]).recording);
     EXPECT_EQ(n.gaps.size(), name == "whole" ? 0u : 2u);
     EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("increments are taken as they are")));
-    // Gravity up to a late stamp is seen in the height alone. Rows lost while it speeds up cost millimetres. Half an interval of false motion at 40
-    // m/s is 0.4 m.
+    // Gravity up to a late stamp affects only the height. Rows lost during acceleration cost millimeters. Half an interval of false motion at 40 m/s
+    // would be 0.4 m.
     EXPECT_LT(end_error(n, f.truth).horizontal(), 0.1) << name;
   }
 }
@@ -163,7 +163,7 @@ TEST(Navigate, LeverArmsOfTheAccelerometersAreRemoved) {
   f.session.initial = flight_start();
   Calibration c;
   c.model.lever_arm << 0.5, 0, 0, 0, -0.4, 0.1, 0.2, 0, 0.3;
-  // Forces at the arms, from the readings themselves: rates of 6 deg/s and their change give some mm/s^2, meters after a minute.
+  // Forces at the arms come from the readings: rates of 6 deg/s and their change give some mm/s^2, meters after a minute.
   Recording moved = f.recording;
   Matrix3d arms = -c.model.lever_arm;
   remove_lever_arms(moved, arms);
@@ -183,7 +183,7 @@ TEST(Navigate, LeverArmsSeeTheCentripetalAndTheTangentialForce) {
   }
   Matrix3d arm = Matrix3d::Zero();
   arm(0, 0) = 0.1;  // x accelerometer, 0.1 m along x: measures -w^2 r
-  arm(1, 0) = 0.1;  // y accelerometer, there too: measures w' r
+  arm(1, 0) = 0.1;  // y accelerometer, also there: measures w' r
   remove_lever_arms(r, arm);
   EXPECT_NEAR(r.accel[0][1], 2.5 * 2.5 * 0.1, 1e-12);
   EXPECT_NEAR(r.accel[1][1], -5 * 0.1, 1e-12);
@@ -198,7 +198,7 @@ TEST(Navigate, PlaceAndHeadingAreAskedForWhereTheyAreMissing) {
   EXPECT_THROW(navigate({}, f.session, f.recording), Error);
   f.session.initial = flight_start();
   EXPECT_TRUE(navigate({}, f.session, f.recording, {.align = true}).aligned);
-  f.session.imu.gyro_noise_density = 0.3 * unit::deg_per_sqrt_h;  // a gyro that does not see the Earth turn
+  f.session.imu.gyro_noise_density = 0.3 * unit::deg_per_sqrt_h;  // a gyro that does not resolve the Earth's rate
   try {
     navigate({}, f.session, f.recording, {.align = true});
     FAIL();
@@ -212,7 +212,7 @@ TEST(Navigate, PlaceAndHeadingAreAskedForWhereTheyAreMissing) {
 }
 
 TEST(Navigate, AlignmentTakesTheCalibrationsErrorAtTheReadingOfTheRest) {
-  // A unit in counts about 30000: the offset's error at zero counts and the scale's cancel at the counts that the rest has.
+  // A unit in counts about 30000: the errors of offset at zero counts and of scale cancel at the counts of the rest.
   FlightSession f = flight_session(1);
   const double scale = 1e-5, zero = 30000, scale_sigma = 1e-4 * scale;
   for (auto& column : f.recording.gyro)
@@ -232,7 +232,7 @@ TEST(Navigate, AlignmentTakesTheCalibrationsErrorAtTheReadingOfTheRest) {
     c.covariance(i, i + 1) = c.covariance(i + 1, i) = -zero * scale_sigma * scale_sigma;
   }
   const double with = std::sqrt(navigate(c, f.session, f.recording).aligned->alignment.attitude.covariance(2, 2));
-  EXPECT_NEAR(with / exact, 1, 0.01);  // a relative 1e-4 of the Earth's rate, against noise of some 10 %
+  EXPECT_NEAR(with / exact, 1, 0.01);  // a relative 1e-4 of the Earth's rate, compared with noise of some 10 %
   for (int i = 0; i < 6; i += 2) c.covariance(i, i + 1) = c.covariance(i + 1, i) = 0;
   EXPECT_THROW(navigate(c, f.session, f.recording), Unsupported);  // 3e-5 rad/s: half of the Earth's rate
 }

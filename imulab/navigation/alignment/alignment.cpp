@@ -17,15 +17,15 @@ namespace {
 
 using namespace alignment;
 
-/// The roll and pitch of `C_nb`, with this heading.
+/// Returns the attitude with roll and pitch of `C_nb` and this heading.
 Matrix3d with_heading(const Matrix3d& C_nb, double heading) {
-  check_has_heading(C_nb);  // before Euler angles spoil it
+  check_has_heading(C_nb);  // before Euler angles become singular
   EulerAngles angles = euler_angles(C_nb);
   angles.heading = heading;
   return attitude_matrix(angles);
 }
 
-/// C_nb at the start, from both halves' directions of gravity.
+/// Returns C_nb at the start from the directions of gravity in both halves.
 Matrix3d from_two_halves(const RestMotion& rest, const CarriedRest& body) {
   std::array<Vector3d, 2> measured{Vector3d::Zero(), Vector3d::Zero()}, known = measured;
   std::array<double, 2> length{0, 0};
@@ -45,12 +45,12 @@ Matrix3d from_two_halves(const RestMotion& rest, const CarriedRest& body) {
   return rotation_from_directions(known[0] + known[1], known[1] - known[0], measured[0] + measured[1], measured[1] - measured[0]);
 }
 
-/// C_nb at the start from the mean direction of gravity and the heading at the end.
+/// Returns C_nb at the start from the mean direction of gravity and the heading at the end.
 Matrix3d from_heading(const RestMotion& rest, const CarriedRest& body, double heading) {
   Matrix3d C_n0 = Matrix3d::Identity();
   Vector3d up = Vector3d::Zero();
   for (const Vector3d& v : body.velocity) up += v;
-  for (int pass = 0; pass < 3; ++pass) {  // the turn of the Earth during the rest needs the heading, which needs the levels
+  for (int pass = 0; pass < 3; ++pass) {  // the Earth's rotation during the rest depends on the heading, which depends on the level
     if (pass > 0) {
       up.setZero();
       double t = 0;
@@ -66,15 +66,15 @@ Matrix3d from_heading(const RestMotion& rest, const CarriedRest& body, double he
   return C_n0;
 }
 
-/// With the axes n of the middle kept from turning, e(t) the angle that the gyros' error has gathered since, df the accelerometers' error, and a
-/// difference D between the means of the second and the first half:
-///   phi_E = mean e_E - df_N / g,  phi_N = mean e_N + df_E / g,  phi_U = (-D e_E + D df_N / g) / (w_N T / 2)  in the middle; then less e(T / 2).
-/// For constant errors that is phi_U = phi_N tan L - dw_E / (w_ie cos L).
+/// The axes n are those at mid-rest, without rotation; e(t) is the accumulated angle error of the gyros, df the error of the accelerometers, and D the
+/// difference between the means of the second and the first half:
+///   phi_E = mean e_E - df_N / g,  phi_N = mean e_N + df_E / g,  phi_U = (-D e_E + D df_N / g) / (w_N T / 2)  in the middle; then minus e(T / 2).
+/// For constant errors, this is phi_U = phi_N tan L - dw_E / (w_ie cos L).
 Matrix3d coarse_covariance(const RestMotion& rest, const Matrix3d& C_nb, const AlignmentSensors& sensors, const Densities& noise,
                            const std::optional<GivenHeading>& heading) {
   const double h = rest.duration / 2, north = rest.earth.y(), tan_latitude = rest.earth.z() / north, g = rest.gravity;
   const double gyro = noise.gyro * noise.gyro, accel = noise.accel * noise.accel / (g * g);
-  Matrix3d from_gyro = Matrix3d::Zero(), from_accel = Matrix3d::Zero(), of_noise = Matrix3d::Zero();  // in the middle; biases
+  Matrix3d from_gyro = Matrix3d::Zero(), from_accel = Matrix3d::Zero(), of_noise = Matrix3d::Zero();  // at mid-rest; biases
   from_accel(0, 1) = -1 / g;
   from_accel(1, 0) = 1 / g;
   if (!heading) {
@@ -91,7 +91,7 @@ Matrix3d coarse_covariance(const RestMotion& rest, const Matrix3d& C_nb, const A
   const Matrix3d gyro_bias = C_nb * sensors.gyro_bias * C_nb.transpose(), accel_bias = C_nb * sensors.accel_bias * C_nb.transpose();
   Matrix3d P =
       turn * (from_gyro * gyro_bias * from_gyro.transpose() + from_accel * accel_bias * from_accel.transpose() + of_noise) * turn.transpose();
-  if (heading) {  // phi_U follows from the levels' phi and the heading's error
+  if (heading) {  // phi_U follows from phi of the level and the error of the heading
     Matrix3d J = Matrix3d::Identity();
     J.row(2) = heading_gradient(C_nb);
     J(2, 2) = 0;
@@ -136,16 +136,16 @@ using Vector = Eigen::Matrix<double, states, 1>;
 using Matrix = Eigen::Matrix<double, states, states>;
 using Eigen::Vector2d;
 
-/// A part of the rest between two updates, as the sensors give it.
+/// A part of the rest between two updates, as measured by the sensors.
 struct RestInterval {
   double duration = 0;
   Matrix3d C_nb = Matrix3d::Zero();          // mean
-  Vector2d displacement = Vector2d::Zero();  // east and north at its end, since the rest's start
-  Vector2d velocity = Vector2d::Zero();      // there
+  Vector2d displacement = Vector2d::Zero();  // east and north at its end, relative to the start of the rest
+  Vector2d velocity = Vector2d::Zero();      // at its end
 };
 
-/// Integrates at a place that is known: neither the velocity nor the displacement found turns back on the axes, so that their errors are exactly
-/// phi' = -w_ie x phi - C dw,  dv' = g up x phi + C df,  ds' = dv  to first order in phi.
+/// Integrates at a known place: velocity and displacement do not act on the axes, so that their errors are exactly phi' = -w_ie x phi - C dw,  dv' =
+/// g up x phi + C df,  ds' = dv  to first order in phi.
 std::vector<RestInterval> integrate(const RestMotion& rest, const Matrix3d& C_start) {
   constexpr double most_updates = 120;
   const double length = std::max(1., rest.duration / most_updates);
@@ -202,7 +202,7 @@ struct Filtered {
   Vector x = Vector::Zero();
   Matrix P = Matrix::Zero();
   std::vector<Vector2d> innovations;  // normalized
-  double mean_square() const {        // less what displacement, velocity and attitude take: they start unknown
+  double mean_square() const {        // without the part absorbed by initially unknown displacement, velocity and attitude
     double sum = 0;
     for (const Vector2d& e : innovations) sum += e.squaredNorm();
     return sum / (2 * static_cast<double>(innovations.size()) - 7);
@@ -225,7 +225,7 @@ Eigen::Matrix<double, Rows, 1> update(Filtered& f, const Eigen::Matrix<double, R
 
 Filtered filter(const std::vector<RestInterval>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors, double base) {
   Filtered f;
-  Vector sigma;  // so wide that the rest alone decides
+  Vector sigma;  // so wide that only the rest matters
   sigma << 0.1, 0.1, std::numbers::pi, 1, 1, 10, 10, Eigen::Matrix<double, 6, 1>::Zero();
   f.P.diagonal() = sigma.cwiseAbs2();
   f.P.block<3, 3>(gyro_bias, gyro_bias) = sensors.gyro_bias;
@@ -240,9 +240,9 @@ Filtered filter(const std::vector<RestInterval>& blocks, const std::vector<Trans
   return f;
 }
 
-constexpr double least_displacement = 1e-6, most_displacement = 10;  // of the base, m
+constexpr double least_displacement = 1e-6, most_displacement = 10;  // m, of the base
 
-/// The base's displacement (one sigma) with which the innovations are as large as they say.
+/// Returns the displacement of the base (one sigma) for which the innovations have their expected size.
 double base_displacement(const std::vector<RestInterval>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors) {
   const auto square = [&](double base) { return filter(blocks, transitions, sensors, base).mean_square(); };
   if (square(least_displacement) < 1 + 2 / std::sqrt(static_cast<double>(blocks.size()))) return least_displacement;
@@ -280,7 +280,7 @@ FineAlignment fine_alignment(std::span<const TimedIncrement> samples, const Alig
   out.gyro_noise = noise.gyro;
   out.accel_noise = noise.accel;
   Filtered f;
-  for (int pass = 0; pass < 2; ++pass) {  // the second about the first's result, from the same wide start
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass is about the first result, from the same wide start
     const std::vector<RestInterval> blocks = integrate(rest, rest.turned_back(rest.duration) * C_nb * C_0b.transpose());
     std::vector<Transition> transitions;
     for (const RestInterval& block : blocks) transitions.push_back(transition(rest, block, noise));

@@ -34,7 +34,7 @@ struct Sway {
   double phase = 0;
 };
 
-/// At rest but for a sway about the pose and the place: periods of a ship and of an engine's shake.
+/// Returns a rest with sway about pose and place, with periods of a ship and of engine vibration.
 Trajectory swaying(const Sway& sway, double duration) {
   const auto angles = [sway](double t) {
     return EulerAngles{pose.roll + sway.angle * std::sin(2 * pi * t / 8.3 + sway.phase), pose.pitch + sway.angle / 2 * std::sin(2 * pi * t / 6.1),
@@ -60,7 +60,7 @@ Trajectory swaying(const Sway& sway, double duration) {
     k.acceleration = a;
     const EulerAngles now = angles(t);
     k.C_nb = attitude_matrix(now);
-    const double e = 1e-4;  // differences: their error, e^2/6 of the third derivative, is 1e-10 rad/s and swings about zero
+    const double e = 1e-4;  // central differences: their error, e^2/6 of the third derivative, is 1e-10 rad/s with zero mean
     const EulerAngles after = angles(t + e), before = angles(t - e);
     k.rate_nb_b = attitude_rate(
         now, {(after.roll - before.roll) / (2 * e), (after.pitch - before.pitch) / (2 * e), (after.heading - before.heading) / (2 * e)});
@@ -72,10 +72,10 @@ Trajectory swaying(const Sway& sway, double duration) {
 struct DrawnRest {
   std::vector<TimedIncrement> samples;
   Matrix3d C_nb;      // at the end
-  Vector3d velocity;  // likewise
+  Vector3d velocity;  // also at the end
 };
 
-/// With white noise and constant errors of these sigmas.
+/// Simulates a rest with white noise and constant errors of these sigmas.
 DrawnRest drawn_rest(const Sway& sway, double duration, double interval, double gyro_bias, double accel_bias, std::uint64_t seed) {
   const Trajectory motion = swaying(sway, duration);
   const RandomStream draws(seed, "rest");
@@ -107,7 +107,7 @@ AlignmentSensors declared(double gyro_bias = 0, double accel_bias = 0) {
   return {gyro_bias * gyro_bias * Matrix3d::Identity(), accel_bias * accel_bias * Matrix3d::Identity(), gyro_noise, accel_noise};
 }
 
-/// phi of C_nb = (I - [phi x]) C_true.
+/// Returns phi in C_nb = (I - [phi x]) C_true.
 Vector3d error_of(const Alignment& a, const Matrix3d& truth) { return -rotation_log(a.C_nb * truth.transpose()); }
 
 double normalized(const Alignment& a, const Matrix3d& truth) {
@@ -115,7 +115,7 @@ double normalized(const Alignment& a, const Matrix3d& truth) {
   return e.dot(a.covariance.llt().solve(e));
 }
 
-/// True for a sum of squares of `count` normal numbers within its two-sided interval of p = 2e-6.
+/// Expects a sum of squares of `count` normal numbers within its two-sided interval of p = 2e-6.
 void expect_chi_square(double sum, int count) {
   EXPECT_GT(sum, chi_square_quantile(1e-6, count));
   EXPECT_LT(sum, chi_square_quantile(1 - 1e-6, count));
@@ -128,13 +128,13 @@ TEST(Alignment, OfPerfectSensorsIsTheAttitude) {
   const BodyMotion motion = body_motion(still.at(0));
   const std::vector<TimedIncrement> rest(1000, {{0.1 * motion.rate_ib_b, 0.1 * motion.force_b}, 0.1});
   const Matrix3d truth = attitude_matrix(pose);
-  // Normal gravity at 100 m has a north component of some 1e-7 of g, which the alignment takes for level.
+  // Normal gravity at 100 m has a north component of about 1e-7 g, which the alignment treats as level.
   EXPECT_LT(error_of(coarse_alignment(rest, {latitude, gravity}, declared()), truth).norm(), 3e-7);
   EXPECT_LT(error_of(fine_alignment(rest, {latitude, gravity}, declared()).attitude, truth).norm(), 3e-7);
 }
 
 TEST(Alignment, ConstantErrorsTiltAsTheClosedFormsSay) {
-  // phi_N = df_E / g, phi_E = -df_N / g, phi_U = phi_N tan L - dw_E / (w_ie cos L): methods independent of the code's own covariance.
+  // The expectation phi_N = df_E / g, phi_E = -df_N / g, phi_U = phi_N tan L - dw_E / (w_ie cos L) is independent of the code's covariance.
   const BodyMotion motion = body_motion(swaying({}, 1).at(0));
   const Matrix3d C = attitude_matrix(pose);
   const Vector3d df(1e-4, -2e-4, 3e-4), dw(2e-9, 0, 0);  // east, north, up
@@ -166,9 +166,9 @@ TEST(Alignment, ErrorsAreAsLargeAsTheCovarianceSays) {
   }
   expect_chi_square(coarse, 3 * rests);
   expect_chi_square(fine, 3 * rests);
-  // Mean squares of about 2 x updates x rests normal numbers; five sigma, and 1/16 of a percent for noise that comes in steps of 0.2 s.
+  // These are mean squares of about 2 x updates x rests normal numbers; five sigma, plus 1/16 of a percent for noise in steps of 0.2 s.
   EXPECT_NEAR(innovations / rests, 1, 5 / std::sqrt(static_cast<double>(updates) * rests) + 0.01);
-  // No heading is better than what the mean of the east gyro allows; the difference of two halves of an angle has 4/3 of that variance.
+  // The mean of the east gyro limits the heading; the difference of two halves of an angle has 4/3 of that variance.
   const double north = earth_rate * std::cos(latitude), mean = (gyro_noise * gyro_noise / 200 + gyro_bias * gyro_bias) / (north * north);
   const double of_accelerometers = 16 * accel_noise * accel_noise / (std::pow(200, 3) * 9.8 * 9.8 * north * north);
   const double tilt = std::pow(accel_bias / 9.8 * std::tan(latitude), 2);
@@ -188,13 +188,13 @@ TEST(Alignment, OfASwayingBaseHasNoBiasAndKnowsItsSize) {
     sum += error_of(a.attitude, rest.C_nb);
     variance += a.attitude.covariance.diagonal();
     fine += normalized(a.attitude, rest.C_nb);
-    EXPECT_LT((a.base_velocity - rest.velocity.head<2>()).norm(), 0.01);  // of amplitudes of 0.23 and 0.16 m/s
-    EXPECT_GT(a.base_displacement, 0.05);                                 // amplitudes of 0.3 and 0.18 m
+    EXPECT_LT((a.base_velocity - rest.velocity.head<2>()).norm(), 0.01);  // for amplitudes of 0.23 and 0.16 m/s
+    EXPECT_GT(a.base_displacement, 0.05);                                 // for amplitudes of 0.3 and 0.18 m
     EXPECT_LT(a.base_displacement, 0.5);
-    EXPECT_LT(std::sqrt(a.attitude.covariance(2, 2)), 0.4 * unit::deg);  // while the body swings by 3 deg
+    EXPECT_LT(std::sqrt(a.attitude.covariance(2, 2)), 0.4 * unit::deg);  // although the body swings by 3 deg
   }
   for (int i = 0; i < 3; ++i) EXPECT_LT(std::abs(sum[i]), 5 * std::sqrt(variance[i])) << i;
-  // Sway is no white noise: that the filter takes it for one may make the stated sigma somewhat too large, never much too small.
+  // Sway is not white noise: the filter's assumption may make the stated sigma somewhat too large, but not much too small.
   EXPECT_LT(fine, 1.5 * chi_square_quantile(1 - 1e-6, 3 * rests));
   EXPECT_GT(fine, 0.3 * chi_square_quantile(1e-6, 3 * rests));
 }
@@ -208,7 +208,7 @@ TEST(Alignment, AGivenHeadingLeavesTheLevels) {
   for (const Alignment& a : {coarse_alignment(rest.samples, site(), declared(poor, 1e-3), given),
                              fine_alignment(rest.samples, site(), declared(poor, 1e-3), given).attitude}) {
     EXPECT_NEAR(std::sqrt(a.covariance(2, 2)) / unit::deg, 2, 0.05);
-    EXPECT_NEAR(euler_angles(a.C_nb).heading, pose.heading, 0.2 * unit::deg);  // the gyros add a little of their own
+    EXPECT_NEAR(euler_angles(a.C_nb).heading, pose.heading, 0.2 * unit::deg);  // the gyros contribute a little
     EXPECT_LT(std::abs(euler_angles(a.C_nb).roll - pose.roll), 5 * std::sqrt(a.covariance(0, 0)));
     EXPECT_LT(std::sqrt(a.covariance(0, 0)), 8e-3);
   }
@@ -219,7 +219,7 @@ TEST(Alignment, AGivenHeadingLeavesTheLevels) {
 TEST(Alignment, EstimatesTheNoiseThatIsNotDeclared) {
   const DrawnRest rest = drawn_rest({}, 200, 0.2, 0, 0, 11);
   const FineAlignment a = fine_alignment(rest.samples, site(), {});
-  // 54 second differences, correlated: their mean square scatters by 26 %; five sigma of its root.
+  // 54 correlated second differences: their mean square scatters by 26 %; five sigma of its root.
   EXPECT_NEAR(a.gyro_noise / gyro_noise, 1, 0.65);
   EXPECT_NEAR(a.accel_noise / accel_noise, 1, 0.65);
 }

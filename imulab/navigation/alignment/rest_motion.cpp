@@ -14,8 +14,8 @@
 namespace imulab::alignment {
 namespace {
 
-/// The density of white noise that explains how the means over twenty parts of the rest differ, by second differences, which a steady drift leaves
-/// alone. On a base that sways this is the sway, far above the sensors' noise: there it has to be declared.
+/// Returns the white noise density that explains the differences of means over twenty parts of the rest. It uses second differences, which are
+/// independent of a steady drift. On a swaying base it contains the sway, far above the sensors' noise, which must then be declared.
 double noise_density(const RestMotion& rest, Vector3d integration::BodyStep::*integral) {
   constexpr std::size_t parts = 20;
   std::array<Vector3d, parts> mean;

@@ -1,4 +1,4 @@
-// The motion of a body at rest, step by step, and its axes carried by the gyros: the input of both alignments.
+// The motion of a body at rest, step by step, and its axes propagated by the gyros: the input of both alignments.
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -14,34 +14,34 @@ struct RestMotion {
   std::vector<integration::BodyStep> steps;
   std::vector<double> intervals;      // s
   double duration = 0;                // s
-  Vector3d earth = Vector3d::Zero();  // its rate, east-north-up [rad/s]
+  Vector3d earth = Vector3d::Zero();  // rotation rate of the Earth, east-north-up [rad/s]
   double gravity = 0;                 // m/s^2
 
-  /// Takes a vector from n as it is after time t to n as it was at the start: n turns with the Earth.
+  /// Returns the rotation from n at time t to n at the start, because n turns with the Earth.
   Matrix3d turned_back(double t) const { return rotation_exp(t * earth); }
 };
 
-/// With coning and sculling. Throws Error for a place near a pole, Unsupported for a rest that is too short.
+/// Computes the motion with coning and sculling. Throws Error near a pole, and Unsupported if the rest is too short.
 RestMotion rest_motion(std::span<const TimedIncrement> samples, const AlignmentSite& site);
 
-/// The velocity change [m/s] of each step in the body axes of the rest's start, as the gyros carry them; and the rotation to those from the body axes
-/// at the end.
+/// The velocity change [m/s] of each step in the body axes at the start of the rest, propagated by the gyros; and the rotation from the body axes at
+/// the end to those at the start.
 struct CarriedRest {
   std::vector<Vector3d> velocity;
   Matrix3d C_0b = Matrix3d::Identity();
 };
 CarriedRest carried(const RestMotion& rest);
 
-/// White noise: rad/s/sqrt(Hz), m/s^2/sqrt(Hz); declared, or estimated from the rest.
+/// White noise densities, rad/s/sqrt(Hz) and m/s^2/sqrt(Hz), declared or estimated from the rest.
 struct Densities {
   double gyro, accel;
 };
 Densities densities(const RestMotion& rest, const AlignmentSensors& sensors);
 
-/// Throws Error where the forward axis is within a degree of the vertical: a heading is not defined there.
+/// Throws Error if the forward axis is within 1 deg of the vertical, where the heading is undefined.
 void check_has_heading(const Matrix3d& C_nb);
 
-/// Derivative of the heading by phi (C_nb of the truth = (I + [phi x]) C_nb), as a row; for an attitude that has a heading.
+/// Returns the derivative of the heading by phi (C_nb_true = (I + [phi x]) C_nb) as a row, for an attitude with a defined heading.
 Eigen::RowVector3d heading_gradient(const Matrix3d& C_nb);
 
 }  // namespace imulab::alignment

@@ -18,9 +18,9 @@ using Eigen::VectorXd;
 using motion::NominalMotion;
 using At = ErrorIndex;
 
-constexpr const char* algorithm = "algorithm";  // the integration's own error
+constexpr const char* algorithm = "algorithm";  // error of the integration itself
 
-/// Position, velocity, attitude.
+/// Returns the rows position, velocity, attitude.
 template <class Columns>
 BudgetRows rows_of(const Columns& x) {
   BudgetRows out(budget_quantities, x.cols());
@@ -28,7 +28,7 @@ BudgetRows rows_of(const Columns& x) {
   return out;
 }
 
-/// Sizes of all parameters: what is fixed, the covariance of what is drawn, and the group of each.
+/// Sizes of all parameters: fixed errors, the covariance of random ones, and the group of each.
 struct Parameters {
   VectorXd fixed;
   MatrixXd covariance;
@@ -63,7 +63,7 @@ Parameters parameters_of(const ErrorSources& sources, const SourceColumns& colum
   return p;
 }
 
-/// Strapdown's own error on what a perfect IMU reads, at the outputs (samples' numbers).
+/// Returns the error of Strapdown itself for a perfect IMU, at the outputs (sample numbers).
 BudgetRows algorithm_error(const NominalMotion& motion, const StrapdownOptions& options, const std::vector<std::size_t>& outputs) {
   BudgetRows out(budget_quantities, static_cast<Eigen::Index>(outputs.size()));
   Strapdown strapdown(motion.states.front(), options);
@@ -100,7 +100,7 @@ void add_coefficients(ErrorBudget& budget, const std::vector<BudgetRows>& sensit
   }
 }
 
-/// A group's own block of the covariance.
+/// Adds each group with its own block of the covariance.
 void add_groups(ErrorBudget& budget, const std::vector<BudgetRows>& sensitivities, const Parameters& p) {
   std::vector<std::string> names;
   for (const std::string& name : p.group)
@@ -122,7 +122,7 @@ void add_groups(ErrorBudget& budget, const std::vector<BudgetRows>& sensitivitie
   }
 }
 
-/// To a group of this name, where there is one.
+/// Adds noise to the group of this name, which is created if necessary.
 void add_noise(ErrorBudget& budget, const std::string& name, const std::vector<BudgetMatrix>& covariance) {
   Contribution& c = group(budget, name);
   for (std::size_t i = 0; i < covariance.size(); ++i) {
@@ -194,14 +194,14 @@ std::vector<double> ErrorBudget::horizontal_shares(std::size_t at) const {
   return out;
 }
 
-/// At the outputs.
+/// The sensitivities and covariances at the outputs.
 struct GrowingBudget::Rows {
   ErrorGrowth growth;
   ErrorSources sources;
   VerticalChannel vertical;
   std::vector<double> time = {};
   std::vector<BudgetRows> sensitivities = {};
-  std::vector<std::vector<BudgetMatrix>> noises = {};  // of each source
+  std::vector<std::vector<BudgetMatrix>> noises = {};  // for each source
   void add();
 };
 

@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 constexpr double pi = std::numbers::pi;
 
-/// A unit that uses every term of the model, so that every way of an error is open.
+/// Returns a unit that uses every term of the model, so that every error path is tested.
 SensorModel crooked_unit() {
   SensorModel m;
   m.accel.offset = {0.1, 0.2, 0.3};
@@ -49,7 +49,7 @@ std::vector<CoefficientIndex> followed_coefficients() {
   return out;
 }
 
-/// The full integration, with what may err.
+/// The full integration with the tested errors.
 struct Flown {
   const NominalMotion& motion;
   const ErrorSources& sources;
@@ -66,11 +66,11 @@ struct Flown {
   }
 };
 
-/// By attitude, velocity and position: the difference of two columns against the second's length.
+/// Compares two columns by attitude, velocity and position, relative to the length of the second.
 void expect_near(const ErrorState& linear, const ErrorState& full, double tolerance, const std::string& what) {
   for (const int block : {ErrorIndex::attitude, ErrorIndex::velocity, ErrorIndex::position}) {
     const double length = full.segment<3>(block).norm();
-    EXPECT_LT((linear - full).segment<3>(block).norm(), tolerance * length + 1e-9) << what << " " << block;  // 1e-9: rounding of the differences
+    EXPECT_LT((linear - full).segment<3>(block).norm(), tolerance * length + 1e-9) << what << " " << block;  // rounding of the differences: 1e-9
   }
 }
 
@@ -89,13 +89,13 @@ TEST(ErrorBudget, SensitivitiesAreTheDerivativesOfTheFullIntegration) {
     const ErrorColumns linear = error_sensitivities(motion, sources, options);
     const Flown flown{motion, sources, options.strapdown};
     const std::string channel = " of channel " + std::to_string(static_cast<int>(vertical));
-    // The limit: the sensors' errors act in the middle of a block of 0.5 s, and the rolling in lasts 4 s: (0.5/4)^2/12 = 0.13 % of the change,
-    // and a few times that where an effect of the rolling in and one of the rolling out nearly cancel.
+    // The limit: sensor errors act at the middle of a 0.5 s block, and the roll-in lasts 4 s: (0.5/4)^2/12 = 0.13 % of the change, and several times
+    // that if effects of roll-in and roll-out nearly cancel.
     const double tolerance = 5e-3;
     for (Eigen::Index k = 0; k < n; ++k) {
       const CoefficientIndex index = sources.coefficients[static_cast<std::size_t>(k)];
       if (vertical != VerticalChannel::free && k % 5 != 0) continue;  // for speed
-      // A change that moves the end by a meter: its quadratic part is 1e-6, and cancels in the difference of both sides.
+      // The step moves the end by a meter: its quadratic part is 1e-6 and cancels in the central difference.
       const double step = 0.5 / linear.col(k).segment<3>(ErrorIndex::position).norm();
       SensorModel above = sources.model, below = sources.model;
       set_coefficient(above, index, coefficient_value(above, index) + step);
@@ -109,8 +109,8 @@ TEST(ErrorBudget, SensitivitiesAreTheDerivativesOfTheFullIntegration) {
       start[state[static_cast<std::size_t>(k)]] = k < 3 ? 10 : k < 6 ? 0.05 : 1e-5;
       const ErrorState full = (flown.error(sources.model, start, 0) - flown.error(sources.model, -start, 0)) / 2;
       if (vertical == VerticalChannel::held && k == 2) continue;  // the barometer replaces it in the first step
-      // 1e-4: the motion's place and force are taken in the middle of a block. Aided: the loop corrects at the end of each step of 0.04 s, 3/100 s^-1
-      // of the height. Fixed: the computed motion does not climb, so that it lacks the Coriolis acceleration of 5 m/s.
+      // 1e-4: place and force of the motion are taken at the middle of a block. Aided: the loop corrects at the end of each 0.04 s step, by 3/100
+      // s^-1 of the height. Fixed: the computed motion does not climb and lacks the Coriolis acceleration of 5 m/s.
       const double start_tolerance = vertical == VerticalChannel::aided ? 2e-3 : vertical == VerticalChannel::fixed ? 5e-3 : 1e-4;
       expect_near(linear.col(n + 12 + k) * start.sum(), full, start_tolerance, "start " + std::to_string(k) + channel);
     }
@@ -119,7 +119,7 @@ TEST(ErrorBudget, SensitivitiesAreTheDerivativesOfTheFullIntegration) {
   }
 }
 
-/// Level on the ellipsoid, the body's axes east, north, up.
+/// Returns a rest level on the ellipsoid with body axes east, north, up.
 NominalMotion at_rest(double latitude, double duration, double interval) {
   NavigationState state;
   state.latitude = latitude;
@@ -135,7 +135,7 @@ NominalMotion at_rest(double latitude, double duration, double interval) {
   return m;
 }
 
-/// The linear error at the end by one coefficient with this fixed error.
+/// Returns the linear error at the end due to one coefficient with this fixed error.
 VectorXd end_of(const NominalMotion& motion, const char* coefficient, double size) {
   ErrorSources s = of_coefficients({coefficient_index(coefficient)});
   s.fixed[0] = size;
@@ -143,7 +143,7 @@ VectorXd end_of(const NominalMotion& motion, const char* coefficient, double siz
 }
 
 TEST(ErrorBudget, AtRestErrorsGrowAsTheClosedFormsOfASchulerPendulum) {
-  // With W^2 = g/R and the turning of the axes with the Earth left out: that costs a few times (w_ie t)^2/2 = 0.4 % after 20 minutes.
+  // With W^2 = g/R; neglecting the rotation of the axes with the Earth costs several times (w_ie t)^2/2 = 0.4 % after 20 minutes.
   const double latitude = 0.7, t = 1200, tolerance = 0.015;
   const LocalEarth earth = local_earth(latitude, 0);
   const double g = earth.gravity.norm(), north = earth.meridian_radius, east = earth.transverse_radius;
@@ -156,7 +156,7 @@ TEST(ErrorBudget, AtRestErrorsGrowAsTheClosedFormsOfASchulerPendulum) {
   expect(bias[pN], 1e-3 / (Wn * Wn) * (1 - std::cos(Wn * t)));
   expect(bias[vN], 1e-3 / Wn * std::sin(Wn * t));
   const double drift = 1e-7;
-  // A gyro about east that reads too much turns the computed north axis up: what holds the body against gravity seems to push to the south.
+  // An east gyro that reads too much turns the computed north axis up: the force that supports the body seems to point south.
   expect(end_of(motion, "gyro.offset.x", drift)[pN], -north * drift * (t - std::sin(Wn * t) / Wn));
   expect(end_of(motion, "gyro.offset.y", drift)[pE], east * drift * (t - std::sin(We * t) / We));
   const VectorXd azimuth = end_of(motion, "gyro.offset.z", drift);
@@ -170,7 +170,7 @@ TEST(ErrorBudget, AtRestErrorsGrowAsTheClosedFormsOfASchulerPendulum) {
   s.start.attitude = {Spread{}, Spread{}, Spread{1e-4, true}};
   expect(error_budget(motion, s, options).mean.rightCols<1>()[pN], -1e-4 * earth.rate.y() * north * (t - std::sin(Wn * t) / Wn));
 
-  // White noise: the integrals of the squares of those responses.
+  // The variance due to white noise is the integral of the squares of those responses.
   s = of_coefficients({});
   s.gyro_noise.N = 1e-6;
   s.accel_noise.N = 1e-4;
@@ -178,14 +178,14 @@ TEST(ErrorBudget, AtRestErrorsGrowAsTheClosedFormsOfASchulerPendulum) {
   const auto sigma = [&](std::size_t group, Eigen::Index row) { return noise.groups[group].sigma.rightCols<1>()[row]; };
   ASSERT_EQ(noise.groups[0].name, "gyro white noise");
   expect(sigma(0, pN), 1e-6 * north * std::sqrt(1.5 * t - 2 * std::sin(Wn * t) / Wn + std::sin(2 * Wn * t) / (4 * Wn)));
-  expect(noise.groups[0].sigma(aU, 5), 1e-6 * std::sqrt(60));  // early, after a minute: later it has the longitude's error times sin L too
+  expect(noise.groups[0].sigma(aU, 5), 1e-6 * std::sqrt(60));  // early, after a minute: later it includes the longitude error times sin L
   ASSERT_EQ(noise.groups[1].name, "accelerometer white noise");
   expect(sigma(1, pN), 1e-4 / Wn * std::sqrt(t / 2 - std::sin(2 * Wn * t) / (4 * Wn)));
   expect(noise.groups[1].sigma(pN, 5), 1e-4 * std::pow(60, 1.5) / std::sqrt(3));
 }
 
 TEST(ErrorBudget, AVelocityErrorSwingsAsSchulersAndFoucaultsPendulumDo) {
-  // As in the test of the full integration: frequency sqrt(g/R + (w_ie sin L)^2), in a plane that turns clockwise with w_ie sin L.
+  // As in the test of the full integration: frequency sqrt(g/R + (w_ie sin L)^2), in a plane that turns clockwise at w_ie sin L.
   const double latitude = 70 * unit::deg;
   ErrorSources s = of_coefficients({});
   s.start.velocity[1] = {0.1, true};
@@ -208,13 +208,12 @@ TEST(ErrorBudget, AVelocityErrorSwingsAsSchulersAndFoucaultsPendulumDo) {
   }
   ASSERT_EQ(rises, 17);
   const double period = 2 * pi / std::sqrt(g / radius + vertical * vertical);
-  EXPECT_NEAR((latest - first) / 16, period, 0.002 * period);  // 84.4 min; the ellipsoid's two radii differ by 0.1 % there
-  EXPECT_LT(most_across, 0.015);                               // hundredths: the same, and the attitude's turning with the Earth
+  EXPECT_NEAR((latest - first) / 16, period, 0.002 * period);  // 84.4 min; the two radii of the ellipsoid differ by 0.1 % there
+  EXPECT_LT(most_across, 0.015);                               // hundredths: the same, and the rotation of the attitude with the Earth
 }
 
 TEST(ErrorBudget, AnAlignmentsTiltHidesTheBiasThatCausedIt) {
-  // A level found with a biased accelerometer cancels its bias at the attitude of the alignment; a heading found with a drifting gyro does the same
-  // to that gyro.
+  // An accelerometer bias cancels with the level that it causes, at the attitude of the alignment; likewise a gyro drift with its heading.
   const NominalMotion motion = at_rest(0.7, 600, 1);
   ErrorSources s = of_coefficients({coefficient_index("accel.offset.x"), coefficient_index("gyro.offset.x")});
   s.fixed << 1e-3, 1e-7;
@@ -226,7 +225,7 @@ TEST(ErrorBudget, AnAlignmentsTiltHidesTheBiasThatCausedIt) {
   EXPECT_LT(std::abs(row(0, 0)), 0.002 * 0.5e-3 * 600 * 600);  // alone it would be b t^2/2
   EXPECT_NEAR(row(1, 8), -1e-7 / horizontal, 0.002 * 1e-7 / horizontal);
   EXPECT_LT(std::abs(row(1, 1)), 0.002 * 1e-7 * g * 600 * 600 * 600 / 6);
-  // A given heading has its own error in place of the gyro's, and the level stays that of the accelerometers.
+  // A given heading has an error of its own instead of the gyro's; the level remains that of the accelerometers.
   s.start.attitude[2] = {2e-3, true};
   const ErrorBudget given = error_budget(motion, s, {.strapdown = {.vertical = VerticalChannel::fixed}});
   EXPECT_NEAR(given.coefficients[0].fixed.rightCols<1>()[7], 1e-3 / g, 0.002 * 1e-3 / g);
@@ -238,7 +237,7 @@ TEST(ErrorBudget, GroupsAndTheirCorrelationMakeUpTheWhole) {
   const NominalMotion motion = at_rest(0.7, 300, 1);
   ErrorSources s = of_coefficients({coefficient_index("accel.offset.x"), coefficient_index("accel.matrix.xz"), coefficient_index("gyro.offset.x")});
   const double g = local_earth(0.7, 0).gravity.norm();
-  // Offset and matrix element that at this attitude cancel exactly: the groups are large, the whole is not.
+  // The errors of offset and matrix element cancel exactly at this attitude: the groups are large, the total is not.
   s.covariance << 1e-6, -1e-6 / g, 0, -1e-6 / g, 1e-6 / (g * g), 0, 0, 0, 1e-14;
   s.fixed << 1e-4, 0, 2e-7;
   s.accel_noise.N = 1e-5;
@@ -250,7 +249,7 @@ TEST(ErrorBudget, GroupsAndTheirCorrelationMakeUpTheWhole) {
     ASSERT_EQ(shares.size(), b.groups.size() + 1);
     double sum = 0;
     for (const double share : shares) sum += share;
-    EXPECT_NEAR(sum, 1, 1e-6);  // the shares of what cancels are up to 1e4 of the rest
+    EXPECT_NEAR(sum, 1, 1e-6);  // fractions of canceling parts are up to 1e4 of the rest
   }
   const double alone = 1e-3 * 300 * 300 / 2;
   EXPECT_NEAR(b.groups[0].sigma(0, 2), alone, 0.02 * alone);  // 2 %: Schuler, (W t)^2/12
@@ -260,7 +259,7 @@ TEST(ErrorBudget, GroupsAndTheirCorrelationMakeUpTheWhole) {
 }
 
 TEST(ErrorBudget, OutputsAreTheFirstSamplesAtOrAfterTheirTimesAndTheEnd) {
-  const NominalMotion motion = at_rest(0.7, 1, 0.1);  // whose stamps are sums of 0.1, rounded
+  const NominalMotion motion = at_rest(0.7, 1, 0.1);  // its stamps are rounded sums of 0.1
   EXPECT_EQ(output_samples(motion, 0.3), (std::vector<std::size_t>{3, 6, 9, 10}));
   EXPECT_EQ(output_samples(motion, 0.25), (std::vector<std::size_t>{3, 5, 8, 10}));
   EXPECT_EQ(output_samples(motion, 100), (std::vector<std::size_t>{10}));

@@ -36,7 +36,7 @@ NavigationState with_error(const NavigationState& truth, const ErrorState& error
 
 namespace {
 
-/// The terms that vary with place and velocity: w_in_n, and the acceleration without the specific force.
+/// Terms that vary with place and velocity: w_in_n, and the acceleration without the specific force.
 struct Slow {
   Vector3d turn, acceleration;
 };
@@ -51,11 +51,11 @@ Slow slope(const Slow& above, const Slow& below, double distance) {
   return {(above.turn - below.turn) / distance, (above.acceleration - below.acceleration) / distance};
 }
 
-/// As Strapdown treats it.
+/// Modifies the dynamics for the vertical channel, like Strapdown.
 void hold_height(ErrorDynamics& d, const LocalEarth& earth, const StrapdownOptions& options) {
   const int up_velocity = Index::velocity + 2;
   if (options.vertical == VerticalChannel::fixed) d.F.row(up_velocity).setZero(), d.F.row(Index::up).setZero();
-  if (options.vertical == VerticalChannel::held) {  // height is the barometer's
+  if (options.vertical == VerticalChannel::held) {  // height equals the barometer's
     d.F.row(Index::up).setZero();
     d.b = d.F.col(Index::up);
     d.F.col(Index::up).setZero();
@@ -79,16 +79,16 @@ ErrorDynamics error_dynamics(const NavigationState& s, const Vector3d& force_n, 
   ErrorDynamics d{ErrorMatrix::Zero(), ErrorState::Zero()};
   auto attitude = d.F.middleRows<3>(Index::attitude), velocity = d.F.middleRows<3>(Index::velocity), position = d.F.middleRows<3>(Index::position);
 
-  // Xu eq 1: phi' = -w_in x phi + dw_in - C_nb dw; the last term is added by ErrorGrowth.
+  // Xu eq 1 is phi' = -w_in x phi + dw_in - C_nb dw; ErrorGrowth adds the last term.
   attitude.middleCols<3>(Index::attitude) = -skew<double>(earth.rate + transport);
-  // Xu eq 2: dv' = f_n x phi - (2 w_ie + w_en) x dv - (2 dw_ie + dw_en) x v + C_nb df, likewise without the last term.
+  // Xu eq 2 is dv' = f_n x phi - (2 w_ie + w_en) x dv - (2 dw_ie + dw_en) x v + C_nb df, likewise without the last term.
   velocity.middleCols<3>(Index::attitude) = skew<double>(force_n);
   for (int k = 0; k < 3; ++k) {
     const Vector3d axis = Vector3d::Unit(k), turn = earth.transport_rate(axis);  // w_en is linear in v
     attitude.col(Index::velocity + k) = turn;
     velocity.col(Index::velocity + k) = -(2 * earth.rate + transport).cross(axis) - turn.cross(v);
   }
-  // dw_in and dw_ie of eqs 1 and 2 by place, and normal gravity, which Xu leaves out: central differences, whose error is 1e-9 of them.
+  // dw_in and dw_ie of eqs 1 and 2 by place, and normal gravity, which Xu omits: central differences with a relative error of 1e-9.
   const double dL = 1e-5, dh = 10;
   const Slow north = slope(slow(s.latitude + dL, s.height, v, options), slow(s.latitude - dL, s.height, v, options), 2 * dL * earth.meridian_radius);
   const Slow up = slope(slow(s.latitude, s.height + dh, v, options), slow(s.latitude, s.height - dh, v, options), 2 * dh);
@@ -97,7 +97,7 @@ ErrorDynamics error_dynamics(const NavigationState& s, const Vector3d& force_n, 
   attitude.col(Index::up) = up.turn;
   velocity.col(Index::up) = up.acceleration;
 
-  // Xu eqs 3 (latitude), 4 (longitude) and 5 (height), in meters: derivatives of (RN+h) cos L dlon, (RM+h) dL, dh; those of the radii cancel, by
+  // Xu eqs 3 (latitude), 4 (longitude) and 5 (height) in meters: derivatives of (RN+h) cos L dlon, (RM+h) dL, dh; those of the radii cancel, because
   // RN' = (RN - RM) tan L.
   const double tangent = earth.sin_latitude / earth.cos_latitude, rm = earth.meridian_radius, rn = earth.transverse_radius;
   position.middleCols<3>(Index::velocity).setIdentity();
@@ -109,7 +109,7 @@ ErrorDynamics error_dynamics(const NavigationState& s, const Vector3d& force_n, 
 }
 
 ErrorMatrix error_transition(const ErrorMatrix& F, double interval) {
-  // Fourth order of an interval short against the fastest decay, squared.
+  // The exponential is a fourth-order series for an interval that is short compared with the fastest decay, followed by squaring.
   int halvings = 0;
   for (double rate = interval * F.diagonal().cwiseAbs().maxCoeff(); rate > 0.1; rate /= 2) ++halvings;
   const ErrorMatrix A = std::ldexp(interval, -halvings) * F;

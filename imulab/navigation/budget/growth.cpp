@@ -18,7 +18,7 @@ namespace {
 
 using At = ErrorIndex;
 
-/// Up to rounding, in units of each coefficient's sigma.
+/// Returns true if a covariance is positive up to rounding, in units of each coefficient's sigma.
 bool positive(const Eigen::MatrixXd& covariance) {
   if (covariance.rows() == 0) return true;
   const Eigen::VectorXd scale = covariance.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1; });
@@ -36,7 +36,7 @@ void check_sources(const NavigationState& start, const ErrorSources& sources, co
   if (!positive(sources.covariance)) throw Error("errors along a motion: expected a symmetric, positive semidefinite covariance");
   if (!(sources.barometer.time_constant > 0)) throw Error("barometer: expected a positive time constant of its noise");
   if (sources.start.aligned_over && !(*sources.start.aligned_over > 0)) throw Error("alignment: expected a positive time");
-  Strapdown(start, options.strapdown);  // whether this start can be integrated
+  Strapdown(start, options.strapdown);  // checks that this start can be integrated
 }
 
 /// Returns this motion after a check that it has samples.
@@ -70,7 +70,7 @@ Matrix3d middle_attitude(const NavigationState& from, const NavigationState& to)
   return Eigen::Quaterniond(Eigen::Vector4d(from.q_nb.coeffs() + same_way * to.q_nb.coeffs())).normalized().toRotationMatrix();
 }
 
-/// White noise is the same in any axes: its interval's turning does not matter.
+/// Returns the effect of a noise. White noise is equal in all axes, so the rotation within an interval does not matter.
 ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const ErrorColumns& by_force, const Matrix3d& turned, double length,
                     const ErrorState& by_barometer) {
   using Acts = NoiseSource::Acts;
@@ -81,7 +81,7 @@ ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const E
   return length * by_barometer;
 }
 
-/// No vertical velocity; and where the height is the barometer's.
+/// The vertical channel has no vertical velocity, or the height of the barometer.
 bool fixed(const StrapdownOptions& options) { return options.vertical == VerticalChannel::fixed; }
 bool held(const StrapdownOptions& options) { return options.vertical == VerticalChannel::held; }
 
@@ -99,7 +99,7 @@ Outputs::Outputs(double begin, double interval) : begin_(begin), interval_(inter
 }
 
 bool Outputs::due(double time) {
-  const double t = (time - begin_) * (1 + 1e-12);  // rounding is no reason to wait for the next sample
+  const double t = (time - begin_) * (1 + 1e-12);  // rounding must not delay an output to the next sample
   if (t < next_) return false;
   next_ = interval_ * (std::floor(t / interval_) + 1);
   return true;
@@ -145,7 +145,7 @@ bool ErrorGrowth::finish() {
   return true;
 }
 
-/// The next one begins at its last sample.
+/// Ends a block; the next one begins at its last sample.
 void ErrorGrowth::end_block() {
   const std::size_t count = block_.increments.size();
   const double begin = block_.time.front(), end = block_.time.back(), length = end - begin, middle = (end + begin) / 2;
@@ -162,7 +162,7 @@ void ErrorGrowth::end_block() {
   }
   const ErrorDynamics d = error_dynamics(block_.states[count / 2], pushed / length, options_);
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
-  // The sensors' terms of Xu's eqs 1 and 2, -C_nb dw and C_nb df, act in the middle of the block.
+  // The sensors' terms of Xu's eqs 1 and 2, -C_nb dw and C_nb df, act at the middle of the block.
   const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
   ErrorColumns by_force = half.middleCols<3>(At::velocity);
   if (fixed(options_)) by_force.col(2).setZero();
@@ -179,14 +179,14 @@ void ErrorGrowth::end_block() {
 }
 
 void ErrorGrowth::start() {
-  // In the layout position, velocity, attitude.
+  // The columns have the order position, velocity, attitude.
   for (const auto& [column, row] : {std::pair{0, At::position}, {3, At::velocity}, {6, At::attitude}})
     sensitivity_.block<3, 3>(row, columns_.start + column).setIdentity();
-  if (fixed(options_)) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
+  if (fixed(options_)) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // no vertical velocity at the start
   if (held(options_)) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
 }
 
-/// The mean errors of the sensors over the alignment turn the start.
+/// Rotates the start by the mean sensor errors over the alignment.
 void ErrorGrowth::align(const StartErrors& errors) {
   const double duration = *errors.aligned_over;
   const NavigationState& s = start_;
@@ -206,8 +206,8 @@ void ErrorGrowth::align(const StartErrors& errors) {
   aligned_ = duration;
 }
 
-/// The integral of a triad's output errs by an independent n_k of size Q at each reading k: over the motion by n_k - n_0, in the mean of an alignment
-/// before it by (n_0 - n_-m) / duration. What it does through the n_k between does not add up and is left out.
+/// The integral of a triad's output has an independent error n_k of size Q at each reading k: over the motion n_k - n_0, and in the mean of an
+/// earlier alignment (n_0 - n_-m) / duration. The effect of the n_k in between does not accumulate and is neglected.
 void ErrorGrowth::quantize(NoiseSource& noise, const StartErrors& errors) {
   const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
   ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;

@@ -1,4 +1,4 @@
-// Sensitivities to every source of error, and the covariance from noise, along a motion.
+// Sensitivities to every error source, and the covariance due to noise, along a motion.
 #pragma once
 
 #include "imulab/navigation/budget/budget.hpp"
@@ -11,8 +11,8 @@
 
 namespace imulab::budget {
 
-/// First columns of the sensitivities: of the coefficients; of an error at one of each gyro and accelerometer after compensation (turn-on); of one
-/// that grows by one a second; of the start's position, velocity and attitude; of the barometer's bias.
+/// First columns of the sensitivities: coefficients; a unit error of each gyro and accelerometer after compensation (turn-on); an error that grows by
+/// one per second; position, velocity and attitude at the start; bias of the barometer.
 struct SourceColumns {
   Eigen::Index coefficients, gyro_unit = coefficients, accel_unit = gyro_unit + 3, gyro_ramp = accel_unit + 3, accel_ramp = gyro_ramp + 3,
                              start = accel_ramp + 3, barometer = start + 9, count = barometer + 1;
@@ -22,37 +22,37 @@ struct NoiseSource {
   enum class Acts { gyro_white, accel_white, gyro, accel, barometer } acts;
   std::string name;
   NoiseGrowth growth;
-  double quantization = 0;  // Q, where it is that
+  double quantization = 0;  // Q, for quantization noise
 };
 
-/// When a result is due: at the first sample at or after each multiple of `interval` [s] from the start.
+/// The output times: the first sample at or after each multiple of `interval` [s] from the start.
 class Outputs {
  public:
-  /// Throws Error for an interval that is not above 0.
+  /// Throws Error unless the interval is above 0.
   Outputs(double begin, double interval);
-  /// True if a result is due at the next sample.
+  /// Returns true if an output is due at the next sample.
   bool due(double time);
 
  private:
   double begin_, interval_, next_;
 };
 
-/// Follows a motion sample by sample. Over each block of samples the sensors' errors are summed, and act in its middle.
+/// Follows a motion sample by sample. Sensor errors are summed over a block of samples and act at its middle.
 class ErrorGrowth {
  public:
-  /// Throws Error as GrowingBudget does.
+  /// Throws Error like GrowingBudget.
   ErrorGrowth(double begin, double interval, const NavigationState& start, const ErrorSources& sources, const BudgetOptions& options);
-  /// From the start of this motion.
+  /// Starts at the start of this motion.
   ErrorGrowth(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options);
 
-  /// Adds a sample; true if a result is due here: the block has ended then. Throws Error for a time that is not after the one before.
+  /// Adds a sample; returns true if an output is due here, and the block has ended. Throws Error unless the time is after the previous one.
   bool add(double time, const NavigationState& state, const Increment& sample);
-  /// Ends the last block; true if it has a result that was not due before. Throws Error where there was no sample.
+  /// Ends the last block; returns true if it has a new output. Throws Error if there was no sample.
   bool finish();
   double time() const { return block_.time.back(); }
 
   const SourceColumns& columns() const { return columns_; }
-  /// Derivative of the present error state by each source. What a source does through an alignment is in its column.
+  /// Returns the derivatives of the present error state by each source, including the effect through an alignment.
   ErrorColumns sensitivities() const;
   std::size_t noises() const { return noises_.size(); }
   const std::string& noise_name(std::size_t i) const { return noises_[i].name; }
@@ -67,7 +67,7 @@ class ErrorGrowth {
 
   double begin_;
   NavigationState start_;
-  motion::NominalMotion block_;  // not ended
+  motion::NominalMotion block_;  // not yet ended
   double longest_block_;         // s
   Outputs outputs_;
   bool any_ = false;
@@ -79,20 +79,20 @@ class ErrorGrowth {
   double aligned_ = 0;  // s before the motion
 };
 
-/// What a budget calls the sources of a coefficient's kind: "gyro misalignment".
+/// Returns a budget's name for the kind of a coefficient: "gyro misalignment".
 std::string group_of(const Coefficient& c);
 
-/// Throws Error for a motion without samples, of parts that do not fit, or of times that do not ascend.
+/// Throws Error for a motion without samples, with parts of inconsistent sizes, or with times that do not ascend.
 void check(const motion::NominalMotion& motion);
 
-/// Derivative of the error state at the end by each source.
+/// Returns the derivatives of the error state at the end by each source.
 ErrorColumns error_sensitivities(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options = {});
 
-/// Numbers of the samples at which a result is due: the first at or after each multiple of `interval` [s] from the start, and the last.
+/// Returns the samples with outputs: the first at or after each multiple of `interval` [s] from the start, and the last.
 std::vector<std::size_t> output_samples(const motion::NominalMotion& motion, double interval);
 
-/// The effect of an alignment at rest: derivative of the attitude error at the start by errors of rate and force in east-north-up axes, [d phi / d
-/// rate, d phi / d force].
+/// Returns the effect of an alignment at rest: derivatives of the attitude error at the start by errors of rate and force in east-north-up axes, [d
+/// phi / d rate, d phi / d force].
 Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StartErrors& errors, const StrapdownOptions& options);
 
 }  // namespace imulab::budget

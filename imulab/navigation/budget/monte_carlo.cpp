@@ -31,7 +31,7 @@ using integration::earth_at;
 using motion::NominalMotion;
 using Columns = std::array<std::vector<double>, 6>;  // rate x y z, force x y z
 
-/// A factor A of a covariance A A^T that may be singular.
+/// Returns a factor A of a covariance A A^T, which may be singular.
 MatrixXd factor(const MatrixXd& covariance) {
   if (covariance.size() == 0) return covariance;
   const SymmetricEigen eigen = symmetric_eigen(covariance);
@@ -44,15 +44,15 @@ MotionColumns spans(Columns& columns) {
   return out;
 }
 
-/// Data that all runs share.
+/// Data common to all runs.
 struct Plan {
   const NominalMotion& motion;
   const ErrorSources& sources;
   const MonteCarloOptions& options;
   MatrixXd coefficient_factor;
   double interval = 0;
-  std::size_t rest = 0;              // samples of the alignment, before the motion's
-  std::vector<std::size_t> outputs;  // samples' numbers
+  std::size_t rest = 0;              // number of samples of the alignment, before the motion
+  std::vector<std::size_t> outputs;  // sample numbers
   bool barometer = false;
 
   Plan(const NominalMotion& m, const ErrorSources& s, const MonteCarloOptions& o)
@@ -63,7 +63,7 @@ struct Plan {
   }
 };
 
-/// Mean rate and force of each sample: the alignment's rest, then the motion.
+/// Returns the mean rate and force of each sample: the rest of the alignment, then the motion.
 Columns true_motion(const Plan& plan) {
   Columns out;
   for (auto& column : out) column.reserve(plan.rest + plan.motion.increments.size());
@@ -101,7 +101,7 @@ SensorModel drawn_model(const Plan& plan, const std::string& run) {
   return model;
 }
 
-/// True motion + noise -> raw readings of the unit -> what the erring model makes of them.
+/// Converts the true motion to raw readings of the unit with noise, and compensates these with the erroneous model.
 Columns compensated(const Plan& plan, const Columns& truth, const std::string& run) {
   Columns out = truth;
   for (std::size_t axis = 0; axis < 6; ++axis) {
@@ -110,7 +110,7 @@ Columns compensated(const Plan& plan, const Columns& truth, const std::string& r
     if (noise.slow()) noise.add_slow(out[axis]);
     noise.add_fast(0, out[axis]);
   }
-  // Thermal readings are constant: their drift is part of the raw reading.
+  // Thermal readings are constant, so the raw reading includes their drift.
   const auto thermal = [](const TriadModel& m, const Vector3d& tau) {
     return Vector3d(m.thermal.col(1).cwiseProduct(tau) + m.thermal.col(2).cwiseProduct(tau.cwiseAbs2()));
   };
@@ -143,7 +143,7 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
     if (!s.aligned_over || k == 2) error[ErrorIndex::attitude + i] = drawn(s.attitude[k], stream, 6 + k);
   }
   NavigationState start = with_error(truth, error);
-  if (s.aligned_over) {  // gravity gives the level, the Earth's rate the heading, unless that is given
+  if (s.aligned_over) {  // gravity gives the level, the Earth's rate the heading unless that is given
     Eigen::Matrix<double, 6, 1> mean;
     for (std::size_t axis = 0; axis < 6; ++axis)
       mean[static_cast<Eigen::Index>(axis)] = Eigen::Map<const VectorXd>(seen[axis].data(), static_cast<Eigen::Index>(plan.rest)).mean();
@@ -160,7 +160,7 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
   return start;
 }
 
-/// The sample that brings the motion to state i + 1, as it is seen.
+/// Returns the measured sample that leads to state i + 1.
 Increment sample_of(const Plan& plan, const Columns& seen, std::size_t i) {
   const std::size_t k = plan.rest + i;
   const double T = plan.motion.time[i + 1] - plan.motion.time[i];
@@ -179,7 +179,7 @@ class DrawnBarometer {
         slow_(errors.noise * stream_.normal(0)) {}
 
   double error() const { return bias_ + slow_; }
-  /// To the state after sample i.
+  /// Returns the error at the state after sample i.
   double next(std::size_t i) {
     if (noisy_) slow_ = decay_ * slow_ + fresh_ * stream_.normal(i + 1);
     return error();
@@ -192,7 +192,7 @@ class DrawnBarometer {
   double bias_, slow_;
 };
 
-/// Errors at the outputs; the last is the end.
+/// Returns errors at the outputs; the last one is the end.
 BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   const std::string run = fmt::format("run {}", number);
   const Columns seen = compensated(plan, truth, run);
@@ -216,7 +216,7 @@ BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   return out;
 }
 
-/// Runs begin ... begin + count - 1, of which the first ones are kept by themselves.
+/// Runs begin ... begin + count - 1; the first `kept` are also stored individually.
 struct RunBlock {
   std::uint64_t begin = 0, count = 0, kept = 0;
 };
@@ -293,7 +293,7 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
 
 std::vector<Increment> erring_increments(const NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed) {
   ErrorSources moving = sources;
-  moving.start.aligned_over.reset();  // the rest of an alignment is no part of the motion
+  moving.start.aligned_over.reset();  // the rest of an alignment is not part of the motion
   const MonteCarloOptions options{.seed = seed};
   const Plan plan(motion, moving, options);
   const Columns seen = compensated(plan, true_motion(plan), "run 0");

@@ -31,12 +31,12 @@ NominalMotion at_rest(double duration, double interval) {
   return m;
 }
 
-/// Bounds of a sample's sigma against the true one: four of its sampling sigmas.
+/// Compares a sample's sigma with the true one: four of its sampling sigmas.
 void expect_sigma(double found, double expected, std::uint64_t runs, const std::string& what) {
   EXPECT_NEAR(found / expected, 1, 4 / std::sqrt(2 * static_cast<double>(runs))) << what;
 }
 
-/// Position, velocity and attitude at the end.
+/// Compares position, velocity and attitude at the end with the linear result.
 void expect_as_linear(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& strapdown, std::uint64_t runs) {
   const ErrorBudget linear = error_budget(motion, sources, {.strapdown = strapdown, .output_interval = 1e9});
   const ErrorDistribution full = error_monte_carlo(motion, sources, {.strapdown = strapdown, .output_interval = 1e9, .runs = runs});
@@ -62,7 +62,7 @@ TEST(ErrorMonteCarlo, SpreadsAsTheLinearCovarianceThroughATrafficPattern) {  // 
     pattern.push_back(straight(100));
     if (leg < 4) pattern.push_back(turn(-90 * unit::deg, 2 * unit::deg, 4));
   }
-  const NominalMotion motion = nominal_motion(flight(start, pattern), 0.5);  // coarse, for speed: both are of the same sampling
+  const NominalMotion motion = nominal_motion(flight(start, pattern), 0.5);  // coarse for speed: both use the same sampling
   ErrorSources sources = navigation_grade();
   sources.start.attitude = {Spread{1e-4}, Spread{1e-4}, Spread{1e-3}};
   expect_as_linear(motion, sources, {.vertical = VerticalChannel::held}, 2000);
@@ -106,7 +106,7 @@ TEST(ErrorMonteCarlo, QuantizationLeavesItsFirstAndLastReadingAndAnAlignmentsMea
   sources.start.aligned_over = 100;
   const ErrorDistribution d = error_monte_carlo(at_rest(300, 0.5), sources, {.output_interval = 1e9, .runs = 1000});
   const ErrorBudget linear = error_budget(at_rest(300, 0.5), sources, {.output_interval = 1e9});
-  // The readings between leave g Q sqrt(0.5 s t) of velocity: 4 % of what the first one does, 0.2 % in the square.
+  // The intermediate readings cause g Q sqrt(0.5 s t) of velocity: 4 % of the effect of the first one, 0.2 % in the square.
   for (const int row : {0, 1, 3, 4, 6, 7, 8}) EXPECT_NEAR(d.sigma(row, 0) / linear.groups.front().sigma(row, 0), 1, 4 / std::sqrt(2000.0)) << row;
 }
 
@@ -122,13 +122,13 @@ TEST(ErrorMonteCarlo, AtRestItsSpreadIsTheClosedForm) {
   expect_sigma(d.sigma(0, 1), white, runs, "east");
   expect_sigma(d.sigma(1, 1), std::hypot(white, 0.01 * 60), runs, "north");
   expect_sigma(d.sigma(3, 1), 1e-4 * std::sqrt(60), runs, "velocity east");
-  // Gaussian, so that the quantiles follow; their sampling sigma is 2.1 times that of a mean at 5 %, 1.25 times at 50 %.
+  // The errors are Gaussian, which gives the quantiles; their sampling sigma is 2.1 times that of a mean at 5 %, 1.25 times at 50 %.
   const double mean_sigma = white / std::sqrt(runs);
   EXPECT_NEAR(d.low(0, 1), normal_quantile(0.05) * white, 4 * 2.1 * mean_sigma);
   EXPECT_NEAR(d.high(0, 1), normal_quantile(0.95) * white, 4 * 2.1 * mean_sigma);
   EXPECT_NEAR(d.median(0, 1), 0, 4 * 1.25 * mean_sigma);
   EXPECT_NEAR(d.mean(0, 1), 0, 4 * mean_sigma);
-  EXPECT_NEAR(d.drift_cep * 60, d.median(9, 1), 1e-6);  // the same errors, kept as floats there
+  EXPECT_NEAR(d.drift_cep * 60, d.median(9, 1), 1e-6);  // the same errors, stored as floats there
   EXPECT_EQ(d.drift.size(), runs);
   EXPECT_TRUE((d.peak.array() >= d.end.array().abs()).all());
   EXPECT_GT(d.drift_95, d.drift_rms);
@@ -142,7 +142,7 @@ TEST(ErrorMonteCarlo, FixedErrorsAloneAreOneRunWithoutSpread) {
   sources.covariance = Eigen::MatrixXd::Zero(1, 1);
   const ErrorDistribution d = error_monte_carlo(at_rest(60, 0.1), sources, {.output_interval = 60, .runs = 3});
   EXPECT_NEAR(d.mean(0, 0), 0.5e-3 * 60 * 60, 0.001 * 1.8);  // Schuler: (W t)^2/12 = 0.05 %
-  EXPECT_LT(d.sigma(0, 0), 1e-7);                            // of three equal floats
+  EXPECT_LT(d.sigma(0, 0), 1e-7);                            // for three equal floats
 }
 
 TEST(ErrorMonteCarlo, IsBitEqualOnAnyNumberOfThreadsAndTellsItsProgress) {

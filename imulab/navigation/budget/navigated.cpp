@@ -30,7 +30,7 @@ void NavigatedBudget::begin(const NavigationStart& start) try {
   }
   budget_.emplace(start.time, start.interval, start.state, sources,
                   BudgetOptions{.strapdown = strapdown_, .output_interval = (start.end - start.time) / outputs_, .algorithm = false});
-} catch (const Error&) {  // the navigation goes on without
+} catch (const Error&) {  // the navigation continues without a budget
   refused_ = std::current_exception();
 }
 

@@ -1,4 +1,4 @@
-// The navigation errors of a session that the stated uncertainties of its calibration explain.
+// The navigation errors of a session that follow from the stated uncertainties of its calibration.
 #pragma once
 
 #include "imulab/navigate.hpp"
@@ -9,15 +9,15 @@
 
 namespace imulab {
 
-/// Along a navigation, as it goes: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest.
+/// A budget along a navigation: the covariance of the calibration and, after an alignment, its tilt and the noise measured in the rest.
 class NavigatedBudget {
  public:
-  /// Must outlive the navigation with these options, which calls it before what they called already. About `outputs` results.
+  /// Adds its callbacks to `options`, before those already set; must outlive the navigation. Produces about `outputs` results.
   NavigatedBudget(const Calibration& calibration, const Session& session, NavigateOptions& options, int outputs = 120);
   NavigatedBudget(const NavigatedBudget&) = delete;
   NavigatedBudget& operator=(const NavigatedBudget&) = delete;
 
-  /// At the end of the navigation; none for a calibration without uncertainties. Throws Error as GrowingBudget does.
+  /// Returns the budget at the end; absent for a calibration without uncertainties. Throws Error like GrowingBudget.
   std::optional<ErrorBudget> finish();
 
  private:

@@ -11,7 +11,7 @@
 namespace imulab {
 namespace {
 
-/// A calibration whose x gyro offset is wrong by exactly the sigma that it states.
+/// Returns a calibration whose x gyro offset has an error of exactly its stated sigma.
 Calibration one_sigma_wrong(double sigma) {
   Calibration c;
   c.model.gyro.offset.x() = sigma;
@@ -41,7 +41,7 @@ TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
   const BudgetMatrix& covariance = budget->covariance.back();
   EXPECT_NEAR(budget->time.back(), n.solution.time.back(), 1e-6);
   EXPECT_NEAR(std::sqrt(covariance.diagonal().head<2>().sum()), error.horizontal(),
-              0.02 * error.horizontal());  // first order, and the integrator's own error
+              0.02 * error.horizontal());  // first order, and error of the integrator itself
   EXPECT_NEAR(std::sqrt(covariance.diagonal().tail<3>().sum()), error.attitude.norm(), 0.02 * error.attitude.norm());
 }
 

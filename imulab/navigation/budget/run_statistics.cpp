@@ -7,7 +7,7 @@
 
 namespace imulab {
 
-/// Chan, Golub, LeVeque 1979: the sum of squares about the mean of both.
+/// Combines sums of squares about the common mean (Chan, Golub, LeVeque 1979).
 void RunStatistics::Cell::add(const std::array<double, 3>& other) {
   auto& [n, mean, squares] = numbers;
   const double all = n + other[0], apart = other[1] - mean;

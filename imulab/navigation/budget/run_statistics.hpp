@@ -1,4 +1,4 @@
-// What is kept of the runs of a Monte Carlo, however many there are: moments and histograms, which add up.
+// Statistics of Monte Carlo runs of any number: moments and histograms, which are additive.
 #pragma once
 
 #include "imulab/core/histogram.hpp"
@@ -12,23 +12,23 @@
 
 namespace imulab {
 
-/// Of each error at each output, and of the horizontal error.
+/// Statistics of each error and of the horizontal error at each output.
 class RunStatistics {
  public:
   explicit RunStatistics(std::size_t outputs) : cells_((budget_quantities + 1) * outputs) {}
 
-  /// A run: a column for each output.
+  /// Adds a run, one column per output.
   void add(const BudgetRows& errors);
   void add(const RunStatistics& other);
   void write(std::string& bytes) const;
-  /// From the front of what `write` appended for as many outputs. Throws Error where it is cut.
+  /// Reads statistics written by `write` for as many outputs, and removes them from `bytes`. Throws Error if they are incomplete.
   void read(std::string_view& bytes);
-  /// Sets all but the single runs. `out.time` has the outputs; the drift is that over `duration` [s].
+  /// Sets everything except the individual runs. `out.time` has the outputs; the drift is over `duration` [s].
   void summarize(ErrorDistribution& out, double duration) const;
 
  private:
   struct Cell {
-    std::array<double, 3> numbers{};  ///< of runs; mean; sum of squares about it
+    std::array<double, 3> numbers{};  ///< number of runs; mean; sum of squares about it
     Histogram values;
 
     void add(const std::array<double, 3>& other);

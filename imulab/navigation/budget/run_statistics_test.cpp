@@ -11,7 +11,7 @@
 namespace imulab {
 namespace {
 
-/// Errors of a run at two outputs, far from zero, so that sums of squares alone would lose them.
+/// Returns errors of a run at two outputs, so far from zero that sums of squares alone would lose them.
 BudgetRows drawn_run(std::uint64_t number) {
   const RandomStream stream(1, "run " + std::to_string(number));
   BudgetRows errors(budget_quantities, 2);
@@ -50,7 +50,7 @@ TEST(RunStatistics, OfBlocksAreThoseOfAllRuns) {
   for (const double h : height) square += (h - mean) * (h - mean) / (runs - 1);
   EXPECT_NEAR(out.mean(2, 1), mean, 1e-9);
   EXPECT_NEAR(out.sigma(2, 1), std::sqrt(square), 1e-9);
-  // All lie in one or two bins of the histograms: quantiles by a mean and the bin's width alone.
+  // All errors are in one or two bins of the histograms: quantiles depend only on a mean and the width of a bin.
   EXPECT_NEAR(out.median(2, 1), median(height), mean * Histogram::relative_width);
   EXPECT_NEAR(out.drift_95, quantile(horizontal, 0.95) / 10, 1500 * Histogram::relative_width / 10);
   double rms = 0;

@@ -9,7 +9,7 @@
 namespace imulab::budget {
 namespace {
 
-/// Directions of an effect, by columns: an output axis, and what an accelerometer's or a raw reading's axis does through the model.
+/// Directions of an effect, by columns: an output axis, and the propagation of an accelerometer axis or raw reading axis through the model.
 enum Direction { axis = 0, leak = 3, accel_reading = 6, accel_reading_leak = 9, gyro_reading = 12, direction_count = 15 };
 /// Scalars of a sample: one, powers 1 to 3 of the raw readings V, the force, powers 1 and 2 of the thermal readings.
 enum Scalar { one = 0, accel_power = 1, gyro_power = 10, force_component = 19, accel_thermal = 22, gyro_thermal = 28, scalar_count = 34 };
@@ -121,15 +121,15 @@ NoiseGrowth::NoiseGrowth(NoiseProcesses processes, int noises) : processes_(std:
   cross_.assign(static_cast<std::size_t>(noises), ErrorColumns::Zero(ErrorIndex::count, n));
 }
 
-/// With u white, what is new in a process and in the integral of the sum is z_i: gain_i e^(-p_i s) u and I: (direct + sum gain_i (1 - e^(-p_i
-/// s))/p_i) u, integrated over the time s to the end.
+/// For white u, the new part of a process is z_i: gain_i e^(-p_i s) u, and of the integral of the sum I: (direct + sum gain_i (1 - e^(-p_i s))/p_i)
+/// u, integrated over the time s to the end.
 void NoiseGrowth::prepare(double T) {
   if (std::abs(T - interval_) < 1e-9 * T) return;
   interval_ = T;
   const auto& [pole, gain, direct, stationary] = processes_;
   const Eigen::Index n = pole.size();
   const auto decayed = [T](double p) { return p * T < 1e-12 ? T : -std::expm1(-p * T) / p; };  // integral of e^(-p s)
-  const VectorXd slow = pole.cwiseMax(1e-4 / T);  // a process slower than that is a ramp in the interval, within 5e-5
+  const VectorXd slow = pole.cwiseMax(1e-4 / T);  // a slower process is a ramp in the interval, within 5e-5
   decay_ = (-T * pole.array()).exp();
   integral_ = pole.unaryExpr(decayed);
   new_.resize(n, n);
@@ -149,7 +149,7 @@ void NoiseGrowth::prepare(double T) {
 
 void NoiseGrowth::step(const ErrorMatrix& transition, const ErrorColumns& effect, double interval) {
   prepare(interval);
-  const VectorXd own_integral = own_ * integral_;  // covariance of a process and its noise's old part in the integral
+  const VectorXd own_integral = own_ * integral_;  // covariance of a process and the old part of its noise in the integral
   const double variance = integral_.dot(own_integral) + new_integral_;
   covariance_ = (transition * covariance_ * transition.transpose()).eval();
   for (std::size_t k = 0; k < cross_.size(); ++k) {

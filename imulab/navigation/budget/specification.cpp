@@ -10,7 +10,7 @@ namespace imulab {
 
 namespace {
 
-/// The specification of a term in the table.
+/// Returns the specified size of a coefficient in the table.
 Spread size_of(const Coefficient& c, const TriadErrors& t) {
   const Spread none;
   switch (c.term) {
@@ -45,7 +45,7 @@ TriadErrors completed(TriadErrors t, double bias, double scale, const NoiseModel
   return t;
 }
 
-/// A system is of navigation grade but for its gyro's bias.
+/// Completes a specification: a system is of navigation grade except for its gyro bias.
 ErrorSpecification completed(ErrorSpecification s) {
   if (!s.grade && !s.system) return s;
   const Grade& g = grade(s.grade.value_or("navigation"));

@@ -18,7 +18,7 @@ using Eigen::Index;
 
 namespace {
 
-/// An IMU that rests on both sides of a gap rested inside it, too.
+/// Returns the interval of a sample: an IMU that rests on both sides of a gap also rested inside it.
 double interval(const Recording& r, std::size_t i, const Block& block) {
   if (block.at_rest && i > 0 && r.follows_gap(i)) return r.time_s(i) - r.time_s(i - 1);
   return r.interval(i, r.gyro_increment);
@@ -43,7 +43,7 @@ void Navigator::align(const Range& range) {
   C_nb = rotation_from_directions(Vector3d::UnitZ(), Vector3d::UnitY(), force, rate);
 }
 
-/// By differences of the neighbors: over a block these add up to the rate's change from its beginning to its end.
+/// Central differences over a block sum to the change of the rate from its start to its end.
 Vector3d Navigator::angular_acceleration(std::size_t i) {
   const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, recording_.size() - 1);
   return (readings.rate(after) - readings.rate(before)) / (static_cast<double>(after - before) * recording_.interval_s);
@@ -80,11 +80,10 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   C_nb = before * rotation_exp(step.rotation - turn_b - 0.5 * turn_b.cross(step.rotation));  // exp(-turn) C exp(rotation)
   sum.velocity += pushed - 0.5 * turn.cross(pushed) + dt * gravity_;
 
-  // Within the sample, by Simpson's rule: unobservable directions stay so only as far as the derivatives are true.
+  // Simpson's rule within the sample: unobservable directions remain unobservable only if the derivatives are accurate.
   const Matrix3d K = skew<double>(step.rotation);
   const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
-  // The rate and force that the errors multiply, free of noise where they are known: an axis that measures nothing of rate or gravity would fit its
-  // own noise with a scale.
+  // The rate and force that errors multiply are noise-free if known: otherwise an axis without rate or gravity would fit its own noise with a scale.
   ErrorStep error{dt,
                   block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate,
                   block.observed ? Vector3d(half.transpose() * -gravity_) : force,
@@ -93,7 +92,7 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
                   {}};
   for (Index b = 0; b < 3; ++b) {
     Matrix3d& with_force = error.with_force[static_cast<std::size_t>(b)];
-    if (block.observed)  // C_nb f_b, f_b = C_bn (0, 0, g) itself turning
+    if (block.observed)  // C_nb f_b, where f_b = C_bn (0, 0, g) turns
       with_force = (-gravity_.z() * dt / 6) * (before(2, b) * before + 4 * half(2, b) * half + C_nb(2, b) * C_nb);
     else
       with_force = force[b] * error.once;
@@ -116,7 +115,7 @@ namespace {
 
 std::size_t samples_of(const Recording& recording, double seconds) { return static_cast<std::size_t>(std::lround(seconds / recording.interval_s)); }
 
-/// A bound on the difference of the rate at the end of sample i - 1 from the mean of its neighbors, from the change of slope about it.
+/// Returns a bound on the difference of the rate at the end of sample i - 1 from the mean of its neighbors, from the change of slope there.
 double kink(const Recording& recording, std::size_t i) {
   double sum = 0;
   for (const std::vector<double>& rate : recording.gyro) {
@@ -128,11 +127,11 @@ double kink(const Recording& recording, std::size_t i) {
 
 double rate_size(const Recording& recording, std::size_t i) { return std::hypot(recording.gyro[0][i], recording.gyro[1][i], recording.gyro[2][i]); }
 
-/// An accelerometer with a lever arm moves with the rate, so a velocity determines the lever arm as well as the rate at that instant is known. A
-/// motion's block therefore ends where the rate is smoothest between half and three halves of its length. A steady turn without noise, as predictions
-/// have it, is equally smooth everywhere but for rounding, which does not decide: there the length stays.
+/// Returns the end of a motion's block. The accelerometer velocity depends on lever arm and rate, so the lever arm is determined as accurately as the
+/// rate at the end. A block therefore ends where the rate is smoothest, between half and three halves of its length. A noise-free steady turn, as in
+/// predictions, is equally smooth everywhere; rounding must not decide, and the length remains.
 std::size_t smooth_end(const Recording& recording, std::size_t begin, std::size_t length, std::size_t end) {
-  constexpr double rounding = 1e-12;  // of the rate: above that of any way to compute it, far below a gyro's noise
+  constexpr double rounding = 1e-12;  // of the rate: above the rounding of any computation, far below a gyro's noise
   const std::size_t first = begin + std::max<std::size_t>(2, (length + 1) / 2);
   std::size_t best = std::min(begin + length, end);
   double least = best >= first && best + 1 < end ? kink(recording, best) : std::numeric_limits<double>::infinity();
@@ -160,7 +159,7 @@ Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& res
     const std::size_t length = std::max<std::size_t>(1, samples_of(recording, seconds));
     for (std::size_t begin = range.begin; begin < range.end;) {
       std::size_t end = at_rest ? std::min(begin + length, range.end) : smooth_end(recording, begin, length, range.end);
-      if (range.end - end < length / 2) end = range.end;  // no short remainders
+      if (range.end - end < length / 2) end = range.end;  // avoids short remainders
       out.blocks.push_back({{begin, end}, at_rest, at_rest || observe_motion, std::exchange(lost, false)});
       begin = end;
     }

@@ -1,4 +1,4 @@
-// Velocity and attitude of an IMU that turns in one place, by its compensated readings block by block, with the sums that the error equations need.
+// Velocity and attitude of an IMU that turns in one place, from its compensated readings block by block, with sums for the error equations.
 #pragma once
 
 #include "imulab/navigate.hpp"
@@ -11,7 +11,7 @@
 
 namespace imulab::in_place {
 
-// A recording of an IMU that turns in one place, cut into blocks: at the end of each its velocity is known to be zero.
+// A recording of an IMU that turns in one place, divided into blocks: the velocity at the end of each is known to be zero.
 
 struct Block {
   Range samples;
@@ -20,35 +20,35 @@ struct Block {
   bool lost = false;     ///< the motion before it was not measured (a gap, a saturated sample): the attitude is aligned again
 };
 
-/// A table may still move that long after its step has ended, and before it begins [s].
+/// A table may move for this time after its step has ended, and before it begins [s].
 inline constexpr double settling_time = 1;
-/// The parts of rests during which the IMU is still: without settling_time at both ends, of rests that are longer than five times that.
+/// Returns the still parts of rests: rests longer than five settling times without settling_time at both ends.
 std::vector<Range> still_parts(const Recording& recording, std::vector<Range> rests);
 
 struct Blocks {
   std::vector<Block> blocks;
-  std::vector<std::string> warnings;  ///< motions that were not measured: where, why, and what is lost
+  std::vector<std::string> warnings;  ///< motions that were not measured: place, reason and loss
 };
 
-/// From the first rest to the last. Rests, in time order, are cut into seconds, motions into about fifths of a second. `observe_motion`: the IMU
-/// stays in one place while it turns, too. A motion with a gap or a saturated sample is left out.
+/// Divides the recording from the first rest to the last. Rests, in time order, become blocks of a second, motions blocks of about a fifth of a
+/// second. `observe_motion`: the IMU also stays in one place while it turns. Motions with a gap or a saturated sample are left out.
 Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& rests, bool observe_motion);
 
-/// Lever arms are removed from the motions; at rest there is no size effect, and what the gyros' noise would make of one is correlated with what it
-/// does to the attitude.
+/// Navigates in one place. Lever arms are removed only from motions: at rest there is no size effect, and a computed one would be gyro noise
+/// correlated with the attitude.
 class Navigator {
  public:
-  /// Navigates readings with the errors of `model`, whose accelerometers measure the size effect by `delay` [s], at most a sample, later than the
-  /// gyros the turn. Both must outlive it. `latitude` [rad], `gravity` [m/s^2].
+  /// Navigates readings with the errors of `model`. Its accelerometers measure the size effect by `delay` [s], at most one sample, later than the
+  /// gyros the turn. Recording and model must outlive it. `latitude` [rad], `gravity` [m/s^2].
   Navigator(const Recording& recording, const SensorModel& model, double delay, double latitude, double gravity, const OptionalSums& optional);
 
   Matrix3d C_nb = Matrix3d::Identity();
-  CompensatedReadings readings;  ///< with the size effect
+  CompensatedReadings readings;  ///< including the size effect
 
-  /// Levels from the mean force, heading from the mean rate where its horizontal part shows the Earth's.
+  /// Aligns: level from the mean force, heading from the mean rate if its horizontal part contains the Earth's.
   void align(const Range& range);
 
-  /// `first`: the sample since which the motion was seen without a break.
+  /// Integrates a block; `first` is the sample since which the motion was measured without interruption.
   BlockSums over(const Block& block, std::size_t first);
 
  private:
@@ -58,12 +58,12 @@ class Navigator {
 
   const Recording& recording_;
   const Matrix3d& lever_arm_;
-  double late_;  // of a sample
+  double late_;  // in samples
   OptionalSums optional_;
   Vector3d earth_rate_, gravity_;
   Increment previous_;
-  Vector3d velocity_ = Vector3d::Zero();  // since it was last known to be zero
-  Vector3d pushes_, squares_;             // of the block at rest: sums of the force beside that of gravity, and of its squares
+  Vector3d velocity_ = Vector3d::Zero();  // relative to the last time when it was zero
+  Vector3d pushes_, squares_;             // of a block at rest: sums of the force beyond gravity, and of its squares
 };
 
 }  // namespace imulab::in_place

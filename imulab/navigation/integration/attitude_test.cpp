@@ -23,7 +23,7 @@ TEST(Attitude, TheAxesPointAsTheConventionsSay) {
 RC_GTEST_PROP(Attitude, AnglesComeBack, ()) {
   const EulerAngles a{angle(-31000, 31000), angle(-15000, 15000), angle(-31000, 31000)};
   const EulerAngles back = euler_angles(attitude_matrix(a));
-  // 1e-13: rounding over the cosine of the steepest pitch, 0.07.
+  // The tolerance 1e-13 is rounding divided by the cosine of the steepest pitch, 0.07.
   RC_ASSERT(std::abs(back.roll - a.roll) + std::abs(back.pitch - a.pitch) + std::abs(back.heading - a.heading) < 1e-13);
 }
 

@@ -14,12 +14,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The velocity of a force and a rate in a fixed ratio, in the axes of the start (methods of Savage 1998, closed form):
-/// dv + (1 - cos t)/t^2 (th x dv) + (1 - sin t/t)/t^2 th x (th x dv).
+/// Returns the velocity for force and rate in a fixed ratio, in the axes of the start (methods of Savage 1998, closed form): dv + (1 - cos t)/t^2 (th
+/// x dv) + (1 - sin t/t)/t^2 th x (th x dv).
 Vector3d turned_velocity(const Vector3d& angle, const Vector3d& velocity) {
   const double t2 = angle.squaredNorm();
   double first, second;
-  if (t2 < 0.01) {  // the series leave 1e-16
+  if (t2 < 0.01) {  // the series have errors of 1e-16
     first = 1. / 2 - t2 * (1. / 24 - t2 * (1. / 720 - t2 * (1. / 40320 - t2 * (1. / 3628800))));
     second = 1. / 6 - t2 * (1. / 120 - t2 * (1. / 5040 - t2 * (1. / 362880)));
   } else {
@@ -31,15 +31,15 @@ Vector3d turned_velocity(const Vector3d& angle, const Vector3d& velocity) {
   return velocity + first * across + second * angle.cross(across);
 }
 
-/// Weight of the product of samples first < second of a step.
+/// The weight of the product of two samples of a step, first < second.
 struct Pair {
   std::size_t first, second;
   double weight;
 };
 
-/// For N samples, N = 2 to 5: exact for pure coning up to its order 2 N, as the published algorithms are (Ignagni 1996). Those put the whole weight
-/// of each distance second - first on the last sample; only its sum counts for coning, so it is spread here symmetrically in time and, where that
-/// leaves a choice (four and five samples), such that a rate or force which is a cubic (quartic up to one term) in time is met exactly too.
+/// Weights for N = 2 to 5 samples, exact for pure coning to order 2 N, like the published algorithms (Ignagni 1996). Those put the whole weight of
+/// each distance second - first on the last sample. Only its sum matters for coning, so it is distributed symmetrically in time here and, with the
+/// remaining freedom (four and five samples), so that a rate or force that is cubic (quartic up to one term) in time is integrated exactly.
 constexpr std::array<Pair, 1> two{{{0, 1, 2. / 3}}};
 constexpr std::array<Pair, 3> three{{{0, 1, 27. / 40}, {1, 2, 27. / 40}, {0, 2, 9. / 20}}};
 constexpr std::array<Pair, 6> four{

@@ -19,13 +19,13 @@ using namespace integration;
 
 constexpr double frequency = 2 * std::numbers::pi * 5;
 
-/// Integral from `begin` over `length`, exact to rounding for these motions (20 points).
+/// Returns the integral from `begin` over `length`, exact to rounding for these motions (20 points).
 template <class F>
 double integral(F f, double begin, double length) {
   return boost::math::quadrature::gauss<double, 20>::integrate(f, begin, begin + length);
 }
 
-/// Coning: pitch and roll of `amplitude` in quadrature at 5 Hz, heading zero.
+/// Returns coning increments: pitch and roll of `amplitude` in quadrature at 5 Hz, heading zero.
 std::vector<Increment> coning(double amplitude, double interval, double duration) {
   const auto rate = [&](double t, int axis) {
     const double s = std::sin(frequency * t), c = std::cos(frequency * t);
@@ -40,7 +40,7 @@ std::vector<Increment> coning(double amplitude, double interval, double duration
   return out;
 }
 
-/// Drift of the heading [rad] that the integration of a coning motion leaves; `step` makes a rotation vector of samples i to i + n - 1.
+/// Returns the heading drift [rad] of an integrated coning motion; `step` computes a rotation vector from samples i to i + n - 1.
 template <class Step>
 double heading_drift(double amplitude, double interval, double duration, std::size_t n, Step step) {
   const std::vector<Increment> all = coning(amplitude, interval, duration);
@@ -52,7 +52,7 @@ double heading_drift(double amplitude, double interval, double duration, std::si
   return std::abs(euler_angles(q.toRotationMatrix()).heading);
 }
 
-/// That of body_step; with 0 samples: one and the previous.
+/// Returns the drift of body_step; 0 samples mean one and the previous.
 double heading_drift(double amplitude, double interval, double duration, std::size_t samples) {
   const std::size_t n = std::max<std::size_t>(samples, 1);
   return heading_drift(amplitude, interval, duration, n, [&](const std::vector<Increment>& all, std::size_t i) {
@@ -62,11 +62,11 @@ double heading_drift(double amplitude, double interval, double duration, std::si
 }
 
 TEST(Coning, DriftsAsTheAlgorithmsDo) {
-  // One degree at 5 Hz, 100 Hz, 600 s; 3 %: the figures are given to three digits.
+  // One degree at 5 Hz, 100 Hz, 600 s; 3 % because the figures have three digits.
   EXPECT_NEAR(heading_drift(1 * unit::deg, 0.01, 600, 0) / unit::arcsec, 190, 0.03 * 190);
   EXPECT_NEAR(heading_drift(1 * unit::deg, 0.01, 600, 3) / unit::arcsec, 4.03, 0.03 * 4.03);
-  // With four, products of third order are as large as the algorithm's own error. The published algorithm (Ignagni 1996), which puts a lag's whole
-  // weight on the last sample, leaves 0.54 here; the weights spread over the step leave less.
+  // With four samples, third-order products are as large as the error of the algorithm. The published algorithm (Ignagni 1996), with the whole weight
+  // of a lag on the last sample, has an error of 0.54 here; weights distributed over the step give less.
   const double published = heading_drift(1 * unit::deg, 0.01, 600, 4, [](const std::vector<Increment>& s, std::size_t i) -> Eigen::Vector3d {
     const Eigen::Vector3d &a = s[i].angle, &b = s[i + 1].angle, &c = s[i + 2].angle, &d = s[i + 3].angle;
     return a + b + c + d + (54. / 105 * a + 92. / 105 * b + 214. / 105 * c).cross(d);
@@ -75,7 +75,7 @@ TEST(Coning, DriftsAsTheAlgorithmsDo) {
   EXPECT_LT(heading_drift(1 * unit::deg, 0.01, 600, 4), published);
 }
 
-/// The velocity that a step makes too much of where the body turns about y as A sin and is pushed along x as B sin (sculling), per second.
+/// Returns the velocity error per second if the body turns about y as A sin and is pushed along x as B sin (sculling).
 double sculling_error(double amplitude, double interval, std::size_t samples) {
   const auto angle = [&](double t) { return amplitude * std::sin(frequency * t); };
   const auto force = [&](double t) { return std::sin(frequency * t); };
@@ -99,8 +99,8 @@ double sculling_error(double amplitude, double interval, std::size_t samples) {
 }
 
 TEST(ConingAndSculling, FallWithTheOrderOfTheAlgorithm) {
-  // For N samples a step of length T errs per second by T^(2N), one sample and the previous by T^4, one alone by T^2. At 0.1 deg the
-  // products of third order are still below that. 0.35: what the next order bends at these rates (w T = 0.3 to 0.6 a sample).
+  // For N samples, a step of length T has an error per second of order T^(2N), one sample and the previous T^4, one alone T^2. At 0.1 deg,
+  // third-order products are below that. 0.35 is the effect of the next order at these rates (w T = 0.3 to 0.6 a sample).
   const double a = 0.1 * unit::deg;
   const auto order = [](double coarse, double fine) { return std::log2(coarse / fine); };
   const std::vector<std::pair<std::size_t, double>> algorithms{{0, 4}, {1, 2}, {2, 4}, {3, 6}};

@@ -1,4 +1,4 @@
-// The rotation between two rests as the gyros integrate it, with its derivatives.
+// The gyro integral of the rotation between two rests, with its derivatives.
 #pragma once
 
 #include "imulab/model/effects.hpp"
@@ -11,20 +11,19 @@
 
 namespace imulab {
 
-/// The rotation a range of gyro samples integrates to, with its derivatives.
-/// `C` takes the body axes at the end to those at the beginning: C = prod exp(w dt), the rates as means over their intervals, coning from each
-/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z, and for the diagonal matrices
-/// b = gyro^2, gyro^3: an error dW0 + dW1 V + dC f + dW2 V^2 + dW3 V^3 of the rate turns C into (I + [dphi x]) C with
-/// dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j) + phi[7] dW2 + phi[8] dW3.
+/// The rotation from a range of gyro samples with its derivatives. `C` transforms body axes at the end to those at the beginning: C = prod exp(w dt),
+/// with rates as means over their intervals, and coning from each interval and the previous one. `phi` are first-order integrals of C(t) b(t) dt for
+/// b = 1, gyro x, y, z, force x, y, z, and for the diagonal matrices b = gyro^2, gyro^3: a rate error dW0 + dW1 V + dC f + dW2 V^2 + dW3 V^3 changes
+/// C to (I + [dphi x]) C with dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j) + phi[7] dW2 + phi[8] dW3.
 struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 9> phi;
-  Eigen::Matrix3Xd by_effect;  ///< dphi of each of the effects' columns: an error c phi of the rate
-  Matrix3d covariance;         ///< of dphi from the gyros' sample noise, rad^2
+  Eigen::Matrix3Xd by_effect;  ///< dphi for each column of the effects: a rate error c phi
+  Matrix3d covariance;         ///< of dphi due to sample noise of the gyros, rad^2
   Vector3d reading;            ///< integral of the scaled gyro readings
   double duration_s;
 
-  /// dphi from one gyro model to another.
+  /// Returns dphi from one gyro model to another.
   Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
 };
 
@@ -34,7 +33,7 @@ struct RateEffects {
   std::function<EffectState(std::size_t)> state = {};
 };
 
-/// Integrates the samples of `range`, which has no gap inside. The model is of scaled readings, without thermal terms.
+/// Integrates the samples of `range`, which must not contain a gap. The model applies to scaled readings and has no thermal terms.
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma_scaled, const RateEffects& effects = {});
 

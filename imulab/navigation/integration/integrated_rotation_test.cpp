@@ -11,7 +11,7 @@
 namespace imulab {
 namespace {
 
-/// Rates and forces from functions of time, as means over the intervals (fine midpoint sums).
+/// Records rates and forces given as functions of time, as means over the intervals (fine midpoint sums).
 template <class Rate, class Force>
 Recording record(Rate rate, Force force, double duration, double dt) {
   Recording r;
@@ -56,7 +56,7 @@ TEST(IntegratedRotation, SteadyTurnIntegratesExactly) {
 }
 
 TEST(IntegratedRotation, ConingIsCompensated) {
-  // Classical coning: the axis of a small cone of half angle a at angular frequency b turns the body about the cone's axis by about pi a^2 a cycle.
+  // Classical coning: moving the axis along a small cone of half angle a at angular frequency b turns the body by about pi a^2 per cycle.
   const double a = 0.02, b = 2 * M_PI * 2;
   const auto attitude = [&](double t) { return rotation_exp(a * Vector3d(std::cos(b * t), std::sin(b * t), 0)); };
   const auto rate = [&](double t) {
@@ -70,7 +70,7 @@ TEST(IntegratedRotation, ConingIsCompensated) {
   for (std::size_t i = 0; i < r.size(); ++i) without = without * rotation_exp(0.01 * Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]));
   const double error = rotation_log(truth.transpose() * found).norm(), error_without = rotation_log(truth.transpose() * without).norm();
   EXPECT_GT(error_without, 2e-6);
-  // One interval plus the previous leaves an error smaller by about (b dt)^2 / 20 and what starts and ends without a previous interval.
+  // One interval plus the previous has an error smaller by about (b dt)^2 / 20, plus start and end without a previous interval.
   EXPECT_LT(error, 0.1 * error_without);
 }
 
@@ -90,14 +90,14 @@ TEST(IntegratedRotation, DerivativesOfTheRotationEqualDifferences) {
       const Vector3d difference = rotation_log(p * m.transpose()) / (2 * h);
       const int integral = c.term == Term::offset ? 0 : c.term == Term::matrix ? 1 + c.column : 4 + c.column;
       const Vector3d derivative = at.phi[static_cast<std::size_t>(integral)].col(c.row);
-      // The midpoint rule leaves (rate dt)^2 / 12 of the integrand, 1e-6; the coning term's own derivative is of the same size.
+      // The midpoint rule neglects (rate dt)^2 / 12 of the integrand, 1e-6; the derivative of the coning term has the same size.
       EXPECT_LT((difference - derivative).norm(), 2e-5 * (1 + derivative.norm())) << c.name;
     }
   }
 }
 
 TEST(IntegratedRotation, NoiseOfTheRotationIsThatOfItsSamples) {
-  // Equal axes: sigma^2 dt^2 on each component for each sample, however the unit turns.
+  // With equal axes, each sample contributes sigma^2 dt^2 to each component, for any rotation.
   const Recording r = record(some_rate, some_force, 3, 0.01);
   const Matrix3d p = integrate_rotation(r, {0, r.size()}, SensorModel{}, {}, Vector3d::Constant(1e-3)).covariance;
   const double expected = 300 * 1e-6 * 1e-4;

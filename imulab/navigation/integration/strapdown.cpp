@@ -18,11 +18,11 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-/// Quaternion of a rotation vector.
+/// Returns the quaternion of a rotation vector.
 Quaterniond rotation_quaternion(const Vector3d& r) {
   const double x2 = r.squaredNorm() / 4;  // square of half the angle
   double c, s;                            // cosine, half the sine over half the angle
-  if (x2 < 0.0025) {                      // the series leave 1e-16
+  if (x2 < 0.0025) {                      // the series have errors of 1e-16
     c = 1 - x2 * (1. / 2 - x2 * (1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320))));
     s = 0.5 - x2 * (1. / 12 - x2 * (1. / 240 - x2 * (1. / 10080)));
   } else {
@@ -79,7 +79,7 @@ void Strapdown::step(const Increment& sample, double interval, std::optional<dou
     lacking_ = options_.previous_sample;
   } else {
     BodyStep body = body_step(sample, *previous_);
-    if (lacking_) {  // what the first step lacked, had its rate changed as it does now; the vertical channel would make millimetres of it
+    if (lacking_) {  // adds what the first step lacked, for a constant change of rate; the vertical channel would amplify it to millimeters
       body.rotation += body.rotation - alone.rotation;
       body.velocity += body.velocity - alone.velocity;
       lacking_ = false;
@@ -104,8 +104,8 @@ void Strapdown::advance(const BodyStep& body, double interval) {
   integration::expect_latitude(state_.latitude, options_.latitude_limit);
 }
 
-/// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
-/// increments themselves and the last step's middle: what is left of its velocity is 1e-7 m/s at 100 Hz.
+/// All slow quantities (Earth, gravity, transport rate, Coriolis) are evaluated at the middle of the step. The middle follows from the increments and
+/// the middle of the last step: the remaining velocity error is 1e-7 m/s at 100 Hz.
 void integration::advance(NavigationState& s, const BodyStep& body, double interval, const LocalEarth& earth, Vector3d& slow, bool level) {
   const double half = interval / 2;
   const Eigen::Matrix3d C_nb = s.q_nb.toRotationMatrix();
@@ -115,30 +115,30 @@ void integration::advance(NavigationState& s, const BodyStep& body, double inter
   Vector3d middle = s.velocity + half * slow + pushed / 2;
   if (level) middle.z() = 0;
   const Vector3d transport = earth.transport_rate(middle);
-  const Vector3d turn = interval * (earth.rate + transport);  // of east-north-up against inertial space
+  const Vector3d turn = interval * (earth.rate + transport);  // of east-north-up relative to inertial space
 
-  // Velocity: n turns while the force acts, by half of its turn on the average; a force that turns with the body weighs the later part more.
+  // Velocity: n turns while the force acts, on average by half of its turn; a force that turns with the body weights the later part more.
   const Vector3d turned = turn.cross(pushed / 2 + (C_nb * body.rotation - 2 * turn).cross(pushed) / 12);
   slow = earth.gravity - (2 * earth.rate + transport).cross(middle);
   Vector3d end = s.velocity + pushed - turned + interval * slow;
   if (level) end.z() = 0;
 
-  // Position with the mean velocity; attitude C_nb <- exp(-turn) C_nb exp(rotation).
+  // Position uses the mean velocity; attitude C_nb <- exp(-turn) C_nb exp(rotation).
   const Vector3d path = half * (s.velocity + end);
   s.latitude += path.y() / earth.meridian_radius;
   s.longitude += path.x() / (earth.transverse_radius * earth.cos_latitude);
   s.height += path.z();
   s.velocity = end;
   s.q_nb = rotation_quaternion(-turn) * s.q_nb * rotation_quaternion(body.rotation);
-  s.q_nb.coeffs() *= 1.5 - s.q_nb.squaredNorm() / 2;  // keeps the length at one against rounding
+  s.q_nb.coeffs() *= 1.5 - s.q_nb.squaredNorm() / 2;  // keeps unit length despite rounding
 }
 
-/// Aided: three equal poles at -1/T; the third state carries the accelerometer's bias.
+/// The aided channel has three equal poles at -1/T; the third state represents the accelerometer bias.
 void Strapdown::aid(double barometer, double interval) {
   if (options_.vertical == VerticalChannel::held) state_.height = barometer;
   if (options_.vertical != VerticalChannel::aided) return;
   const double pole = 1 / options_.barometer_time_constant;
-  const double curvature = 2 * earth_.gravity.norm() / earth_.transverse_radius;  // what a free channel feeds back: h'' = 2 g/R h
+  const double curvature = 2 * earth_.gravity.norm() / earth_.transverse_radius;  // feedback of a free channel: h'' = 2 g/R h
   const double error = state_.height - barometer;
   barometer_integral_ += interval * pole * pole * pole * error;
   state_.velocity.z() -= interval * ((3 * pole * pole + curvature) * error + barometer_integral_);
@@ -164,7 +164,7 @@ EulerAngles euler_angles(const Eigen::Matrix3d& c) {
 
 Eigen::Vector3d attitude_rate(const EulerAngles& angles, const EulerAngles& derivative) {
   const double sr = std::sin(angles.roll), cr = std::cos(angles.roll), sp = std::sin(angles.pitch), cp = std::cos(angles.pitch);
-  const double vertical = -derivative.heading * cp;  // the heading's part along the body's up axis before the roll
+  const double vertical = -derivative.heading * cp;  // part of the heading rate along the body's up axis before the roll
   return {derivative.pitch * cr - vertical * sr, derivative.roll - derivative.heading * sp, derivative.pitch * sr + vertical * cr};
 }
 

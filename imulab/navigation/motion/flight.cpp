@@ -22,11 +22,11 @@ struct Controls {
   Derivatives speed, heading, climb;
 };
 
-/// A segment where it begins.
+/// A segment with the state at its beginning.
 struct Leg {
   Segment segment;
   double speed, heading, climb;
-  Matrix3d C_vb;  // the unit in what carries it
+  Matrix3d C_vb;  // rotation from the unit to its carrier
 };
 
 struct Node {  // the start of a segment, or a point inside it
@@ -58,7 +58,7 @@ Vector3d position_rate(const Vector3d& position, const Vector3d& v) {
   return {v.y() / e.meridian_radius, v.x() / (e.transverse_radius * e.cos_latitude), v.z()};
 }
 
-/// One step of Runge and Kutta's fourth order from a node on.
+/// Returns the position after one step of the fourth-order Runge-Kutta method from a node.
 Vector3d position_after(const Node& n, const Leg& leg, double h) {
   const auto v = [&](double t) { return velocity_of(controls_at(leg, n.segment_time + t)); };
   const Vector3d middle = v(h / 2);
@@ -67,14 +67,14 @@ Vector3d position_after(const Node& n, const Leg& leg, double h) {
   return n.position + h / 6 * (a + 2 * b + 2 * c + d);
 }
 
-/// Roll of a coordinated turn: tan(roll) = V heading' cos(climb) / g.
+/// Returns the roll of a coordinated turn: tan(roll) = V heading' cos(climb) / g.
 Derivatives roll_of(const Controls& c, double level_rate) {
   const double level = c.speed.value * std::cos(c.climb.value);
   const double tangent = level * c.heading.first / unit::g, rate = (level_rate * c.heading.first + level * c.heading.second) / unit::g;
   return {std::atan(tangent), rate / (1 + tangent * tangent), 0};
 }
 
-/// The displacement of a resting base adds to its position and velocity. The radii are those of the resting place: 1e-8 of the velocity.
+/// Adds the displacement of a resting base to position and velocity. The radii are those of the resting place: 1e-8 of the velocity.
 void add_displacement(Kinematics& k, const Segment& segment, double t) {
   std::array<Derivatives, 3> d;
   for (int i = 0; i < 3; ++i)
@@ -114,7 +114,7 @@ Kinematics kinematics(const Vector3d& position, const Leg& leg, double t, bool b
   return k;
 }
 
-/// The distance of the nodes: at most 0.1 s and a 25th of the shortest ramp that the position follows, so that a step leaves a micrometre of 30 g.
+/// Returns the distance of the nodes: at most 0.1 s and 1/25 of the shortest ramp of the position; a step at 30 g then has an error of a micrometer.
 double node_interval(const Segment& s) {
   double shortest = 2.5;
   for (const Pulse& p : s.pulses)
@@ -122,7 +122,7 @@ double node_interval(const Segment& s) {
   return std::max(shortest / 25, s.duration / 1e5);
 }
 
-/// Lays out a segment: its nodes; returns the one at its end.
+/// Adds the nodes of a segment and returns the node at its end.
 Node lay_out(FlightPath& motion, Node node) {
   const Leg& leg = motion.legs[node.leg];
   const double begin = node.time, duration = leg.segment.duration;
@@ -138,7 +138,7 @@ Node lay_out(FlightPath& motion, Node node) {
   return {node.time, 0, node.leg + 1, node.position};
 }
 
-/// Instants of a segment where a third derivative jumps.
+/// Returns the instants of a segment at which a third derivative jumps.
 std::vector<double> breaks_of(const Segment& s) {
   std::vector<double> out{s.duration};
   for (const Pulse& p : s.pulses) out.insert(out.end(), {p.begin, p.begin + p.ramp, p.begin + p.ramp + p.hold, p.end()});
@@ -146,7 +146,7 @@ std::vector<double> breaks_of(const Segment& s) {
   return out;
 }
 
-/// The time of a radian of the fastest vibration or rotation: four points of quadrature then leave 1e-9 of it.
+/// Returns the time per radian of the fastest vibration or rotation, for which four-point quadrature has a relative error of 1e-9.
 double smooth_time(const Segment& s, double longest) {
   const double turn = 2 * std::numbers::pi;
   double fastest = 1 / longest;  // rad/s
@@ -221,15 +221,15 @@ void check(const Solution& rows) {
   }
 }
 
-/// Meters east, north, up of the first row, one unit for all splines; longitude continues across 180 deg.
+/// Splines in meters east, north, up of the first row, a common unit; the longitude continues across 180 deg.
 struct Splines {
   Splines(const Solution& rows, const TrackSmoothing& smoothing);
   Kinematics at(double t) const;
 
   double latitude, longitude, height;  // of the first row
-  double east_radius, north_radius;    // m to a radian
+  double east_radius, north_radius;    // m per radian
   std::unique_ptr<Spline<3>> position;
-  std::unique_ptr<Spline<4>> attitude;  // of the quaternion's components, not yet of length one
+  std::unique_ptr<Spline<4>> attitude;  // of the components of the quaternion before normalization
 };
 
 template <int N>
@@ -255,7 +255,7 @@ Splines::Splines(const Solution& rows, const TrackSmoothing& smoothing) {
     quaternions.push_back(i > 0 && q.dot(quaternions.back()) < 0 ? Vector4d(-q) : q);
   }
   position = spline<3>(knots, points, 3 * smoothing.position * smoothing.position);
-  attitude = spline<4>(knots, quaternions, 0.75 * smoothing.attitude * smoothing.attitude);  // a rotation by d moves a quaternion by d/2
+  attitude = spline<4>(knots, quaternions, 0.75 * smoothing.attitude * smoothing.attitude);  // a rotation by d changes a quaternion by d/2
 }
 
 Kinematics Splines::at(double t) const {

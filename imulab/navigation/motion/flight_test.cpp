@@ -17,7 +17,7 @@ const FlightStart start{0.54, 1.82, 500, 80, 0};
 const std::vector<Segment> pattern{straight(20),       turn(-90 * unit::deg, 2 * unit::deg, 4),  climb(5 * unit::deg, 20, 6),
                                    accelerate(30, 20), s_turn(30 * unit::deg, 2 * unit::deg, 4), climb(-5 * unit::deg, 10, 6)};
 
-/// Velocity, acceleration and rate against central differences of position, velocity and attitude. `pace`: how much larger the third derivatives are.
+/// Compares derivatives with central differences of position, velocity and attitude. `pace`: factor by which third derivatives are larger.
 void expect_derivatives(const Trajectory& f, double first, double step, double pace = 1) {
   const double h = 1e-3;
   for (double t = first; t < f.duration - h; t += step) {
@@ -37,7 +37,7 @@ TEST(Flight, DerivativesAreThoseOfTheMotion) { expect_derivatives(flight(start, 
 TEST(Flight, DerivativesOfASwayAndOfATurningUnitAreThoseOfTheMotion) {
   FlightStart place = start;
   place.speed = 0;
-  // For the sway h^2/6 of the third derivative is 1e-6 w^3 / 6 of its amplitude: 6e-7 rad/s for 0.01 rad at 1 Hz, 2e-6 m/s^2 ... for 5 cm.
+  // For the sway, h^2/6 of the third derivative is 1e-6 w^3 / 6 of its amplitude: 6e-7 rad/s for 0.01 rad at 1 Hz, 2e-6 m/s^2 for 5 cm.
   const Sway sway{0.005, 1.1, 0.01, 0.7};
   const std::vector<Segment> segments{
       rest(5, sway), rotate({0, 0.6, 0.8}, 2, 0.5), accelerate(10, 8), rotate({1, 0, 0}, -0.4, 0.2), turn(0.5, 0.2, 2), straight(1)};
@@ -61,17 +61,17 @@ TEST(Flight, NorthwardsItFollowsTheMeridian) {
   const Kinematics end = flight(ground, {straight(600)}).at(600);
   const auto& ellipsoid = GeographicLib::Ellipsoid::WGS84();
   const double arc = ellipsoid.MeridianDistance(end.latitude / unit::deg) - ellipsoid.MeridianDistance(ground.latitude / unit::deg);
-  EXPECT_NEAR(arc, 80 * 600, 1e-6);  // a thousand roundings of the Earth's radius, 1e-9 m each
+  EXPECT_NEAR(arc, 80 * 600, 1e-6);  // a thousand rounding errors of the Earth's radius, 1e-9 m each
 }
 
 TEST(Flight, ACoordinatedTurnPushesThePilotIntoTheSeat) {
-  // Across the body there is only gravity's difference from the nominal g, and Coriolis: below 2 % of g, times the bank's sine.
+  // The force across the body is only the difference of gravity from nominal g, and Coriolis: below 2 % of g, times the sine of the bank.
   const BodyMotion motion = body_motion(flight(start, pattern).at(40));
   EXPECT_LT(std::abs(motion.force_b.x()), 0.02 * unit::g);
   EXPECT_GT(motion.force_b.z(), unit::g);
 }
 
-/// East, north, up [m] of a free strapdown run on the ideal increments, at the end.
+/// Returns the error east, north, up [m] at the end of a free strapdown run on the ideal increments.
 Eigen::Vector3d strapdown_error(const Trajectory& f, double interval) {
   Strapdown strapdown(navigation_state(f.at(0)));
   for (const Increment& sample : ideal_increments(f, interval)) strapdown.step(sample, interval);
@@ -98,14 +98,14 @@ TEST(Flight, EveryKindOfSegmentComesBack) {
                                  climb(-0.1, 10, 4),
                                  accelerate(-40, 20),
                                  rest(10)};
-  // The sway is a coning motion: what the integration of one sample and the one before leaves of it is a drift of 4th order in the interval
-  // and 2nd in the amplitude, 0.0012 deg/h / 25 here. Gravity turns 20 s of it into 9.8 m/s^2 4.5e-9 rad (160 s)^2 / 2 = 0.6 mm.
+  // The sway is a coning motion: integration of one sample and the previous has a drift of 4th order in the interval and 2nd in the amplitude, 0.0012
+  // deg/h / 25 here. Over 20 s, gravity converts it to 9.8 m/s^2 4.5e-9 rad (160 s)^2 / 2 = 0.6 mm.
   const Trajectory motion = flight(place, all);
   EXPECT_LT(strapdown_error(motion, 0.01).norm(), 1e-3);
   EXPECT_NEAR(std::log2(strapdown_error(motion, 0.02).norm() / strapdown_error(motion, 0.01).norm()), 4, 0.5);
 }
 
-/// From a rail: a motor, and rolling, turning and bending down while it still pushes.
+/// A launch from a rail: a motor, and rolling, turning and bending down while it still pushes.
 std::vector<Segment> launch() {
   const Segment motor = accelerate(1000, 5);
   const Segment rolling = together(motor, rotate({0, 1, 0}, 1200 * unit::deg, 400 * unit::deg), 0.5);
@@ -127,15 +127,15 @@ TEST(Flight, SegmentsAtTheSameTimeAddUp) {
   EXPECT_NEAR(std::asin(end.velocity.z() / 1000), 35 * unit::deg, 1e-12);
   const Matrix3d expected = attitude_matrix({0, 35 * unit::deg, 0.5 + 20 * unit::deg}) * rotation_exp(Vector3d(0, 1200 * unit::deg, 0));
   EXPECT_LT((end.C_nb - expected).norm(), 1e-12);
-  // The motor's full push along the rail's direction: 1000 m/s over three quarters of 5 s, and what carries the weight.
+  // The motor's full force along the rail, 1000 m/s over three quarters of 5 s, plus the support of the weight.
   EXPECT_NEAR(body_motion(f.at(2)).force_b.y(), 1000 / 3.75 + unit::g * std::sin(45 * unit::deg), 0.02);
 }
 
 TEST(Flight, AtThirtyGAndFourHundredDegreesASecondItComesBack) {
-  // h^2/6 of the third derivatives: 87 m/s^2 of pitching rise within 0.5 s, so the acceleration's second is 6 x 87 / 0.25 m/s^4; 3.5e-4 m/s^2. The
-  // roll's, 6 x 7 rad/s^3: 7e-6 rad/s.
+  // h^2/6 of the third derivatives: 87 m/s^2 due to pitching develop within 0.5 s, so the second derivative of the acceleration is 6 x 87 / 0.25
+  // m/s^4, which gives 3.5e-4 m/s^2. For the roll it is 6 x 7 rad/s^3: 7e-6 rad/s.
   expect_derivatives(flight(rail, launch(), missile), 0.0513, 0.0731, 40);
-  EXPECT_LT(strapdown_error(flight(rail, launch(), missile), 0.005).norm(), 0.01);  // against tens of meters from noise
+  EXPECT_LT(strapdown_error(flight(rail, launch(), missile), 0.005).norm(), 0.01);  // compared with tens of meters due to noise
 }
 
 TEST(Flight, RefusesWhatDoesNotGoTogether) {
@@ -157,14 +157,14 @@ TEST(Flight, ARotatedUnitStaysTurned) {
 }
 
 TEST(Flight, AFastRotationWithinASampleIsIntegrated) {
-  // Twenty turns a sample about a level axis, east: gravity goes round, and nothing is left of it over whole turns.
+  // Twenty turns per sample are about a level axis, east: gravity rotates, and cancels over whole turns.
   FlightStart place = start;
   place.speed = 0;
   place.latitude = 0;
   const double rate = 20 * 2 * std::numbers::pi * 100;
   const auto increments = ideal_increments(flight(place, {rotate(Vector3d(1, 0, 0), 4 * rate, rate)}), 0.01);
   EXPECT_NEAR(increments[200].angle.x(), 0.01 * rate, 1e-9);
-  EXPECT_LT(increments[200].velocity.norm(), 1e-6);  // 0.1 m/s of gravity, to a hundred thousandth
+  EXPECT_LT(increments[200].velocity.norm(), 1e-6);  // 0.1 m/s of gravity, to 1e-5
 }
 
 TEST(Flight, AVehicleTurnsWithoutBanking) {
@@ -172,7 +172,7 @@ TEST(Flight, AVehicleTurnsWithoutBanking) {
   road.speed = 15;
   const Trajectory drive = flight(road, {turn(90 * unit::deg, 0.2, 1), accelerate(-15, 6), rest(5), accelerate(15, 6)}, {.banks = false});
   for (double t = 0; t < drive.duration; t += 0.37) EXPECT_EQ(euler_angles(drive.at(t).C_nb).roll, 0);
-  // Across its way the wheels hold V heading' = 3 m/s^2, and the Coriolis acceleration, below 0.005.
+  // Across the path, the wheels exert V heading' = 3 m/s^2 plus the Coriolis acceleration, below 0.005.
   EXPECT_NEAR(body_motion(drive.at(5)).force_b.x(), 3, 0.005);
   EXPECT_NEAR(drive.at(18).velocity.norm(), 0, 1e-12);
   EXPECT_NEAR(drive.at(drive.duration).velocity.x(), 15, 1e-12);  // eastwards
@@ -187,7 +187,7 @@ TEST(Flight, ASwayingBaseKeepsToItsAmplitudes) {
     angle = std::max(angle, std::abs(euler_angles(base.at(t).C_nb).pitch));
     way = std::max(way, std::abs(base.at(t).height - 500));
   }
-  EXPECT_NEAR(angle, 0.01, 1e-4);  // the highest of some thousand instants
+  EXPECT_NEAR(angle, 0.01, 1e-4);  // the largest of some thousand instants
   EXPECT_NEAR(way, 0.002, 2e-5);
   EXPECT_EQ(base.at(0).velocity.norm(), 0);
   EXPECT_LT(base.at(10).velocity.norm(), 1e-12);
@@ -204,7 +204,7 @@ std::string refusal(const FlightStart& from, const std::vector<Segment>& segment
 
 TEST(Flight, RefusesATurnTighterThanTheSpeedAllows) {
   using ::testing::HasSubstr;
-  // tan 60 deg = 1.732; at 80 m/s 12.165 deg/s, a radius of 376.8 m.
+  // tan 60 deg = 1.732; at 80 m/s, 12.165 deg/s and a radius of 376.8 m.
   EXPECT_THAT(refusal(start, {straight(1), turn(1.5, 13 * unit::deg, 2)}),
               HasSubstr("segment 2: turn of 13.000 deg/s at 80.00 m/s: needs a bank of 61.6 deg, expected at most 60 deg; the tightest turn at this "
                         "speed is 12.165 deg/s, a radius of 376.8 m"));

@@ -12,15 +12,15 @@ namespace imulab::motion {
 namespace {
 
 constexpr double shortest = 1e-6;    // s
-constexpr double standstill = 1e-9;  // m/s: what sums of speed changes leave
+constexpr double standstill = 1e-9;  // m/s: remainder of sums of speed changes
 
-/// Smooth step from 0 to 1 over x = 0 to 1 with two derivatives zero at both ends; its integral and its derivatives.
+/// A smooth step from 0 to 1 over x = 0 to 1 with two zero derivatives at both ends; its integral and derivatives.
 double step_value(double x) { return x * x * x * (10 - x * (15 - 6 * x)); }
 double step_integral(double x) { return x * x * x * x * (2.5 - x * (3 - x)); }
 double step_slope(double x) { return 30 * x * x * (1 - x) * (1 - x); }
 double step_curvature(double x) { return 60 * x * (1 - x) * (1 - 2 * x); }
 
-/// The integral of a pulse until `t` after its segment's start.
+/// Returns the integral of a pulse until `t` after the start of its segment.
 Derivatives pulse_at(const Pulse& p, double t) {
   const double s = t - p.begin, rate = p.rate(), out = p.ramp + p.hold;
   if (s <= 0) return {};
@@ -42,7 +42,7 @@ Segment turned(Pulse::Of of, double change, double rate, double roll_time) {
   return {hold + 2 * roll_time, {{of, 0, roll_time, hold, change}}};
 }
 
-/// A turn tighter than the speed allows.
+/// Throws Error for a turn tighter than the speed allows.
 void check_turn(double rate, double speed, const Carrier& carrier) {
   const double lateral = speed * std::abs(rate);  // m/s^2
   const double most = carrier.banks ? unit::g * std::tan(carrier.bank_limit) : carrier.lateral_limit;

@@ -14,7 +14,7 @@ void check(const std::vector<double>& knots, std::size_t points) {
     if (!(knots[i] < knots[i + 1])) throw Error("spline: expected ascending knots");
 }
 
-/// Change of slope at the inner knots: Q'y.
+/// Returns the changes of slope at the inner knots: Q'y.
 template <class Point>
 std::vector<Point> slope_changes(const std::vector<double>& t, const std::vector<Point>& y) {
   std::vector<Point> out(t.size() - 2);
@@ -22,12 +22,12 @@ std::vector<Point> slope_changes(const std::vector<double>& t, const std::vector
   return out;
 }
 
-/// Row i of Q, the transposed of what slope_changes does: columns i - 2, i - 1, i.
+/// Row i of Q, the transpose of slope_changes: columns i - 2, i - 1, i.
 struct SlopeRow {
   double below, middle, above;
 };
 
-/// A symmetric positive matrix of five diagonals, and its solution by L D L'.
+/// A symmetric positive pentadiagonal matrix, and its solution by L D L'.
 struct FiveDiagonals {
   std::vector<double> diagonal, first, second;  // (i, i), (i, i + 1), (i, i + 2)
 
@@ -36,7 +36,7 @@ struct FiveDiagonals {
   template <class Point>
   std::vector<Point> solve(std::vector<Point> x) {
     const std::size_t n = diagonal.size();
-    for (std::size_t i = 0; i < n; ++i) {  // factors in place of the matrix, with forward substitution
+    for (std::size_t i = 0; i < n; ++i) {  // factors replace the matrix, with forward substitution
       const double a = first[i], b = second[i], d = diagonal[i];
       if (i + 1 < n) {
         first[i] = a / d;
@@ -62,10 +62,10 @@ struct FiveDiagonals {
 template <class Point>
 struct Smoothed {
   std::vector<Point> values, curvatures;
-  double mean_square = 0;  // of what was taken off
+  double mean_square = 0;  // of the removed part
 };
 
-/// Reinsch: (R + a Q'Q) c = Q'y, values y - a Q c, natural ends.
+/// Smooths by Reinsch: (R + a Q'Q) c = Q'y, values y - a Q c, natural ends.
 template <class Point>
 Smoothed<Point> smoothed(const std::vector<double>& t, const std::vector<Point>& y, double a) {
   const std::size_t n = t.size(), m = n - 2;
@@ -101,7 +101,7 @@ Spline<N>::Spline(std::vector<double> knots, std::vector<Point> points) : knots_
   std::vector<Point> c = slope_changes(knots_, values_);
   std::vector<double> below(m), diagonal(m), above(m);
   for (std::size_t j = 0; j < m; ++j) below[j] = h(j) / 6, diagonal[j] = (h(j) + h(j + 1)) / 3, above[j] = h(j + 1) / 6;
-  // The curvature of an end lies on the line through its two neighbors.
+  // The curvature at an end lies on the line through its two neighbors.
   const double p = h(0) / h(1), q = h(n - 2) / h(n - 3);
   diagonal[0] += below[0] * (1 + p);
   above[0] -= below[0] * p;
@@ -122,7 +122,7 @@ template <int N>
 Spline<N> Spline<N>::smoothing(std::vector<double> knots, const std::vector<Point>& points, double mean_square) {
   check(knots, points.size());
   const double h = (knots.back() - knots.front()) / static_cast<double>(knots.size() - 1);
-  double low = std::log(1e-9 * h * h * h), high = std::log(1e14 * h * h * h);  // of a; what is taken off grows with it
+  double low = std::log(1e-9 * h * h * h), high = std::log(1e14 * h * h * h);  // of a; the removed part grows with it
   Smoothed<Point> best = smoothed(knots, points, std::exp(high));
   for (int i = 0; i < 60 && std::abs(best.mean_square - mean_square) > 1e-6 * mean_square && (i > 0 || best.mean_square > mean_square); ++i) {
     const double middle = (low + high) / 2;

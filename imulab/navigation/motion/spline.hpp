@@ -15,12 +15,13 @@ class Spline {
     Point value, first, second;
   };
 
-  /// Through the points at ascending knots, four or more, the third derivative continuous at the second and the last but one (not-a-knot ends).
+  /// Interpolates points at four or more ascending knots; the third derivative is continuous at the second and the last but one (not-a-knot ends).
   /// Throws Error for fewer.
   Spline(std::vector<double> knots, std::vector<Point> points);
 
-  /// The smoothest (least integral of the squared second derivative) whose mean square distance from the points, all coordinates together, is
-  /// `mean_square` (Reinsch 1967). No smoother than over some 3000 knots, which leaves the equations well conditioned: of fewer, a straight line.
+  /// Returns the smoothest spline (least integral of the squared second derivative) with a mean square distance `mean_square` from the points, over
+  /// all coordinates (Reinsch 1967). Smoothing is limited to about 3000 knots for well-conditioned equations; with fewer knots, the limit is a
+  /// straight line.
   static Spline smoothing(std::vector<double> knots, const std::vector<Point>& points, double mean_square);
 
   Value at(double t) const;

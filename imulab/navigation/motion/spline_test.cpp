@@ -28,8 +28,8 @@ TEST(Spline, ACubicIsItsOwnSpline) {
 }
 
 TEST(Spline, ItsErrorsAreWithinThoseOfTheory) {
-  // Hall and Meyer 1976: 5/384 h^4, 1/24 h^3, 3/8 h^2 times the fourth derivative, ten knots away from the ends, where what the end conditions do
-  // has faded (by 0.27 a knot).
+  // Hall and Meyer 1976: 5/384 h^4, 1/24 h^3, 3/8 h^2 times the fourth derivative, ten knots away from the ends, where the effect of the end
+  // conditions has decayed (by 0.27 per knot).
   const double h = 0.05;
   std::vector<double> knots;
   std::vector<Point> points;
@@ -45,7 +45,7 @@ TEST(Spline, ItsErrorsAreWithinThoseOfTheory) {
   EXPECT_LT(value, 5. / 384 * std::pow(h, 4));
   EXPECT_LT(first, 1. / 24 * std::pow(h, 3));
   EXPECT_LT(second, 3. / 8 * h * h);
-  EXPECT_NEAR(second, h * h / 12, 0.1 * h * h / 12);  // at equally spaced knots; 10 %: the instants looked at miss them
+  EXPECT_NEAR(second, h * h / 12, 0.1 * h * h / 12);  // at equally spaced knots; 10 % because the tested instants miss them
 }
 
 TEST(Spline, SmoothingTakesOffWhatItIsTold) {
@@ -63,9 +63,9 @@ TEST(Spline, SmoothingTakesOffWhatItIsTold) {
     residual += std::pow(spline.at(knots[i]).value(0) - points[i](0), 2) / 400;
     error += std::pow(spline.at(knots[i]).value(0) - std::sin(knots[i]), 2) / 400;
   }
-  EXPECT_NEAR(residual, 0.01, 1e-7);  // what the search stops at
-  // The noise's own square scatters by sqrt(2/400), as much as 28 parameters more or less take off: 0.1 sqrt(28/400) = 0.026, and the curve's own
-  // parameters and bias about as much again.
+  EXPECT_NEAR(residual, 0.01, 1e-7);  // tolerance of the search
+  // The square of the noise scatters by sqrt(2/400), as much as 28 parameters remove: 0.1 sqrt(28/400) = 0.026; the curve's own parameters and bias
+  // add about as much again.
   EXPECT_LT(std::sqrt(error), 0.1 / 2);
   for (const std::size_t i : {7, 200}) {  // two derivatives are continuous; 1e-6: the third over 2e-9 s
     const auto a = spline.at(knots[i] - 1e-9), b = spline.at(knots[i] + 1e-9);

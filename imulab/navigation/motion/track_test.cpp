@@ -18,7 +18,7 @@ struct Difference {
   double rate = 0, force = 0;  // rad/s, m/s^2
 };
 
-/// The largest over increments of 20 ms, as means.
+/// Returns the largest differences over 20 ms increments, as means.
 Difference difference(const Trajectory& a, const Trajectory& b) {
   const double interval = 0.02;
   const auto x = ideal_increments(a, interval), y = ideal_increments(b, interval);
@@ -34,10 +34,10 @@ Difference difference(const Trajectory& a, const Trajectory& b) {
 TEST(Track, ASampledFlightHasItsIncrements) {
   const Trajectory flight = closed_form_flight(120);
   const auto error = [&](double h) { return difference(track(truth(flight, h)), flight); };
-  // 3/8 h^2 times the fourth derivative of the path, 12.7 km (2 pi / 600 s)^4 = 1.5e-4 m/s^4, at the ends twice that, and rounding of the latitude,
-  // 1e-16 times the Earth's radius, of which the second difference makes 4/h^2 = 400 times 7e-10 m.
+  // 3/8 h^2 times the fourth derivative of the path, 12.7 km (2 pi / 600 s)^4 = 1.5e-4 m/s^4, twice that at the ends, plus rounding of the latitude,
+  // 1e-16 times the Earth's radius, which the second difference multiplies: 4/h^2 = 400 times 7e-10 m.
   EXPECT_LT(error(0.1).force, 2 * 0.375 * 0.01 * 1.5e-4 + 3e-7);
-  // Orders 2 and 3 (rate: one derivative of the attitude), where rounding is far below. 0.3: the orders that follow.
+  // The orders are 2 and 3 (rate: one derivative of the attitude) if rounding is far below. 0.3 allows for the next orders.
   const Difference coarse = error(0.5), fine = error(0.25);
   EXPECT_NEAR(std::log2(coarse.force / fine.force), 2, 0.3);
   EXPECT_NEAR(std::log2(coarse.rate / fine.rate), 3, 0.3);
@@ -48,7 +48,7 @@ TEST(Track, IntegratedItComesBack) {
   Strapdown strapdown(navigation_state(t.at(0)));
   for (const Increment& sample : ideal_increments(t, 0.01)) strapdown.step(sample, 0.01);
   const Kinematics end = t.at(60);
-  EXPECT_NEAR(strapdown.state().height, end.height, 1e-3);  // the track is a motion of its own: as closed forms, below a millimetre
+  EXPECT_NEAR(strapdown.state().height, end.height, 1e-3);  // the track is a motion of its own: below a millimeter, like closed forms
   EXPECT_NEAR(strapdown.state().latitude, end.latitude, 1e-3 / 6.4e6);
   EXPECT_NEAR(strapdown.state().longitude, end.longitude, 1e-3 / 4.8e6);
   EXPECT_LT(rotation_log(end.C_nb.transpose() * strapdown.state().q_nb.toRotationMatrix()).norm(), 1e-9);
@@ -76,8 +76,8 @@ TEST(Track, SmoothingBringsNoiseDown) {
   };
   const Eigen::Vector2d through = error(track(rows)), smooth = error(track(rows, {.position = sigma}));
   EXPECT_GT(through(0), 0.5 * sigma);
-  EXPECT_LT(smooth(0), 0.5 * sigma);      // some 20 s of the 1 Hz rows weigh in each place: sigma / sqrt(20), twice at most
-  EXPECT_LT(smooth(1), through(1) / 10);  // a velocity's noise falls with the time's power of 3/2
+  EXPECT_LT(smooth(0), 0.5 * sigma);      // some 20 s of the 1 Hz rows contribute at each point: sigma / sqrt(20), at most twice
+  EXPECT_LT(smooth(1), through(1) / 10);  // noise of a velocity decreases with the 3/2 power of the time
 }
 
 TEST(Track, CrossesTheDateLine) {

@@ -11,7 +11,7 @@
 namespace imulab::motion {
 namespace {
 
-/// Integral of rate and force from `begin` to `end`, where all derivatives exist.
+/// Returns the integral of rate and force from `begin` to `end`, between which all derivatives exist.
 Increment smooth_increment(const Trajectory& trajectory, double begin, double end) {
   static constexpr std::array<double, 2> node{0.33998104358485626, 0.86113631159405258}, weight{0.65214515486254614, 0.34785484513745386};
   const double middle = (begin + end) / 2, half = (end - begin) / 2;
@@ -25,7 +25,7 @@ Increment smooth_increment(const Trajectory& trajectory, double begin, double en
   return sum;
 }
 
-/// The integrals over a longer time, in parts no longer than the trajectory is smooth over.
+/// Returns the integrals over a longer time, in parts over which the trajectory is smooth.
 Increment smooth_parts(const Trajectory& trajectory, double begin, double end) {
   const double parts = std::max(1., std::ceil((end - begin) / trajectory.smooth * (1 - 1e-12)));
   Increment sum;
@@ -37,7 +37,7 @@ Increment smooth_parts(const Trajectory& trajectory, double begin, double end) {
   return sum;
 }
 
-/// Whole intervals in a trajectory.
+/// Returns the number of whole intervals in a trajectory.
 std::size_t interval_count(const Trajectory& trajectory, double interval) {
   if (!(interval > 0)) throw Error(fmt::format("sampling interval {} s: expected a positive number", interval));
   return static_cast<std::size_t>(std::floor(trajectory.duration / interval * (1 + 1e-12)));
