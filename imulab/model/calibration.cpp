@@ -36,7 +36,7 @@ std::vector<std::string> unusable(const Calibration& calibration) {
     const Coefficient& c = coefficient(index);
     if (c.term != Term::offset && c.term != Term::matrix) continue;
     const TriadModel& triad = triad_model(calibration.model, c.triad);
-    // Counts have no scale of their own that could stand for the one that was not estimated.
+    // Counts have no scale of their own that could replace one that was not estimated.
     const bool needed = triad.raw_unit == "count" && c.row == c.column && !calibration.estimated.empty();
     const bool estimated = standard_uncertainty(calibration, index).has_value();
     if (std::find(undetermined.begin(), undetermined.end(), c.name) != undetermined.end() || (needed && !estimated)) names.emplace_back(c.name);
@@ -53,14 +53,14 @@ std::string size_problem(const Calibration& c) {
                      c.covariance.cols(), n, n);
 }
 
-/// Of the covariance, or a part of it: what is rounding is a matter of the whole.
+/// Returns a fault of the covariance or a part of it; rounding is judged relative to the whole covariance.
 std::string covariance_problem(const Calibration& c, const Eigen::MatrixXd& p) {
   const auto name = [&](Eigen::Index i) { return coefficient(c.estimated[static_cast<std::size_t>(i)]).name; };
   for (Eigen::Index i = 0; i < p.rows(); ++i)
     if (!(p(i, i) >= 0 && std::isfinite(p(i, i)))) return fmt::format("the variance of {} is {:g}; expected 0 or more", name(i), p(i, i));
   for (Eigen::Index i = 0; i < p.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j) {
-      constexpr double rounding = 1e-9;  // far above that of any program that computed the matrix
+      constexpr double rounding = 1e-9;  // far above the rounding of any program that computed the matrix
       const double scale = std::sqrt(c.covariance(i, i) * c.covariance(j, j));
       if (!(std::abs(p(i, j) - p(j, i)) <= rounding * scale)) return fmt::format("the covariance of {} and {} is not symmetric", name(i), name(j));
       if (!(std::abs(p(i, j)) <= (1 + rounding) * scale)) return fmt::format("{} and {} are correlated by more than 1", name(i), name(j));
@@ -98,7 +98,7 @@ void validate(const Calibration& c) {
 
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   if (const std::string problem = size_problem(calibration); !problem.empty()) throw Error("the calibration: " + problem);
-  coefficient(index);  // throws where there is none
+  coefficient(index);  // throws for an invalid index
   const auto& estimated = calibration.estimated;
   const auto found = std::find(estimated.begin(), estimated.end(), index);
   if (found == estimated.end()) return std::nullopt;

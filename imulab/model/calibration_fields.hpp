@@ -1,4 +1,4 @@
-// The fields of a calibration in its file, each stated once (core/fields.hpp; docs/reference/calibration-file.md).
+// The fields of a calibration in its file, each defined once (core/fields.hpp; docs/reference/calibration-file.md).
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -36,7 +36,7 @@ template <class Fields>
 void describe(Fields& f, ThermalReading& t) {
   f("unit", t.unit);
   fields::expect(f, t.unit == "degC" || t.unit == "K" || t.unit == "raw", "unit", "degC, K or raw");
-  f("reference", t.reference), f("range", t.range, fields::optional);  // absent: not known
+  f("reference", t.reference), f("range", t.range, fields::optional);  // absent: unknown
   fields::expect(f, t.range[0] <= t.range[1], "range", "[lowest, highest]");
 }
 
@@ -99,7 +99,7 @@ void describe(Fields& f, Finding& x) {
   f("place", x.place, fields::if_any);
 }
 
-/// The findings, and their sentences by severity. A sentence that has no finding, as in files of earlier versions, becomes one without a code.
+/// Describes the findings and their sentences by severity. A sentence without a finding, as in files of earlier versions, becomes one without a code.
 template <class Fields>
 void describe_findings(Fields& f, Quality& q) {
   std::vector<std::string> warnings = q.findings.warnings(), because = q.findings.reasons(), notes = q.findings.notes();
@@ -116,7 +116,7 @@ void describe_findings(Fields& f, Quality& q) {
   }
 }
 
-/// Files of earlier versions, and those that people write, lack what is optional.
+/// Describes the quality; files of earlier versions, and files written by hand, lack optional fields.
 template <class Fields>
 void describe(Fields& f, Quality& q) {
   f("chi2_per_dof", q.chi2_per_dof, fields::if_known), f("degrees_of_freedom", q.degrees_of_freedom, fields::optional);
@@ -130,7 +130,7 @@ void describe(Fields& f, Quality& q) {
   f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional);
 }
 
-/// The matrix is required; another term that is missing is zero. `coupling` is the lever arm of the accelerometers or the gyros' g-sensitivity.
+/// Describes a triad. The matrix is required; other missing terms are zero. `coupling` is the accelerometers' lever arm or the gyros' g-sensitivity.
 template <class Fields>
 void describe_triad(Fields& f, TriadModel& m, const char* coupling_key, Matrix3d& coupling) {
   f("offset", m.offset, fields::optional), f("matrix", m.matrix), f("quadratic", m.quadratic, fields::optional);
@@ -178,7 +178,7 @@ void describe(Fields& f, TurnOn& t) {
   fields::expect(f, t.accel >= 0 && t.gyro >= 0, "accel", "sigmas from 0 on");
 }
 
-/// describe_uncertainties(fields, calibration), beside each visitor, has the uncertainties in the shape of the model, and the covariance.
+/// Describes a calibration. describe_uncertainties(fields, calibration), next to each visitor, has the uncertainties and the covariance.
 template <class Fields>
 void describe(Fields& f, Calibration& c) {
   fields::derived(f, "format", "imulab.calibration/1");

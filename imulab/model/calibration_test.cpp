@@ -16,13 +16,13 @@ TEST(Calibration, RawZeroIsWhereTheOutputVanishes) {
   c.covariance = 1e-8 * Eigen::Matrix3d::Identity();
   const RawZero found = raw_zero(c, Triad::gyro);
   EXPECT_LT((found.value - zero).norm(), 1e-8);
-  // With the offsets alone uncertain, dB = -W1^-1 dW0: 1e-4 / 2e-4 counts, up to the misalignment squared.
+  // If only the offsets are uncertain, dB = -W1^-1 dW0: 1e-4 / 2e-4 counts, up to the squared misalignment.
   EXPECT_NEAR(found.uncertainty.x(), 0.5, 1e-3);
   EXPECT_TRUE(std::isnan(raw_zero(c, Triad::accel).uncertainty.x()));
 }
 
 TEST(Calibration, RawZeroKnowsThatOffsetAndScaleErrAsOne) {
-  // Offset and scale determined at readings around N: the zero is known far better than the offset at raw zero.
+  // Offset and scale are determined at readings around N: the zero is much more certain than the offset at raw zero.
   Calibration c;
   const double n = 32768, scale = 2e-4;
   c.model.accel.matrix = scale * Matrix3d::Identity();

@@ -18,10 +18,10 @@ namespace {
 constexpr std::array<Term, 6> accel_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::lever_arm};
 constexpr std::array<Term, 6> gyro_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity};
 
-/// The columns a term has in one row: {first, past the last}.
+/// Returns the columns of a term in one row: {first, past the last}.
 std::array<int, 2> columns_of(Term term, int row) {
   if (is_vector(term)) return {row, row + 1};
-  if (term == Term::thermal) return {1, 3};  // orders; order 0 is fixed by the gauge
+  if (term == Term::thermal) return {1, 3};  // orders; the gauge fixes order 0
   return {0, 3};
 }
 
@@ -52,7 +52,7 @@ std::string si_unit_text(Triad triad, Term term, int column) {
   return "m";
 }
 
-/// The rows and the texts they point to.
+/// The rows and their texts.
 struct CoefficientTable {
   std::array<std::array<std::string, 2>, coefficient_count> texts;
   std::array<Coefficient, coefficient_count> rows;
@@ -72,7 +72,7 @@ struct CoefficientTable {
   CoefficientTable& operator=(const CoefficientTable&) = delete;
 };
 
-/// The element of a model (const or not) that a row of the table names.
+/// Returns the element of a model (const or not) for a row of the table.
 template <class Model>
 auto& element(Model& model, const Coefficient& c) {
   auto& triad = c.triad == Triad::accel ? model.accel : model.gyro;

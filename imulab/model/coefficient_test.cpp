@@ -24,7 +24,7 @@ TEST(CoefficientTable, HoldsThe57IndependentCoefficientsAndNineLeverArms) {
   ASSERT_EQ(table.size(), static_cast<std::size_t>(coefficient_count));
   const auto lever_arms = std::count_if(table.begin(), table.end(), [](const Coefficient& c) { return c.term == Term::lever_arm; });
   EXPECT_EQ(lever_arms, 9);
-  EXPECT_EQ(static_cast<int>(table.size()) - lever_arms, 63 - 6);  // Dai's 63 less c0, d0
+  EXPECT_EQ(static_cast<int>(table.size()) - lever_arms, 63 - 6);  // Dai's 63 minus c0, d0
   std::set<std::string_view> unique;
   for (const auto& c : table) unique.insert(c.name);
   EXPECT_EQ(unique.size(), table.size());

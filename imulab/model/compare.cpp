@@ -22,21 +22,21 @@ Eigen::VectorXd values(const SensorModel& model) {
   return v;
 }
 
-/// The covariance over the whole table, zero where nothing was estimated.
+/// Returns the covariance over the whole table, zero for coefficients that were not estimated.
 Eigen::MatrixXd table_covariance(const Calibration& c) {
   Eigen::MatrixXd p = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);
   p(c.estimated, c.estimated) = c.covariance;
   return p;
 }
 
-/// The part of the covariance that the same unit brings again, over the whole table.
+/// Returns the part of the covariance that recurs for the same unit, over the whole table.
 Eigen::MatrixXd table_constant(const Calibration& c) {
   Eigen::MatrixXd p = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);
   if (c.constant_covariance.size() > 0) p(c.estimated, c.estimated) = c.constant_covariance;
   return p;
 }
 
-/// A covariance less a part of it. Where that is all, nothing is left to test: zero.
+/// Returns a covariance minus a part of it, or zero if nothing remains to be tested.
 Eigen::MatrixXd without(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& part) {
   constexpr double rounding = 1e-9;
   Eigen::MatrixXd p = covariance - part;
@@ -45,7 +45,7 @@ Eigen::MatrixXd without(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd
   return p;
 }
 
-/// One unit, as far as its calibrations say, by one method: what they cannot know of it pulls both alike.
+/// Returns true for calibrations of one unit by one method, as far as they state it: their unobservable errors are equal.
 bool shares_constant(const Calibration& a, const Calibration& b) { return a.method == b.method && a.imu == b.imu && a.serial == b.serial; }
 
 int first_lever_arm() { return coefficient_index(Triad::accel, Term::lever_arm, 0, 0); }
@@ -55,7 +55,7 @@ bool has_lever_arms(const std::vector<CoefficientIndex>& estimated) {
   return std::count_if(estimated.begin(), estimated.end(), of_arms) == 9;
 }
 
-/// Lever arms -> those from the accelerometers' mean point.
+/// Returns the map from lever arms to lever arms relative to the accelerometers' mean point.
 Eigen::MatrixXd about_mean_point() {
   Eigen::MatrixXd t = Eigen::MatrixXd::Identity(coefficient_count, coefficient_count);
   for (int i = 0; i < 3; ++i)
@@ -65,7 +65,7 @@ Eigen::MatrixXd about_mean_point() {
 
 Vector3d mean_point(const SensorModel& model) { return model.lever_arm.colwise().mean(); }
 
-/// Differences of coefficients -> the same with those of matrices as D = (M_b - M_a) M_a^-1.
+/// Returns the map from differences of coefficients to those with D = (M_b - M_a) M_a^-1 for matrices.
 Eigen::MatrixXd to_relative(const SensorModel& a) {
   Eigen::MatrixXd t = Eigen::MatrixXd::Identity(coefficient_count, coefficient_count);
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
@@ -79,7 +79,7 @@ Eigen::MatrixXd to_relative(const SensorModel& a) {
   return t;
 }
 
-/// With what a turn-on changes of the offsets of the output, w = W0 + W1 V + C a with a = A0 + A1 V: A0 by t_a, W0 by t_w - C t_a.
+/// Adds the turn-on changes of the output offsets, w = W0 + W1 V + C a with a = A0 + A1 V: A0 changes by t_a, W0 by t_w - C t_a.
 Calibration with_turn_on(Calibration c) {
   if (!c.turn_on) return c;
   Eigen::MatrixXd by_turn_on = Eigen::MatrixXd::Zero(std::ssize(c.estimated), 6);
@@ -98,15 +98,15 @@ Calibration with_turn_on(Calibration c) {
   return c;
 }
 
-/// Leaves out what lowers chi2 most, until the rest is probable: of row i by z_i^2, z_i = (Q e)_i / sqrt(Q_ii), where Q is the inverse covariance of
-/// the rows that are left. `row_of`: the coefficient of each row.
+/// Leaves out the rows that lower chi2 most, until the rest is probable: row i by z_i^2, z_i = (Q e)_i / sqrt(Q_ii), where Q is the inverse
+/// covariance of the remaining rows. `row_of`: coefficient of each row.
 std::vector<DifferenceGivenOthers> differing_rows(const Consistency& all, Eigen::VectorXd e, Eigen::MatrixXd Q,
                                                   const std::vector<CoefficientIndex>& row_of) {
   std::vector<DifferenceGivenOthers> out;
   double chi2 = all.chi2;
   for (int freedom = all.degrees_of_freedom; freedom > 0 && chi_square_tail(chi2, freedom) < improbable_differences; --freedom) {
     const Eigen::VectorXd information = Q.diagonal().cwiseMax(0);
-    const double none = 1e-9 * information.maxCoeff();  // of a row that is left out: rounding
+    const double none = 1e-9 * information.maxCoeff();  // rounding in rows that are left out
     const Eigen::VectorXd z = (information.array() > none).select((Q * e).array() / information.array().max(none).sqrt(), 0.0);
     Eigen::Index worst = 0;
     if (!(z.cwiseAbs().maxCoeff(&worst) > 0)) break;
@@ -120,8 +120,8 @@ std::vector<DifferenceGivenOthers> differing_rows(const Consistency& all, Eigen:
   return out;
 }
 
-/// Directions without variance (two coefficients that are one) cannot be tested and do not count. `row_of`: to name what differs; empty: it is not
-/// asked.
+/// Tests consistency. Directions without variance (two identical coefficients) cannot be tested and do not count. `row_of` names differing rows;
+/// empty: they are not requested.
 Consistency consistency_of(const Eigen::VectorXd& e, const Eigen::MatrixXd& p, const std::vector<CoefficientIndex>& row_of) {
   if (e.size() == 0) return {};
   const Eigen::VectorXd sigma = p.diagonal().cwiseSqrt();
@@ -145,7 +145,7 @@ bool holds(const std::vector<CoefficientIndex>& indices, CoefficientIndex index)
   return std::find(indices.begin(), indices.end(), index) != indices.end();
 }
 
-/// Estimated in both, or in one where the other is a truth; a variance of zero states no uncertainty to test.
+/// Returns coefficients estimated in both, or in one if the other is a truth; a variance of zero is not a testable uncertainty.
 std::vector<CoefficientIndex> jointly_estimated(const Calibration& a, const Calibration& b, const Eigen::MatrixXd& p) {
   std::vector<CoefficientIndex> joint;
   for (const CoefficientIndex i : coefficient_indices()) {
@@ -155,7 +155,7 @@ std::vector<CoefficientIndex> jointly_estimated(const Calibration& a, const Cali
   return joint;
 }
 
-/// The difference from a of every coefficient of the table: in SI, and with matrices as D.
+/// The difference of every coefficient in the table from a, in SI, and with D for matrices.
 struct Differences {
   Eigen::VectorXd b, e, u, user_e, user_u;
 };
@@ -170,7 +170,7 @@ Differences differences(const Eigen::VectorXd& a, const Eigen::MatrixXd& relativ
   return out;
 }
 
-/// The largest of each coefficient's term in any comparison: its axes share a unit.
+/// Returns the largest value of each coefficient's term in any comparison, because its axes share a unit.
 Eigen::VectorXd term_sizes(const std::vector<Differences>& all) {
   Eigen::VectorXd size = Eigen::VectorXd::Zero(coefficient_count);
   for (const CoefficientIndex i : coefficient_indices())
@@ -180,14 +180,14 @@ Eigen::VectorXd term_sizes(const std::vector<Differences>& all) {
   return size;
 }
 
-/// A calibration's values and covariance over the whole table.
+/// Values and covariance of a calibration over the whole table.
 struct Estimate {
   std::vector<CoefficientIndex> estimated;
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
 };
 
-/// One estimate of a coefficient less the most certain one of the same.
+/// One estimate of a coefficient minus the most certain estimate of it.
 struct Contrast {
   CoefficientIndex coefficient;
   std::size_t estimate, base;
@@ -200,15 +200,15 @@ std::vector<Contrast> contrasts(const std::vector<Estimate>& estimates, Coeffici
   const auto variance = [&](std::size_t k) { return estimates[k].covariance(coefficient, coefficient); };
   std::vector<Contrast> out;
   if (of.empty()) return out;
-  // With another base, a poor one would be common to all contrasts and hide the others' differences in rounding.
+  // A poor base would be common to all contrasts, and rounding would hide the differences of the others.
   const std::size_t base = *std::min_element(of.begin(), of.end(), [&](std::size_t k, std::size_t l) { return variance(k) < variance(l); });
   for (const std::size_t k : of)
     if (k != base && variance(k) > 0) out.push_back({coefficient, k, base});
   return out;
 }
 
-/// The contrasts contain all information of the estimates except one common truth, so this is also the estimates' chi-square about their weighted
-/// mean. What all estimates share cancels in them.
+/// The contrasts contain all information of the estimates except a common truth, so this is also the chi-square of the estimates about their weighted
+/// mean. Errors common to all estimates cancel.
 Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all, bool name) {
   const auto n = static_cast<Eigen::Index>(all.size());
   Eigen::VectorXd e(n);
@@ -272,7 +272,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
     for (std::size_t k = 0; k < b.size(); ++k) {
       const Differences& d = all[k];
       CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};
-      // A starting value of one side says nothing about the other; a calibration without uncertainties is the truth.
+      // A starting value on one side is uninformative; a calibration without uncertainties is the truth.
       const bool in_a = a.estimated.empty() || holds(a.estimated, i), in_b = b[k].estimated.empty() || holds(b[k].estimated, i);
       if (in_a && in_b && d.u(i) > 0) {
         x.uncertainty = d.u(i);
@@ -295,7 +295,7 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   std::vector<Calibration> stated;
   for (const auto& c : calibrations)
     if (!c.estimated.empty()) stated.push_back(in_accelerometer_frame(in_gauge_of(calibrations[0], with_turn_on(c))));
-  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);  // to all of them
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);  // common to all of them
   if (std::ranges::all_of(stated, [&](const Calibration& c) { return shares_constant(c, stated.front()); }))
     for (const Calibration& c : stated) common = &c == &stated.front() ? table_constant(c) : common_part(common, table_constant(c));
   std::vector<Estimate> si, user;

@@ -1,4 +1,4 @@
-// Several calibrations with one truth.
+// Several calibrations with one true model.
 #include "imulab/coefficient.hpp"
 #include "imulab/compare.hpp"
 #include "imulab/core/random.hpp"
@@ -23,8 +23,8 @@ Eigen::MatrixXd drawn_coefficients(Eigen::Index rows, Eigen::Index columns, std:
   return m;
 }
 
-/// An estimate of the IMU with unit matrices and all other coefficients zero: its error is drawn from the covariance it states, which
-/// correlates all its coefficients. One stream, one covariance; one draw, one error.
+/// Returns an estimate of an IMU with unit matrices and zero other coefficients. Its error is drawn from its stated covariance, which correlates all
+/// coefficients. The stream determines the covariance, the draw the error.
 Calibration drawn(const std::vector<const char*>& terms, double sigma, std::uint64_t stream, std::uint64_t draw) {
   Calibration c;
   for (const char* term : terms)
@@ -90,7 +90,7 @@ TEST(Agreement, OfTwoIsTheirComparison) {
   }
 }
 
-/// min over x of sum (x_k - H_k x)^T P_k^-1 (x_k - H_k x), by QR of the whitened observations.
+/// Returns min over x of sum (x_k - H_k x)^T P_k^-1 (x_k - H_k x), by QR of the whitened observations.
 double least_squares(const std::vector<Calibration>& calibrations) {
   Eigen::Index rows = 0;
   for (const auto& c : calibrations) rows += c.covariance.rows();
@@ -118,21 +118,21 @@ double least_squares(const std::vector<Calibration>& calibrations) {
 
 TEST(Agreement, IsTheSumOfSquaresAboutTheWeightedMean) {
   const std::vector<const char*> offsets{"accel.offset", "gyro.offset"};
-  for (const double poor : {1e-5, 10.0}) {  // as good as the others, and a million times poorer
+  for (const double poor : {1e-5, 10.0}) {  // as accurate as the others, and a million times less accurate
     std::vector<Calibration> calibrations{drawn(offsets, poor, 1, 21), drawn(linear, 1e-5, 2, 22), drawn(linear, 2e-5, 3, 23),
                                           drawn({"gyro.offset", "gyro.g_sensitivity", "accel.offset"}, 1e-6, 4, 24)};
     const Agreement joint = agreement(calibrations);
     EXPECT_EQ(joint.calibrations, 4);
     EXPECT_EQ(joint.consistency.degrees_of_freedom, 3 * 6 + 15) << "what one alone estimated, the g-sensitivity, is no test";
     const double expected = least_squares(calibrations);
-    EXPECT_NEAR(joint.consistency.chi2, expected, 1e-8 * expected);  // values of one contain errors of 1e-5 to 1e-11; the whitening adds two digits
+    EXPECT_NEAR(joint.consistency.chi2, expected, 1e-8 * expected);  // values of one contain errors of 1e-5 to 1e-11; whitening costs two digits
     std::swap(calibrations[0], calibrations[3]);
     EXPECT_NEAR(agreement(calibrations).consistency.chi2, expected, 1e-8 * expected) << "whichever is the first";
   }
 }
 
-/// The p-value of calibrations that do agree is uniform: of 500 draws 50 fall in each tenth, and the counts' chi-square has nine degrees of freedom.
-/// Its 99.9 % band; below 0.05 % the counts would be too even to be drawn.
+/// Expects uniform p-values of consistent calibrations: of 500 draws, 50 are in each tenth, and the chi-square of the counts has nine degrees of
+/// freedom. Uses its 99.9 % band; below 0.05 %, the counts would be too even.
 void expect_uniform(const std::vector<double>& p_values, const char* what) {
   std::array<int, 10> counts{};
   for (const double p : p_values) ++counts[std::min<std::size_t>(9, static_cast<std::size_t>(10 * p))];
@@ -161,7 +161,7 @@ TEST(Agreement, OfCalibrationsDrawnFromTheirCovariancesIsUniform) {
   expect_uniform(together, "together");
   expect_uniform(scale, "gyro.matrix.zz");
   expect_uniform(offset, "accel.offset.x");
-  // One table in a hundred at the most names a coefficient: Bonferroni's bound is 1 % whatever the correlations.
+  // At most one table in a hundred names a coefficient: Bonferroni's bound is 1 % for any correlations.
   EXPECT_LE(differing, binomial_quantile(0.9995, runs, table_significance));
 }
 
@@ -177,7 +177,7 @@ TEST(Agreement, NamesWhatDiffers) {
     if (y.index == coefficient_index("gyro.offset.z")) {
       EXPECT_TRUE(y.differs);
     } else {
-      EXPECT_EQ(y.differs, x.differs) << y.index;  // one draw in a hundred names another: by chance, as before
+      EXPECT_EQ(y.differs, x.differs) << y.index;  // one draw in a hundred names another by chance, as before
       EXPECT_EQ(y.consistency.chi2, x.consistency.chi2) << y.index;
     }
   }

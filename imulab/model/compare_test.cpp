@@ -24,7 +24,7 @@ Eigen::MatrixXd draws(int rows, int columns, std::uint64_t stream) {
   return m;
 }
 
-/// An IMU in the accelerometers' frame: raw in counts, misaligned by about 1e-2.
+/// Returns an IMU in the accelerometers' frame: raw in counts, misaligned by about 1e-2.
 SensorModel model_of_counts() {
   SensorModel m;
   m.accel.offset = {0.1, -0.2, 0.05};
@@ -46,7 +46,7 @@ std::vector<CoefficientIndex> coefficients(std::initializer_list<const char*> se
   return out;
 }
 
-/// Everything linear estimated, with relative standard uncertainties of about 1e-5 and correlations.
+/// Returns a calibration with all linear terms estimated, relative standard uncertainties of about 1e-5, and correlations.
 Calibration any_calibration(std::uint64_t stream) {
   Calibration c;
   c.model = model_of_counts();
@@ -65,8 +65,8 @@ const CoefficientDifference& find(const Comparison& comparison, std::string_view
   throw Error("not compared: " + std::string(name));
 }
 
-/// Calibrations of one unit have errors of their own, and such as are the same each time: these cancel in differences, though not against the truth,
-/// of another unit, or of another method.
+/// Calibrations of one unit have independent errors and recurring errors. Recurring ones cancel in differences, but not relative to the truth, to
+/// another unit, or to another method.
 TEST(Compare, WhatAUnitBringsAgainCancels) {
   Calibration a = any_calibration(3);
   a.imu = "unit", a.method = "static", a.serial = "1";
@@ -122,11 +122,11 @@ TEST(Compare, EqualCalibrationsDoNotDiffer) {
 
 TEST(Compare, MatricesDifferInPpmAndArcsec) {
   Calibration a = any_calibration(3), b = a;
-  Matrix3d d;  // M_b M_a^-1 - I, whatever the raw unit
+  Matrix3d d;  // M_b M_a^-1 - I, for any raw unit
   d << 20e-6, 5 * unit::arcsec, -7 * unit::arcsec, 3 * unit::arcsec, -10e-6, 2 * unit::arcsec, 1 * unit::arcsec, -4 * unit::arcsec, 30e-6;
   b.model.gyro.matrix = a.model.gyro.matrix + d * a.model.gyro.matrix;
   const Comparison comparison = compare(a, b);
-  // The sums leave 1e-16 relative to 1, which is 1e-10 ppm.
+  // The rounding of the sums is 1e-16 relative to 1, or 1e-10 ppm.
   EXPECT_NEAR(find(comparison, "gyro.matrix.xx").user_difference, 20, 1e-9);
   EXPECT_EQ(find(comparison, "gyro.matrix.xx").user_unit, "ppm");
   EXPECT_NEAR(find(comparison, "gyro.matrix.xy").user_difference, 5, 1e-9);
@@ -189,7 +189,7 @@ TEST(Compare, PooledConsistencyIsTheMahalanobisDistance) {
   const Consistency c = compare(a, b).consistency;
   const double expected = e.dot((a.covariance + b.covariance).ldlt().solve(e));
   EXPECT_EQ(c.degrees_of_freedom, 30);
-  EXPECT_NEAR(c.chi2, expected, 1e-6 * expected);  // e is a difference of values 1e5 times larger; the condition adds two digits
+  EXPECT_NEAR(c.chi2, expected, 1e-6 * expected);  // e is a difference of values 1e5 times larger; the condition costs two more digits
   EXPECT_NEAR(c.p_value, chi_square_tail(expected, 30), 1e-5);
 }
 
@@ -203,7 +203,7 @@ TEST(Compare, TestsOnlyWhatBothEstimated) {
   EXPECT_EQ(comparison.coefficients.size(), 30u + 6);
 }
 
-/// The calibration stated in a rig's frame: a' = F a with a fixed F.
+/// Returns the calibration in a rig's frame: a' = F a with a fixed F.
 Calibration in_frame(const Calibration& c, const Matrix3d& f) {
   const auto turned = [&](SensorModel m) {
     m.accel.offset = f * m.accel.offset;
@@ -246,7 +246,7 @@ TEST(Compare, DoesNotDependOnTheFramesTheCalibrationsAreStatedIn) {
   ASSERT_EQ(here.coefficients.size(), 30u);
   for (const auto& d : here.coefficients) {
     const auto name = coefficient(d.index).name;
-    // Differences are 1e-5 of the values, smaller yet against the vector they are rotated with: five to six digits of sixteen are lost.
+    // Differences are 1e-5 of the values, and even smaller relative to the rotated vector: five to six of sixteen digits are lost.
     EXPECT_NEAR(*find(there, name).sigmas(), *d.sigmas(), 1e-5 * (1 + std::abs(*d.sigmas()))) << name;
     EXPECT_NEAR(*find(there, name).user_sigmas(), *d.user_sigmas(), 1e-5 * (1 + std::abs(*d.user_sigmas()))) << name;
   }
@@ -302,7 +302,7 @@ TEST(Compare, SeveralHaveTheSameRowsInTheSameUnits) {
   }
 }
 
-/// Zhang 2010, table 2: one ring laser IMU calibrated three times, the last time on a table of arc minutes. In the table's frame.
+/// Zhang 2010, table 2: one ring laser IMU calibrated three times, the last time on a table with errors of arc minutes, in the frame of the table.
 TEST(Compare, ZhangsCalibrationsDifferAsHisTable3Says) {
   const auto zhang = [](const Vector3d& gyro_offset_deg_per_h, const Vector3d& accel_offset, const Matrix3d& gyro, const Matrix3d& accel) {
     Calibration c;
@@ -330,8 +330,8 @@ TEST(Compare, ZhangsCalibrationsDifferAsHisTable3Says) {
   for (const std::size_t k : {0u, 1u})
     for (const int axis : {0, 1, 2}) {
       const std::string letter(1, "xyz"[axis]);
-      // Half a last digit of each of the three numbers. The accelerometers' frames lie 2e-4 rad from each other, which is 2e-6 m/s^2 and
-      // 4e-5 deg/h of the offsets, and 3e-3 rad from the table's: as much again of their differences.
+      // The tolerance is half a last digit of each of the three numbers. The accelerometer frames differ by 2e-4 rad, which is 2e-6 m/s^2 and 4e-5
+      // deg/h of the offsets, and by 3e-3 rad from the table's: as much again of their differences.
       EXPECT_NEAR(find(table[k], "gyro.offset." + letter).difference / unit::deg_per_h, gyro_differences[k][axis], 1.5e-4 + 8e-5);
       EXPECT_NEAR(find(table[k], "accel.offset." + letter).difference, accel_differences[k][axis], 1.05e-5 + 4e-6);
       EXPECT_NEAR(find(table[k], "gyro.matrix." + letter + letter).difference, scale_differences[k][axis], 1.05e-12);
@@ -344,7 +344,7 @@ TEST(Compare, ASingularMatrixIsAnError) {
   EXPECT_THROW(compare(a, any_calibration(3)), Error);
 }
 
-// The same IMU elsewhere on its table has other lever arms, and is the same IMU; an accelerometer that moved against the others is not.
+// The same IMU at another place on its table has other lever arms but does not differ; an accelerometer that moved relative to the others does.
 TEST(Compare, AMountElsewhereIsNoDifference) {
   Calibration a;
   a.model = model_of_counts();
@@ -361,7 +361,7 @@ TEST(Compare, AMountElsewhereIsNoDifference) {
   EXPECT_LT(agreement({a, b}).consistency.chi2, 1e-12);
 
   b.model.lever_arm(0, 0) += 3e-3;
-  // Of 3 mm, 2 mm and twice -1 mm remain about the mean point: by the uncertainty of 0.1 mm in each.
+  // Relative to the mean point, 3 mm become 2 mm and twice -1 mm, with an uncertainty of 0.1 mm each.
   EXPECT_NEAR(compare(a, b).consistency.chi2, (2 * 2 + 1 + 1) * 1e-6 / 2e-8, 1e-6);
   EXPECT_NEAR(agreement({a, b}).consistency.chi2, 300, 1e-6);
 }

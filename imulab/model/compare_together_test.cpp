@@ -1,4 +1,4 @@
-// What differs only together with other coefficients, and what differs from one turn-on to the next.
+// Differences that are visible only in combination with other coefficients, and differences between turn-ons.
 #include "imulab/coefficient.hpp"
 #include "imulab/compare.hpp"
 
@@ -9,7 +9,7 @@
 namespace imulab {
 namespace {
 
-/// Offset and scale of the vertical accelerometer as a level road shows them: what they make of gravity alone.
+/// Returns offset and scale of the vertical accelerometer as a level road determines them: only their combined effect under gravity.
 Calibration on_level_road(double offset, double scale) {
   constexpr double g = 9.8, unknown = 1e-2, known = 1e-4;  // of the scale; of offset + g scale, m/s^2
   Calibration c;
@@ -40,7 +40,7 @@ TEST(Compare, OffsetsAreAsRepeatableAsTheirTurnOn) {
   for (const CoefficientIndex index : select_coefficients("gyro.offset")) a.estimated.push_back(index);
   a.covariance = 1e-16 * Eigen::MatrixXd::Identity(6, 6);
   a.turn_on = TurnOn{.accel = 3e-3, .gyro = 1e-4};
-  a.model.g_sensitivity(0, 1) = 0.1;  // the gyros' offset is that at zero output of the accelerometers
+  a.model.g_sensitivity(0, 1) = 0.1;  // the gyros' offset refers to zero output of the accelerometers
   Calibration b = a, truth;
   b.model.accel.offset.x() = 6e-3, b.model.gyro.offset.x() = 4e-4;
   truth.model.g_sensitivity = a.model.g_sensitivity;

@@ -13,12 +13,12 @@ namespace imulab {
 
 namespace {
 
-/// c0 + c1 tau + c2 tau^2 per axis: what the temperature adds to the raw output.
+/// Returns c0 + c1 tau + c2 tau^2 per axis: the contribution of the temperature to the raw output.
 Vector3d drift(const Matrix3d& thermal, const Vector3d& tau) {
   return thermal.col(0) + thermal.col(1).cwiseProduct(tau) + thermal.col(2).cwiseProduct(tau.cwiseAbs2());
 }
 
-/// A0 + A1 V + A2 V^2 + A3 V^3.
+/// Returns A0 + A1 V + A2 V^2 + A3 V^3.
 Vector3d polynomial(const TriadModel& m, const Vector3d& v) {
   return m.offset + m.matrix * v + (m.quadratic + m.cubic.cwiseProduct(v)).cwiseProduct(v.cwiseAbs2());
 }
@@ -28,9 +28,9 @@ Matrix3d polynomial_derivative(const TriadModel& m, const Vector3d& v) {
   return m.matrix + Matrix3d(bend.asDiagonal());
 }
 
-/// The V with polynomial(V) = out that is reached from the linear solution: Newton until a step is more than half of the previous one, at rounding.
+/// Returns V with polynomial(V) = out on the branch of the linear solution, by Newton's method until steps stop halving because of rounding.
 Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
-  constexpr int most_steps = 50;  // where the polynomial is invertible about six are enough
+  constexpr int most_steps = 50;  // about six suffice if the polynomial is invertible
   const double orientation = m.matrix.determinant();
   Vector3d v = m.matrix.inverse() * (out - m.offset);
   if (orientation != 0 && m.quadratic.isZero(0) && m.cubic.isZero(0)) return v;
@@ -49,7 +49,7 @@ Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
               " polynomial cannot be inverted here: its matrix is singular, or it turns back before reaching this output");
 }
 
-// One sample in the order of sums of the columns below, so that both have the same bits.
+// One sample with the order of sums of the columns below, for bit-identical results.
 
 Vector3d without_drift_of_sample(const TriadModel& m, const Vector3d& u, const Vector3d& tau) {
   Vector3d v;
@@ -86,7 +86,7 @@ RawSample decompensate(const SensorModel& model, const Motion& motion, const Vec
 
 namespace {
 
-constexpr std::size_t block_size = 256;  // 12 columns of a block are 24 KiB: they stay in the first-level cache
+constexpr std::size_t block_size = 256;  // 12 columns of a block have 24 KiB and stay in the first-level cache
 using ColumnBlock = std::array<std::array<double, block_size>, 3>;
 using Inputs = std::array<std::span<const double>, 3>;
 
@@ -113,7 +113,7 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
   need_thermal(model.gyro, raw.gyro_temperature, "gyro");
 }
 
-/// V = U - (c0 + c1 tau + c2 tau^2) of samples begin .. begin + n.
+/// Computes V = U - (c0 + c1 tau + c2 tau^2) for samples begin .. begin + n.
 void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& v) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const u = raw[axis].data() + begin;
@@ -132,7 +132,7 @@ void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std
   }
 }
 
-/// A0 + A1 V + A2 V^2 + A3 V^3.
+/// Computes A0 + A1 V + A2 V^2 + A3 V^3.
 void polynomial(const TriadModel& m, const ColumnBlock& v, std::size_t n, ColumnBlock& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
@@ -163,7 +163,7 @@ void store(const ColumnBlock& block, std::size_t begin, std::size_t n, const std
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
   check_columns(model, raw, out);
   const bool sensitive = (model.g_sensitivity.array() != 0).any();
-  ColumnBlock v, force, rate;  // a whole block is computed before it is stored: `out` may be the input's memory
+  ColumnBlock v, force, rate;  // a block is computed before it is stored because `out` may be the memory of the input
   for (std::size_t begin = 0; begin < raw.accel[0].size(); begin += block_size) {
     const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
     load(model.accel, raw.accel, raw.accel_temperature, begin, n, v);
@@ -180,7 +180,7 @@ namespace {
 
 bool linear(const TriadModel& m) { return m.quadratic.isZero(0) && m.cubic.isZero(0); }
 
-/// V with polynomial(V) = out, in place.
+/// Solves polynomial(V) = out for V, in place.
 void invert_columns(const TriadModel& m, const char* triad, const std::array<std::span<double>, 3>& columns) {
   const std::size_t n = columns[0].size();
   double* const x = columns[0].data();
@@ -245,13 +245,13 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using CoefficientRows = Eigen::Matrix<double, 3, coefficient_count>;
 
-/// One triad: its output with derivatives, before the gyros' g-sensitivity.
+/// The output of one triad with derivatives, before the gyros' g-sensitivity.
 struct TriadDerivatives {
   Matrix3d raw, temperature;
   CoefficientRows coefficients = CoefficientRows::Zero();
 };
 
-/// V = U - (c1 tau + c2 tau^2), out = A0 + A1 V + A2 V^2 + A3 V^3.
+/// Computes V = U - (c1 tau + c2 tau^2), out = A0 + A1 V + A2 V^2 + A3 V^3.
 TriadDerivatives derivatives(Triad triad, const TriadModel& m, const Vector3d& reading, const Vector3d& tau) {
   const Vector3d v = reading - m.thermal.col(0) - m.thermal.col(1).cwiseProduct(tau) - m.thermal.col(2).cwiseProduct(tau.cwiseAbs2());
   TriadDerivatives d;

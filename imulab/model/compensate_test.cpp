@@ -25,7 +25,7 @@ Matrix3d draw_matrix(double size) {
   return m;
 }
 
-/// Sensors over the whole range of Dai 2011 table 2: raw outputs proportional to g and deg/s, of any scale, offsets of 1 % of full scale.
+/// Draws sensors over the whole range of Dai 2011 table 2: raw outputs proportional to g and deg/s, of any scale, offsets of 1 % of full scale.
 SensorModel draw_model() {
   const double accel_scale = std::pow(10.0, draw(-4, 1)), gyro_scale = std::pow(10.0, draw(-6, 0));  // (m/s^2)/raw, (rad/s)/raw
   const double raw_g = unit::g / accel_scale, raw_dps = unit::deg / gyro_scale;                      // raw output of 1 g, of 1 deg/s
@@ -53,7 +53,7 @@ TEST(Compensate, RoundTripHoldsOverDaisRange) {
     const Motion motion{.rate = draw_vector(400 * unit::deg), .force = draw_vector(30 * unit::g)};
     const RawSample raw = decompensate(m, motion, draw_vector(45), draw_vector(45));
     const Motion back = compensate(m, raw);
-    // Rounding: each sum has about ten terms, none larger than twice full scale.
+    // Rounding: each sum has about ten terms of at most twice full scale.
     RC_ASSERT((back.force - motion.force).norm() <= 20 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
     RC_ASSERT((back.rate - motion.rate).norm() <= 20 * std::numeric_limits<double>::epsilon() * 800 * unit::deg);
   }));
@@ -62,21 +62,21 @@ TEST(Compensate, RoundTripHoldsOverDaisRange) {
 TEST(Compensate, InverseReturnsTheRawReadingItself) {
   EXPECT_TRUE(rc::check([] {
     const SensorModel m = draw_model();
-    // Raw readings within full scale: the branch of the polynomial that contains zero.
+    // Raw readings are within full scale, on the branch of the polynomial that contains zero.
     const RawSample raw{.gyro = m.gyro.matrix.inverse() * draw_vector(400 * unit::deg),
                         .accel = m.accel.matrix.inverse() * draw_vector(30 * unit::g),
                         .gyro_tau = draw_vector(45),
                         .accel_tau = draw_vector(45)};
     const RawSample back = decompensate(m, compensate(m, raw), raw.gyro_tau, raw.accel_tau);
     const double accel_scale = m.accel.matrix.norm(), gyro_scale = m.gyro.matrix.norm();
-    // As above, and the slope of the gyro polynomial falls to 0.8 at full scale, which amplifies it somewhat.
+    // The bound is as above; the slope of the gyro polynomial falls to 0.8 at full scale, which increases it somewhat.
     RC_ASSERT((back.accel - raw.accel).norm() * accel_scale <= 40 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
     RC_ASSERT((back.gyro - raw.gyro).norm() * gyro_scale <= 40 * std::numeric_limits<double>::epsilon() * 800 * unit::deg);
   }));
 }
 
 TEST(Compensate, TheInverseNearZeroEnds) {
-  // At rest two axes read next to nothing: there rounding is finer than in the sums, and steps of the inversion creep instead of vanishing.
+  // At rest, two axes read almost zero: rounding there is finer than in the sums, and steps of the inversion do not vanish.
   EXPECT_TRUE(rc::check([] {
     const SensorModel m = draw_model();
     for (int axis = 0; axis < 3; ++axis)
@@ -171,7 +171,7 @@ SensorModel full_model() {
 }
 
 void expect_columns_equal_samples(const SensorModel& m, bool temperatures) {
-  for (const std::size_t n : {0u, 1u, 255u, 256u, 257u, 1000u}) {  // around the block of the implementation
+  for (const std::size_t n : {0u, 1u, 255u, 256u, 257u, 1000u}) {  // around the block size of the implementation
     const Samples raw(n);
     Samples out(n);
     compensate(m, raw.columns(temperatures), out.in_place());
@@ -192,7 +192,7 @@ void expect_columns_equal_samples(const SensorModel& m, bool temperatures) {
         }
       }
       const Motion motion = compensate(m, sample);
-      for (int i = 0; i < 3; ++i) {  // the two sum in different order: rounding of terms up to 40
+      for (int i = 0; i < 3; ++i) {  // the order of sums differs: rounding of terms up to 40
         EXPECT_NEAR(separate.gyro[static_cast<std::size_t>(i)][k], motion.rate(i), 1e-13);
         EXPECT_NEAR(separate.accel[static_cast<std::size_t>(i)][k], motion.force(i), 1e-13);
       }
@@ -242,7 +242,7 @@ TEST(Decompensate, ColumnsAreTheSamplesOneByOne) {
           decompensate(m, {.rate = {before[3][k], before[4][k], before[5][k]}, .force = {before[0][k], before[1][k], before[2][k]}}, tau, tau);
       for (std::size_t a = 0; a < 3; ++a) {
         const auto i = static_cast<Eigen::Index>(a);
-        // Sums in another order: a few roundings of full scale.
+        // The order of sums differs: several rounding errors of full scale.
         RC_ASSERT(std::abs(columns[a][k] - raw.accel(i)) < 1e-14 * raw.accel.norm() + 1e-14 * 30 * unit::g / std::abs(m.accel.matrix(i, i)));
         RC_ASSERT(std::abs(columns[a + 3][k] - raw.gyro(i)) < 1e-14 * raw.gyro.norm() + 1e-14 * 400 * unit::deg / std::abs(m.gyro.matrix(i, i)));
       }

@@ -32,8 +32,8 @@ TEST(CompensationDerivatives, AreThoseOfTheModel) {
   for (Vector3d* v : {&raw.gyro, &raw.accel, &raw.gyro_tau, &raw.accel_tau})
     for (double& x : *v) x = draws.normal(n++);
   const CompensationDerivatives d = compensation_derivatives(model, raw);
-  // Central differences of polynomials up to the third order in each coefficient and reading, of size one: h^2 of truncation and 1e-16 / h of
-  // rounding.
+  // Central differences of polynomials up to third order in each coefficient and reading of size one have truncation errors of h^2 and rounding
+  // errors of 1e-16 / h.
   constexpr double h = 1e-5, tolerance = 1e-8;
   for (const CoefficientIndex k : coefficient_indices()) {
     SensorModel up = model, down = model;

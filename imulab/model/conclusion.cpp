@@ -24,12 +24,12 @@ std::string reached_text(const RequirementResult& r) {
       std::from_chars(shown.data(), shown.data() + shown.size(), value);
       return fmt::format("{:.9g}", value);
     };
-    for (int digits = 3; digits <= 9; ++digits) {  // as many as tell it from the limit
+    for (int digits = 3; digits <= 9; ++digits) {  // as many as distinguish it from the limit
       text = rounded(reached, digits);
       if (reached == stated.number || text != rounded(stated.number, digits)) break;
     }
     return text + " " + stated.unit;
-  } catch (const Error&) {  // a text that no program of ours wrote
+  } catch (const Error&) {  // a text from another program
     return fmt::format("{:.3g}", r.reached);
   }
 }

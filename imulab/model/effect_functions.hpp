@@ -1,4 +1,4 @@
-// The functions phi of the table of effects (effects.cpp), each of the state and a column: `function` counts those of an axis i.
+// The functions phi of the table of effects (effects.cpp) of state and column; `function` counts the functions of an axis i.
 #pragma once
 
 #include "imulab/model/effects.hpp"
@@ -10,12 +10,12 @@
 
 namespace imulab::effect_functions {
 
-// The axes of a triad after axis i.
+// The two axes of a triad that follow axis i.
 constexpr int second(int i) { return (i + 1) % 3; }
 constexpr int third(int i) { return (i + 2) % 3; }
 
-/// Slow change in a recording, two functions each: in proportion to time, and as a warm-up whose time constant is a quarter of the recording; both
-/// less their mean.
+/// Slow change in a recording, two functions each: proportional to time, and a warm-up with a time constant of a quarter of the recording; both minus
+/// their mean.
 inline double slow(const EffectState& s, int function) {
   constexpr double mean_warm_up = 1 - 0.25 * (1 - 0.018315638888734179);  // of 1 - exp(-4 x) over 0 to 1: 1 - (1 - e^-4) / 4
   if (function / 2 != s.recording) return 0;
@@ -61,14 +61,14 @@ inline double warming(const EffectState& s, int, int) { return s.warming.value_o
 inline double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 inline double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }
 
-/// Shifts of the recordings' offsets, of sum zero: the first `contrast + 1` against the next one, orthonormal (Helmert's contrasts). With one sigma
-/// each, the shifts are those of independent switch-ons less their mean.
+/// Shifts of the recordings' offsets with zero sum: the first `contrast + 1` against the next, orthonormal (Helmert's contrasts). With one sigma
+/// each, these are independent switch-ons minus their mean.
 inline double turn_on(const EffectState& s, int, int contrast) {
   const double before = contrast + 1, norm = std::sqrt(before * (before + 1));
   return s.recording <= contrast ? 1 / norm : s.recording == contrast + 1 ? -before / norm : 0;
 }
 
-/// The same function of each axis of a triad: column 3 function + axis.
+/// Applies the same function to each axis of a triad: column 3 function + axis.
 template <double (*phi)(const EffectState&, int axis, int function)>
 inline OutputChange of_accels(const EffectState& s, int column) {
   return {.force = phi(s, column % 3, column / 3) * Vector3d::Unit(column % 3)};
@@ -78,13 +78,13 @@ inline OutputChange of_gyros(const EffectState& s, int column) {
   return {.rate = phi(s, column % 3, column / 3) * Vector3d::Unit(column % 3)};
 }
 
-/// The unit turns in its mount by K f: column 3 i + j by K_ij.
+/// The unit rotates in its mount by K f: column 3 i + j is K_ij.
 inline OutputChange elastic_mount(const EffectState& s, int column) {
   const Vector3d angle = s.force[column % 3] * Vector3d::Unit(column / 3);
   return {.force = s.force.cross(angle), .rate = s.rate.cross(angle)};
 }
 
-/// The unit turns in its mount by a small angle, about axis `column`.
+/// The unit rotates in its mount by a small angle about axis `column`.
 inline OutputChange change_of_mount(const EffectState& s, int column) {
   const Vector3d angle = s.changed * Vector3d::Unit(column);
   return {.force = s.force.cross(angle), .rate = s.rate.cross(angle)};
@@ -94,7 +94,7 @@ inline OutputChange longer_arm(const EffectState& s, int) { return {.force = s.s
 inline OutputChange farther_north(const EffectState& s, int) { return s.by_latitude; }
 inline OutputChange turned_about_up(const EffectState& s, int machine) { return machine == s.machine ? s.by_heading : OutputChange{}; }
 
-/// The thermometers of the accelerometers and of the gyros are off by a constant in each recording.
+/// The thermometers of accelerometers and gyros have a constant error in each recording.
 inline OutputChange thermometer_error(const EffectState& s, int column) {
   if (column / 2 != s.recording) return {};
   return column % 2 == 0 ? OutputChange{.force = s.by_thermometer.force} : OutputChange{.rate = s.by_thermometer.rate};

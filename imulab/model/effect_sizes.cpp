@@ -1,4 +1,4 @@
-// The columns, keys and sizes of effects, and the play of hysteresis.
+// Columns, keys and sizes of effects, and the play of hysteresis.
 #include "imulab/grade.hpp"
 #include "imulab/model/effects.hpp"
 
@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::array<std::string_view, 4> graded{"strategic", "navigation", "tactical", "mems"};
 
-/// The place of a grade among those of the priors; mems-30g is mems.
+/// Returns the index of a grade among those of the priors; mems-30g is mems.
 std::size_t place_of(std::string_view name) {
   const auto at = std::find(graded.begin(), graded.end(), name);
   return std::min<std::size_t>(static_cast<std::size_t>(at - graded.begin()), graded.size() - 1);
 }
 
-/// By the names: the name, what stands between, and the unit: gyro_g_squared, _sigma_, deg_per_h_per_g2.
+/// Returns keys by name: effect name, `between`, and unit, as in gyro_g_squared, _sigma_, deg_per_h_per_g2.
 std::map<std::string_view, std::string> keys_of_effects(std::string_view between) {
   std::map<std::string_view, std::string> out;
   for (const Effect& effect : effects()) {

@@ -14,7 +14,7 @@ using namespace effect_functions;
 constexpr double force_squared = ug / (g * g), g_squared = deg_per_h / (g * g);
 constexpr unsigned need_accel = Effect::of_accel, need_gyro = Effect::of_gyro;
 
-// Sizes: docs/theory/effects.md has their sources.
+// docs/theory/effects.md has the sources of the sizes.
 constexpr std::array table{
     Effect{.name = "accel.asymmetry",
            .needs = need_accel,

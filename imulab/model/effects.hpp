@@ -1,5 +1,5 @@
-// Effects: what a real unit, or its mount, does besides the sensor model. Each adds c phi(state) to the output of the calibrated triads, with c about
-// zero under a prior; every method estimates the c beside its coefficients, so that these are as uncertain as such effects make them
+// Effects: errors of a real unit or its mount beyond the sensor model. Each adds c phi(state) to the output of the calibrated triads, with a
+// zero-mean prior of c. Every method estimates c jointly with its coefficients, so that their uncertainty includes such effects
 // (docs/theory/effects.md).
 //
 //   EffectState at{.force = f, .rate = w, .gravity = 9.81};
@@ -7,7 +7,7 @@
 //   for (const Effect& e : effects())
 //     for (int k = 0; k < e.columns(setting); ++k) by_c.push_back(e.phi(at, k));   // the change of force and rate of c = 1
 //
-// The even ones are centred on the sphere of attitudes at 1 g: an offset is the mean over attitudes. Those of time are centred on the recording:
+// Even effects are centered on the sphere of attitudes at 1 g: an offset is the mean over attitudes. Effects of time are centered on the recording:
 // offsets and scales are those of its mean.
 #pragma once
 
@@ -33,32 +33,32 @@ struct OutputChange {
 struct EffectState {
   Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();  ///< m/s^2, rad/s: specific force, angular rate, body axes
   double gravity = 9.80665;                                    ///< m/s^2, local
-  double full_force = 9.80665, full_rate = 1;                  ///< m/s^2, rad/s: the largest of the session, not of the instant
-  double time = 0;                                             ///< of the recording: -1/2 at its begin, 1/2 at its end
-  int recording = 0;                                           ///< of a session's, from 0
-  Vector3d play = Vector3d::Zero();                            ///< of the accelerometers' hysteresis: -1 to 1 (PlayOperator)
+  double full_force = 9.80665, full_rate = 1;                  ///< m/s^2, rad/s: largest of the session, not of the instant
+  double time = 0;                                             ///< relative to the recording: -1/2 at its begin, 1/2 at its end
+  int recording = 0;                                           ///< index in the session, from 0
+  Vector3d play = Vector3d::Zero();                            ///< state of the accelerometers' hysteresis: -1 to 1 (PlayOperator)
   Vector3d shaking = Vector3d::Zero();                         ///< (m/s^2)^2: variance of the force beyond the sensor's own noise
-  Vector3d stretching = Vector3d::Zero();                      ///< m/s^2 of 1 m at full rate: force that a centrifuge's longer arm adds
-  double changed = 0;                                          ///< 1 after a change of the unit, or of its mount
-  std::optional<double> warming = {};                          ///< K from the recording's mean; absent: no thermometer
-  int machine = 0;                                             ///< of a session's, from 0
-  OutputChange by_latitude = {}, by_heading = {};  ///< of what ideal sensors measure, by the latitude, and by the machine's turn about up [1/rad]
-  OutputChange by_thermometer = {};                ///< 1/K: what the thermal terms make of an error of the thermometer
-  std::array<Vector3d, 2> horizontal{Vector3d::Zero(), Vector3d::Zero()};  ///< unit vectors to north and east, body axes; zero: not known, or turning
+  Vector3d stretching = Vector3d::Zero();                      ///< m/s^2 per 1 m at full rate: additional force due to a longer arm of a centrifuge
+  double changed = 0;                                          ///< 1 after a change of the unit or its mount
+  std::optional<double> warming = {};                          ///< K relative to the mean of the recording; absent: no thermometer
+  int machine = 0;                                             ///< index in the session, from 0
+  OutputChange by_latitude = {}, by_heading = {};  ///< change of ideal readings by the latitude, and by the machine's rotation about up [1/rad]
+  OutputChange by_thermometer = {};                ///< 1/K: effect of a thermometer error through the thermal terms
+  std::array<Vector3d, 2> horizontal{Vector3d::Zero(), Vector3d::Zero()};  ///< unit vectors north and east, body axes; zero: unknown, or turning
 };
 
-/// What a session has, on which it depends which effects can be.
+/// The properties of a session that determine which effects can occur.
 struct EffectSetting {
   bool accel = false, gyro = false;  ///< triads that are calibrated
   bool thermometer = false;
   bool mount = false;       ///< the unit is on a table or another machine
-  bool changed = false;     ///< it, or its place there, changed at a time
-  bool centrifuge = false;  ///< the machine is one
-  bool latitude = false;    ///< Earth's rate at a latitude is used
+  bool changed = false;     ///< the unit or its mounting changed at a known time
+  bool centrifuge = false;  ///< the machine is a centrifuge
+  bool latitude = false;    ///< the Earth's rate at a latitude is used
   bool heading = false;     ///< `horizontal` is known
   bool thermal = false;     ///< thermal terms are estimated
   int recordings = 1;
-  int machines = 1;  ///< whose heading is used
+  int machines = 1;  ///< number of machines with a used heading
 };
 
 /// A row of the table.
@@ -77,25 +77,25 @@ struct Effect {
   };
 
   std::string_view name;                                      ///< "accel.asymmetry"
-  unsigned needs;                                             ///< of the setting: several `Need`
-  int basis;                                                  ///< columns; with `by_recordings`, for each recording after the first
-  OutputChange (*phi)(const EffectState& state, int column);  ///< of c = 1
-  double unit;                                                ///< SI of the unit of c
+  unsigned needs;                                             ///< combination of `Need`
+  int basis;                                                  ///< number of columns; with `by_recordings`, for each recording after the first
+  OutputChange (*phi)(const EffectState& state, int column);  ///< change for c = 1
+  double unit;                                                ///< SI value of the unit of c
   std::string_view unit_name;                                 ///< "ppm"
   std::array<double, 4> prior;                                ///< one sigma in that unit: strategic, navigation, tactical, mems
-  std::string_view words;                                     ///< of a cause: "the accelerometers' scale differs between the two directions"
-  std::string_view advice;                                    ///< the observation that would tell
-  /// Of which there is one in each recording, or of each machine, with columns of its own.
+  std::string_view words;                                     ///< text of a cause: "the accelerometers' scale differs between the two directions"
+  std::string_view advice;                                    ///< the observation that would determine it
+  /// Whether each recording, or each machine, has columns of its own.
   enum class Each { session, recording, machine } each = Each::session;
 
-  /// 0: the setting has not what the effect needs.
+  /// Returns the number of columns; 0 if the setting lacks something that the effect needs.
   int columns(const EffectSetting& setting) const;
-  /// Keys: of [imu], "accel_asymmetry_sigma_ppm", and of [imu.effects], a size to simulate, "accel_asymmetry_ppm".
+  /// Return keys: of a declared sigma in [imu], "accel_asymmetry_sigma_ppm", and of a simulated size in [imu.effects], "accel_asymmetry_ppm".
   std::string_view declared() const;
   std::string_view simulated() const;
-  /// A property of the unit: the same in its next calibration.
+  /// Returns true for a property of the unit, which recurs in its next calibration.
   bool constant() const { return each == Each::session && (needs & ~(of_accel | of_gyro)) == 0; }
-  /// It changes the triad's output, at some state.
+  /// Returns true if the effect changes the triad's output in some state.
   bool changes(Triad triad) const { return (needs & (triad == Triad::accel ? of_accel : of_gyro)) != 0; }
 };
 
@@ -107,24 +107,24 @@ struct EffectColumn {
   OutputChange at(const EffectState& state) const { return effect->phi(state, number); }
 };
 
-/// All rows.
+/// Returns all effects.
 std::span<const Effect> effects();
-/// Null where there is none of this name.
+/// Returns the effect with this name, or null.
 const Effect* find_effect(std::string_view name);
 
 /// Declared sizes by the name of the effect, one sigma in SI.
 using EffectSigmas = std::map<std::string, double, std::less<>>;
 
-/// The grades for which the sizes of effects and terms are stated, the best first.
+/// Returns the grades for which sizes of effects and terms are given, the best first.
 std::span<const std::string_view> graded_names();
-/// One sigma of an effect, SI: as declared, or of a grade.
+/// Returns one sigma of an effect, SI: declared, or from a grade.
 double effect_sigma(const Effect& effect, const EffectSigmas& declared, std::string_view grade);
 
-/// The accelerometers' hysteresis: a play of width 0.1 g that the force of each axis drags along. `operator()` is given the forces in their order.
+/// The accelerometers' hysteresis: a play of width 0.1 g that follows the force of each axis. `operator()` receives the forces in their order.
 class PlayOperator {
  public:
   explicit PlayOperator(double gravity) : half_(0.05 * gravity) {}
-  /// Returns each axis's state: -1 dragged downward, +1 upward.
+  /// Returns the state of each axis: -1 moved downward, +1 upward.
   Vector3d operator()(const Vector3d& force);
 
  private:

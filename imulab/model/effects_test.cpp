@@ -17,7 +17,7 @@ namespace {
 
 constexpr double gravity = 9.81;
 
-/// A function's mean over the directions of gravity, evenly in the height and around.
+/// Returns the mean of a function over the directions of gravity, evenly in height and azimuth.
 template <class Function>
 OutputChange mean_over_attitudes(const Function& of) {
   OutputChange sum;
@@ -31,12 +31,12 @@ OutputChange mean_over_attitudes(const Function& of) {
   return sum;
 }
 
-// An offset is the mean over attitudes at 1 g: no effect of the force alone may have a part in it.
+// An offset is the mean over attitudes at 1 g: no effect of the force alone may contribute to it.
 TEST(Effects, OfTheForceHaveNoMeanOverAttitudes) {
   for (const Effect& effect : effects()) {
-    if (effect.name.starts_with("mount.")) continue;  // a rotation is no shift of an offset
+    if (effect.name.starts_with("mount.")) continue;  // a rotation does not shift an offset
     for (int k = 0; k < effect.columns(everything); ++k) {
-      if (effect.name.ends_with("turn_on") || effect.name.ends_with(".drift")) continue;  // of time
+      if (effect.name.ends_with("turn_on") || effect.name.ends_with(".drift")) continue;  // effects of time
       const auto of = [&](const Vector3d& force) { return effect.phi({.force = force, .gravity = gravity, .full_force = gravity}, k); };
       const OutputChange mean = mean_over_attitudes(of), at_rest = of(Vector3d::Zero());
       const double size = std::max({1.0, at_rest.force.norm(), at_rest.rate.norm()});
@@ -45,7 +45,7 @@ TEST(Effects, OfTheForceHaveNoMeanOverAttitudes) {
   }
 }
 
-// And none of time in the mean of a recording, or of the recordings.
+// Effects of time have no mean over a recording or the recordings.
 TEST(Effects, OfTimeHaveNoMean) {
   for (const Effect& effect : effects())
     for (int k = 0; k < effect.columns(everything); ++k) {
@@ -68,7 +68,7 @@ TEST(Effects, OfTimeHaveNoMean) {
     }
 }
 
-// Independent switch-ons less their mean: shifts of covariance I - 1/n.
+// Turn-ons are independent switch-ons minus their mean: shifts with covariance I - 1/n.
 TEST(Effects, TurnOnsAreIndependentLessTheirMean) {
   const Effect& effect = *find_effect("accel.turn_on");
   const int n = everything.recordings;
@@ -86,7 +86,7 @@ TEST(Effects, ThePlayFollowsTheDirectionOfApproach) {
   EXPECT_LT((play(Vector3d(2.75, -2, 0.2)) - Vector3d(0.5, 1, 0.4)).norm(), 1e-12);
 }
 
-// A unit that turns by K f reads the force and the rate in axes turned by that.
+// A unit rotated by K f reads force and rate in axes rotated by that angle.
 TEST(Effects, AnElasticMountTurnsTheUnit) {
   const Effect& effect = *find_effect("mount.elastic");
   const EffectState state{.force = Vector3d(1, -2, 9), .rate = Vector3d(0.1, 0.5, -0.3)};

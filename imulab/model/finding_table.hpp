@@ -1,5 +1,5 @@
-// The table of findings: the name, the severity and the words of each code. Values of Findings::add go into the words, and into the advice; the
-// compiler checks that they fit. A severity may be changed where a finding is added.
+// The table of findings: name, severity and text of each code. Values of Findings::add are inserted into text and advice; the compiler checks that
+// they fit. The severity may be changed where a finding is added.
 #pragma once
 
 #include "imulab/finding.hpp"

@@ -21,11 +21,11 @@ void set_nonlinearity(SensorModel& model, const VectorXd& v) {
   model.gyro.quadratic = v.segment<3>(Forward::gyro_quadratic), model.gyro.cubic = v.segment<3>(Forward::gyro_cubic);
 }
 
-/// The reading where the output is zero: of the linear model, then by Newton's method.
+/// Returns the reading with zero output: of the linear model, then refined by Newton's method.
 Vector3d zero_of(const TriadModel& m) {
   Vector3d v = -m.matrix.inverse() * m.offset;
   if (m.quadratic.isZero(0) && m.cubic.isZero(0)) return v;
-  constexpr int steps = 5;  // nonlinearity is small: each step has twice the digits of the one before
+  constexpr int steps = 5;  // nonlinearity is small: each step doubles the number of correct digits
   for (int i = 0; i < steps; ++i) {
     const TriadModel here = of_shifted_readings(m, -v);
     v -= here.matrix.inverse() * here.offset;
@@ -33,7 +33,7 @@ Vector3d zero_of(const TriadModel& m) {
   return v;
 }
 
-/// A model of the readings from their zeros, without offsets.
+/// A model of readings relative to their zeros, without offsets.
 struct AboutZero {
   SensorModel model;
   Vector3d accel_zero, gyro_zero;
@@ -45,7 +45,7 @@ AboutZero about_zero(const SensorModel& model) {
   return out;
 }
 
-/// Change of a triad about its zero where the forward matrix, the zero and the nonlinearity (that of `change`) change.
+/// Returns the change of a triad about its zero due to changes of forward matrix, zero and nonlinearity (in `change`).
 TriadModel change_of(const TriadModel& at, TriadModel change, const Matrix3d& matrix, const Vector3d& zero) {
   change.offset = -at.matrix * zero;
   change.matrix = -at.matrix * matrix * at.matrix;
@@ -113,7 +113,7 @@ MatrixXd backward_derivatives(const SensorModel& at, const std::vector<Coefficie
 }
 
 std::vector<MatrixXd> backward_curvatures(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients, const VectorXd& scale) {
-  constexpr double step = 1e-3;  // of a column's size: off by its square, and by rounding over it
+  constexpr double step = 1e-3;  // relative to the size of a column: the error is its square, plus rounding divided by it
   const VectorXd v = forward(at);
   std::vector<MatrixXd> out(coefficients.size(), MatrixXd::Zero(Forward::all, Forward::all));
   const auto derivatives = [&](Index column, double sign) {
@@ -131,7 +131,7 @@ SensorModel without_error(const SensorModel& model, const SensorModel& error) {
   SensorModel out = model;
   out.accel.offset = keep_accel * model.accel.offset - error.accel.offset;
   out.accel.matrix = keep_accel * model.accel.matrix;
-  // The g-sensitivity is fed with the corrected force.
+  // The g-sensitivity receives the corrected force.
   out.gyro.offset = keep_gyro * (model.gyro.offset + model.g_sensitivity * error.accel.offset) - error.gyro.offset;
   out.gyro.matrix = keep_gyro * model.gyro.matrix;
   out.g_sensitivity = keep_gyro * model.g_sensitivity * (one + error.accel.matrix) - error.g_sensitivity;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Readings in counts with their zeros far from 0, so that nonlinearity shifts every coefficient.
+/// Returns a unit in counts with zeros far from 0, so that nonlinearity shifts every coefficient.
 SensorModel nonlinear_unit() {
   SensorModel model;
   model.accel.matrix << 1e-3, 2e-6, -1e-6, 3e-6, 1.1e-3, 1e-6, -2e-6, 1e-6, 0.9e-3;
@@ -45,7 +45,7 @@ TEST(ForwardModel, DerivativesAreThoseOfDifferences) {
   const Eigen::MatrixXd derivatives = backward_derivatives(model, all);
   for (Index column = 0; column < Forward::all; ++column) {
     if (column >= Forward::turning_bias && column < Forward::nonlinearity) continue;
-    // The maps are polynomials but for inverses of matrices, which a millionth of the column leaves linear to 1e-12.
+    // The maps are polynomials except for inverses of matrices, which are linear to 1e-12 over a millionth of a column.
     const double step = 1e-6 * std::max(std::abs(v[column]), column < Forward::nonlinearity ? 1.0 : 0.0);
     const SensorModel up = backward(v + step * VectorXd::Unit(v.size(), column)), down = backward(v - step * VectorXd::Unit(v.size(), column));
     for (std::size_t i = 0; i < all.size(); ++i) {

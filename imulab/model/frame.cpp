@@ -26,8 +26,8 @@ using Coefficients = std::array<T, coefficient_count>;
 
 using Jet = Eigen::AutoDiffScalar<Eigen::Vector<double, coefficient_count>>;
 
-/// The accelerometers sense A1^-1 a: its rows are their sensitive axes. With the cross products of A1's columns in their place (det A1 times
-/// the rows) there is no division: the rows of R are these, orthonormalized in order.
+/// Returns R. The accelerometers measure A1^-1 a, so its rows are their sensitive axes. The cross products of A1's columns (det A1 times the rows)
+/// avoid a division: orthonormalized in order, they are the rows of R.
 template <class T>
 Matrix3<T> rotation_of(const Matrix3<T>& a1) {
   const Vector3<T> c0 = a1.col(0), c1 = a1.col(1), c2 = a1.col(2);
@@ -63,7 +63,7 @@ void rotate_offset(Coefficients<T>& c, Triad triad, const Matrix3<T>& r) {
   for (std::size_t i = 0; i < 3; ++i) c[at + i] = rotated(static_cast<Eigen::Index>(i));
 }
 
-/// a' = R a, w' = R w, coefficient by coefficient.
+/// Returns a' = R a, w' = R w, coefficient by coefficient.
 template <class T>
 Coefficients<T> rotated(Coefficients<T> c) {
   const Matrix3<T> a1 = block(c, Triad::accel, Term::matrix);
@@ -77,7 +77,7 @@ Coefficients<T> rotated(Coefficients<T> c) {
   return c;
 }
 
-/// d rotated / d coefficients.
+/// Returns d rotated / d coefficients.
 Eigen::MatrixXd rotation_jacobian(const SensorModel& model) {
   Coefficients<Jet> x;
   for (const CoefficientIndex i : coefficient_indices()) x[static_cast<std::size_t>(i)] = Jet(coefficient_value(model, i), coefficient_count, i);
@@ -102,7 +102,7 @@ Matrix3d accelerometer_frame(const Matrix3d& a1) {
 
 Calibration in_accelerometer_frame(const Calibration& calibration) {
   validate(calibration);
-  accelerometer_frame(calibration.model.accel.matrix);  // throws where there is no such frame
+  accelerometer_frame(calibration.model.accel.matrix);  // throws if there is no such frame
   Coefficients<double> values;
   for (const CoefficientIndex i : coefficient_indices()) values[static_cast<std::size_t>(i)] = coefficient_value(calibration.model, i);
   values = rotated(values);

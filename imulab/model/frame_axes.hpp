@@ -1,4 +1,4 @@
-// Axes of a calibration: what the accelerometers' frame fixes, and gyros that do not turn as gravity does.
+// Axes of a calibration: elements that the accelerometers' frame fixes, and gyros that do not turn with gravity.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -8,13 +8,13 @@
 
 namespace imulab {
 
-/// An element of accel.matrix above the diagonal: zero by the choice of this frame.
+/// Returns true for an element of accel.matrix above the diagonal, which is zero in this frame by definition.
 bool zero_by_frame(CoefficientIndex index);
 
-// The axes of the gyros against those of the accelerometers.
+// The axes of the gyros relative to those of the accelerometers.
 
-/// Axes that are swapped, reversed or left-handed, in words; empty where the gyros turn as gravity does. `gyro`: the matrix from the gyros' readings
-/// to the rate at which gravity turns in the accelerometers' axes.
+/// Describes axes that are swapped, reversed or left-handed; empty if the gyros agree with the rotation of gravity. `gyro`: matrix from the gyros'
+/// readings to the rate of gravity's rotation in the accelerometers' axes.
 std::string wrong_axes(const Matrix3d& gyro);
 
 }  // namespace imulab

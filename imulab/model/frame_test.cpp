@@ -22,7 +22,7 @@ Eigen::MatrixXd drawn_in_frame(int rows, int columns, std::uint64_t stream) {
   return m;
 }
 
-/// A model with all terms but the quadratic and cubic ones, misaligned by about `misalignment`, in a frame turned by `turn` rad.
+/// Returns a model with all terms except quadratic and cubic ones, misaligned by about `misalignment`, in a frame rotated by `turn` [rad].
 SensorModel framed_model(double misalignment, double turn) {
   SensorModel m;
   m.accel.offset = drawn_in_frame(3, 1, 1);
@@ -37,7 +37,7 @@ SensorModel framed_model(double misalignment, double turn) {
 
 std::vector<CoefficientIndex> all_coefficients() { return {coefficient_indices().begin(), coefficient_indices().end()}; }
 
-/// P = L L^T with standard deviations of `size` relative to 1.
+/// Returns P = L L^T with standard deviations of `size` relative to 1.
 Eigen::MatrixXd covariance_of(int n, double size) {
   const Eigen::MatrixXd l = size * drawn_in_frame(n, n, 8);
   return l * l.transpose();
@@ -48,8 +48,8 @@ TEST(AccelerometerFrame, FollowsTheSensitiveAxes) {
     const Matrix3d a1 = framed_model(0.02, turn).accel.matrix;
     const Matrix3d r = accelerometer_frame(a1);
     const Matrix3d lower = r * a1;
-    const Matrix3d axes = a1.inverse() * r.transpose();  // row i: the i-th accelerometer's sensitive axis in the new frame
-    // Products of rotations and a matrix of norm 0.02 (its inverse: 200): rounding of a few units.
+    const Matrix3d axes = a1.inverse() * r.transpose();  // row i: sensitive axis of accelerometer i in the new frame
+    // Products of rotations and a matrix of norm 0.02 (its inverse: 200) have rounding errors of a few units.
     EXPECT_LE((r * r.transpose() - Matrix3d::Identity()).norm(), 1e-15 * 4);
     EXPECT_GT(r.determinant(), 0);
     for (int i = 0; i < 3; ++i) {
@@ -95,7 +95,7 @@ TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
   const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
   const RawSample raw{.gyro = {70, 40, -90}, .accel = {300, -500, 800}};
   const Motion before = compensate(c.model, raw), after = compensate(turned.model, raw);
-  // Sums of about 10 in size.
+  // The tolerance is for sums of about 10 in size.
   EXPECT_LE((after.force - r * before.force).norm(), 1e-14 * 10);
   EXPECT_LE((after.rate - r * before.rate).norm(), 1e-14 * 10);
   for (Eigen::Index i = 0; i < 3; ++i)
@@ -114,10 +114,10 @@ TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
   const Calibration same = in_accelerometer_frame(c);
   for (const CoefficientIndex i : coefficient_indices()) EXPECT_EQ(coefficient_value(same.model, i), coefficient_value(c.model, i));
   EXPECT_EQ(same.estimated, c.estimated);
-  EXPECT_LE((same.covariance - c.covariance).norm(), 1e-14 * c.covariance.norm());  // the Jacobian is the identity to rounding
+  EXPECT_LE((same.covariance - c.covariance).norm(), 1e-14 * c.covariance.norm());  // the Jacobian is the identity up to rounding
 }
 
-/// The covariance against central differences of the whole transformation, at a turn and misalignment where R's dependence matters.
+/// Compares the covariance with central differences of the whole transformation, for a rotation and misalignment where R's dependence matters.
 TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   Calibration c;
   c.frame = BodyFrame::rig;
@@ -142,10 +142,10 @@ TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
     }
   }
   const Eigen::MatrixXd expected = jacobian * c.covariance * jacobian.transpose();
-  // Differences with h = 1e-8 on values of order 1 resolve to 1e-16 / 1e-8 = 1e-8 of the sensitivities, of order 100 for R to A1.
+  // Differences with h = 1e-8 of values of order 1 resolve 1e-16 / 1e-8 = 1e-8 of the sensitivities, of order 100 for R to A1.
   EXPECT_LE((turned.covariance - expected).norm(), 1e-6 * expected.norm());
 
-  const Eigen::MatrixXd fixed_rotation = [&] {  // the result without R's dependence, for the gyro offset
+  const Eigen::MatrixXd fixed_rotation = [&] {  // result without R's dependence, for the gyro offset
     const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
     const CoefficientIndex at = coefficient_index("gyro.offset.x");
     return Eigen::MatrixXd(r * c.covariance.block<3, 3>(at, at) * r.transpose());

@@ -11,7 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 TriadModel of_shifted_readings(TriadModel m, const Vector3d& shift) {
-  // Powers of V' - k in powers of V'.
+  // Expand powers of V' - k in powers of V'.
   const Vector3d& k = shift;
   const Vector3d k2 = k.cwiseAbs2();
   m.offset += -m.matrix * k + m.quadratic.cwiseProduct(k2) - m.cubic.cwiseProduct(k2.cwiseProduct(k));
@@ -28,7 +28,7 @@ SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, 
 
 namespace {
 
-/// c1 tau + c2 tau^2 with tau = tau' + by: its constant part moves to the polynomial.
+/// Uses c1 tau + c2 tau^2 with tau = tau' + by: its constant part moves to the polynomial.
 TriadModel with_reference(TriadModel m, double reference) {
   if (!m.temperature) return m;
   const double by = reference - m.temperature->reference;
@@ -38,7 +38,7 @@ TriadModel with_reference(TriadModel m, double reference) {
   return of_shifted_readings(m, constant);
 }
 
-/// Derivatives of the coefficients after a change by those before: central differences about `at` over one `step` of each; none where that is zero.
+/// Returns derivatives of the coefficients after a change by those before: central differences about `at` over one `step` each; 0 for a step 0.
 MatrixXd derivatives(const ModelChange& change, const std::vector<CoefficientIndex>& indices, const SensorModel& at, const VectorXd& step) {
   MatrixXd out = MatrixXd::Zero(step.size(), step.size());
   for (Index k = 0; k < step.size(); ++k) {
@@ -76,7 +76,7 @@ Calibration with_references(const Calibration& calibration, double accel_referen
   if (stays(calibration.model.accel, accel_reference) && stays(calibration.model.gyro, gyro_reference)) return out;
   const auto change = [&](const SensorModel& model) { return with_references(model, accel_reference, gyro_reference); };
   out.model = change(calibration.model);
-  // Products of a coefficient with the drift, which is small: differences over one sigma are exact to the third order of it.
+  // Products of a coefficient with the small drift: differences over one sigma are exact to third order.
   const MatrixXd transfer = derivatives(change, calibration.estimated, calibration.model, calibration.covariance.diagonal().cwiseSqrt());
   out.covariance = transfer * calibration.covariance * transfer.transpose();
   if (calibration.constant_covariance.size() > 0) out.constant_covariance = transfer * calibration.constant_covariance * transfer.transpose();
@@ -84,7 +84,7 @@ Calibration with_references(const Calibration& calibration, double accel_referen
 }
 
 MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<CoefficientIndex>& indices, const MatrixXd& covariance) {
-  SensorModel zero;  // where unit steps are exact
+  SensorModel zero;  // unit steps are exact there
   zero.accel.matrix.setZero(), zero.gyro.matrix.setZero();
   if (covariance.rows() != std::ssize(indices) || covariance.cols() != covariance.rows())
     throw Error("a covariance of another size than its coefficients; expected a row and a column for each");

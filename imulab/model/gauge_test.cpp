@@ -39,7 +39,7 @@ TEST(Gauge, AnotherReferenceIsTheSameCompensation) {
               coefficient_value(a, coefficient_index("accel.offset.y")), 1e-12);
 }
 
-/// The uncertainty of the output is the same in every gauge.
+/// The uncertainty of the output is equal in every gauge.
 TEST(Gauge, CarriesTheCovariance) {
   Calibration a;
   a.model = unit();
@@ -55,7 +55,7 @@ TEST(Gauge, CarriesTheCovariance) {
   EXPECT_LT((p - q).norm(), 1e-6 * p.norm());  // of the differences, third order of 1e-4
 }
 
-/// Readings about the middle of an unsigned converter: the uncertainty of the compensated output does not change.
+/// For readings about the middle of an unsigned converter, the uncertainty of the compensated output does not change.
 TEST(Gauge, CarriesTheCovarianceToShiftedReadings) {
   Calibration a;
   a.model = unit();

@@ -16,7 +16,7 @@ namespace {
 using namespace unit;
 constexpr double sqrt_hour = 60;  // sqrt(s)
 
-/// ug/g^2, ug/g^3, ppm/(deg/s), ppb/(deg/s)^2, deg/h/g
+/// Returns sizes from ug/g^2, ug/g^3, ppm/(deg/s), ppb/(deg/s)^2, deg/h/g.
 constexpr TermSizes terms(double accel_quadratic, double accel_cubic, double gyro_quadratic, double gyro_cubic, double g_sensitivity) {
   return {accel_quadratic * ug / (g * g), accel_cubic * ug / (g * g * g), gyro_quadratic * ppm / deg, gyro_cubic * 1e-9 / (deg * deg),
           g_sensitivity * deg_per_h / g};
@@ -97,8 +97,8 @@ constexpr std::array<Grade, 5> catalogue{{
                      .turn_on = {5e-3 * g},
                      .resolution = 4.0 / 32768 * g,
                      .range = 4 * g}},
-    // Dai 2011: ranges of coefficients table 2; stability, full scale table 1 (here with a margin for the readings of a nonlinear sensor at 30 g, 400
-    // deg/s).
+    // Dai 2011: ranges of coefficients from table 2; stability and full scale from table 1 (with a margin for readings of a nonlinear sensor at 30 g
+    // and 400 deg/s).
     {.name = "mems-30g",
      .gyro_bias = 0.5 * deg,
      .accel_bias = 30e-3 * g,
@@ -123,7 +123,7 @@ constexpr std::array<Grade, 5> catalogue{{
                                .accel_curvature = 7e-3 * g}},
 }};
 
-// Xu 2024 table 1. Strategic: 30 m per hour; a non-orthogonality and a scale below a limit begin at zero.
+// Xu 2024 table 1. Strategic: 30 m per hour; a nonorthogonality or scale below a limit begins at zero.
 constexpr std::array<PublishedGrade, 3> published{{
     {"strategic", {0, 30 / hour}, {1e-4 * deg_per_h, 0.01 * deg_per_h}, {1 * ug, 50 * ug}, {0, 1 * arcsec}, {0, 10 * ppm}},
     {"navigation",

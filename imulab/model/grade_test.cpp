@@ -13,7 +13,7 @@ TEST(Grade, NavigationGradesLieInsideThePublishedRanges) {
   for (const PublishedGrade& published : published_grades()) {
     const Grade& g = grade(published.name);
     const auto inside = [&](double value, const std::array<double, 2>& range) {
-      EXPECT_GE(value, range[0] * (1 - 1e-12)) << published.name;  // 0.01 deg/h is the range's end: rounding
+      EXPECT_GE(value, range[0] * (1 - 1e-12)) << published.name;  // 0.01 deg/h is the end of the range: rounding
       EXPECT_LE(value, range[1] * (1 + 1e-12)) << published.name;
     };
     inside(g.gyro_bias, published.gyro_bias);

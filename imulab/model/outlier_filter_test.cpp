@@ -29,7 +29,7 @@ Six noise(std::size_t n, double sigma = 1) {
   return columns;
 }
 
-constexpr std::size_t learned = 150;  // windows among which 64 are learned from: four in five of white noise are
+constexpr std::size_t learned = 150;  // 64 windows are used of these: four in five of white noise are
 
 TEST(OutlierFilter, WhiteNoiseGivesFewerThanOneFalseAlarmInAMillion) {
   Six columns = noise(1'666'667);  // ten million readings
@@ -39,8 +39,8 @@ TEST(OutlierFilter, WhiteNoiseGivesFewerThanOneFalseAlarmInAMillion) {
   EXPECT_LE(alarms, 2);  // none in 1e9 readings of other draws: a rate below 3e-9 with 95 % confidence
 }
 
-/// Spikes of `size` with alternating signs, `together` in a row, on top of `signal` that changes by at most `slope` a sample: all are found, and
-/// nothing else but, on a slope, samples within two of them; and the output is the signal.
+/// Adds spikes of `size` with alternating signs, `together` in a row, to `signal`, which changes by at most `slope` per sample. Expects that all are
+/// found and nothing else except, on a slope, samples within two of them; and that the output is the signal.
 void expect_all_found(const std::vector<double>& signal, double sigma, double size, std::size_t together, double slope) {
   const std::size_t n = signal.size();
   Six columns = noise(n, sigma);
@@ -59,8 +59,7 @@ void expect_all_found(const std::vector<double>& signal, double sigma, double si
     if (spike[i] || !near[i]) {
       ASSERT_EQ(replaced[i], spike[i] ? 63 : 0) << i;
     }
-    // Six sigma: of 120,000 readings none lies beyond (probability 2e-4). The middle of two of four neighbors is at most one and a half samples
-    // away.
+    // Six sigma: none of 120,000 readings exceeds it (p = 2e-4). The middle of two of four neighbors is at most one and a half samples away.
     for (const auto& column : columns) ASSERT_NEAR(column[i], signal[i], 6 * sigma + 1.5 * slope) << i;
   }
 }
@@ -68,13 +67,13 @@ void expect_all_found(const std::vector<double>& signal, double sigma, double si
 TEST(OutlierFilter, FindsEverySpikeOf25SigmaAndEveryPairOf75) {
   const std::vector<double> rest(20'000, 3.0);
   expect_all_found(rest, 0.1, 2.5, 1, 0);
-  expect_all_found(rest, 0.1, 7.5, 2, 0);  // of a pair the cubic through the neighbors leaves a third
+  expect_all_found(rest, 0.1, 7.5, 2, 0);  // for a pair, the cubic through the neighbors leaves a third
 }
 
 TEST(OutlierFilter, FindsEverySpikeInARollOf400DegPerSecondWithRamps) {
   constexpr double rate_hz = 50, sigma = 0.14, acceleration = 1000;  // deg/s from 0.02 deg/s/sqrt(Hz), deg/s^2
   std::vector<double> roll;
-  for (std::size_t i = 0; i < 20'000; ++i) {  // up in 0.4 s, 1.6 s of rolling, down; 3 s at rest between
+  for (std::size_t i = 0; i < 20'000; ++i) {  // up in 0.4 s, 1.6 s of rolling, down; 3 s at rest in between
     const double t = std::fmod(static_cast<double>(i) / rate_hz, 5.4);
     roll.push_back(std::clamp(std::min((t - 3) * acceleration, (5.4 - t) * acceleration), 0.0, 400.0));
   }
@@ -117,7 +116,7 @@ TEST(OutlierFilter, AfterASlopeTheNoiseIsStillKnown) {
 }
 
 TEST(OutlierFilter, TheFlickerOfRoundedReadingsIsNoOutlier) {
-  Six columns = noise(20'000, 0.2);  // of a step: one reading in eighty is not the usual one
+  Six columns = noise(20'000, 0.2);  // in steps: one reading in eighty is not the usual one
   for (auto& column : columns) {
     for (double& x : column) x = 0.25 * std::round(x);
     column[10'000] += 20 * 0.25;
@@ -126,14 +125,14 @@ TEST(OutlierFilter, TheFlickerOfRoundedReadingsIsNoOutlier) {
   for (std::size_t i = 0; i < replaced.size(); ++i) EXPECT_EQ(replaced[i], i == 10'000 ? 63 : 0) << i;
 }
 
-TEST(OutlierFilter, ThreeTogetherPass) {  // a stated limit: they may be a pulse
+TEST(OutlierFilter, ThreeTogetherPass) {  // a documented limit: they may be a pulse
   Six columns = noise(1000);
   for (auto& column : columns)
     for (std::size_t i = 500; i < 503; ++i) column[i] += 1000;
   EXPECT_THAT(reject_outliers(spans(columns)), Each(0));
 }
 
-TEST(OutlierFilter, AVibrationThatSetsInIsLearned) {  // a stated limit: its first samples are taken for outliers
+TEST(OutlierFilter, AVibrationThatSetsInIsLearned) {  // a documented limit: its first samples are treated as outliers
   Six columns = noise(3000);
   for (auto& column : columns)
     for (std::size_t i = 1000; i < column.size(); ++i) column[i] *= 100;
@@ -141,7 +140,7 @@ TEST(OutlierFilter, AVibrationThatSetsInIsLearned) {  // a stated limit: its fir
   for (std::size_t c = 0; c < 6; ++c) {
     const auto count = std::count_if(replaced.begin(), replaced.end(), [c](std::uint8_t mask) { return mask >> c & 1; });
     EXPECT_GT(count, 5);
-    EXPECT_LT(count, 60);  // s grows by 9 % a sample at most, and 1.09^35 = 20 makes K s of the old noise twice the new one's sigma
+    EXPECT_LT(count, 60);  // s grows by at most 9 % per sample, and 1.09^35 = 20 makes K s of the old noise twice the new sigma
   }
   EXPECT_TRUE(std::all_of(replaced.begin() + 1200, replaced.end(), [](std::uint8_t mask) { return mask == 0; }));
 }
@@ -185,7 +184,7 @@ TEST(OutlierFilter, ColumnsAreTheSameBitForBit) {
     if (const auto out = filter.push({raw[0][i], raw[1][i], raw[2][i], raw[3][i], raw[4][i], raw[5][i]})) expect_same(*out);
   while (const auto out = filter.rest()) expect_same(*out);
   EXPECT_EQ(at, 5000u);
-  EXPECT_EQ(count, 436u);  // each channel's own spikes
+  EXPECT_EQ(count, 436u);  // the spikes of each channel
 }
 
 TEST(OutlierFilter, WhatIsNoNumberPassesAndIsForgotten) {

@@ -15,7 +15,7 @@ namespace imulab {
 
 namespace {
 
-/// The unit of this name that all of the coefficients can have: a group may be of scales and misalignments. `stated`: the requirement's text.
+/// Returns the unit of this name if all coefficients can have it: a group may contain scales and misalignments. `stated`: text of the requirement.
 UserUnit required_unit(const Requirement& requirement, const std::string& stated, std::string_view name) {
   const auto has = [](CoefficientIndex index, std::string_view unit) {
     const auto units = user_units(coefficient(index));
@@ -93,7 +93,7 @@ RequirementResult compared(const Requirement& requirement, const std::function<S
     out.reached = stated.compared();
     out.coefficient = coefficient(index).name;
   }
-  constexpr double alike = 1.02;  // two digits of u are the same
+  constexpr double alike = 1.02;  // equal in two digits of u
   if (std::isfinite(out.reached) && !worst.has_enough())
     out.note = fmt::format("{:.2g} degree{} of freedom, fewer than 3", worst.degrees_of_freedom, worst.degrees_of_freedom == 1 ? "" : "s");
   else if (std::isfinite(out.reached) && out.reached > alike * worst.sigma)

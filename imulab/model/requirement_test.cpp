@@ -97,7 +97,7 @@ TEST(Requirement, FewDegreesOfFreedomCountWithStudentsT) {
   const Requirement r = parse_requirements("accel.offset <= 2 mg").front();
   struct Case {
     int degrees;
-    double factor;  // k/2, of JCGM 100, table G.2
+    double factor;  // k/2, from JCGM 100, table G.2
     bool met;
     const char* note;
   };

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-/// Every term; lever arms have none of a single sample.
+/// Returns a unit with every term except lever arms, which do not act on a single sample.
 SensorModel drawn_unit() {
   SensorModel model;
   const RandomStream draws(5, "sample compensator");
@@ -33,7 +33,7 @@ SensorModel drawn_unit() {
 
 constexpr SampleOptions of_drawn{.gyro_temperature_unit = "raw"};
 
-/// Twelve columns of n samples: gyro, accel, and their temperatures.
+/// Returns twelve columns of n samples: gyro, accel, and their temperatures.
 std::array<std::vector<double>, 12> drawn_columns(std::size_t n) {
   std::array<std::vector<double>, 12> out;
   for (std::size_t c = 0; c < 12; ++c)

@@ -11,8 +11,8 @@ namespace imulab {
 namespace {
 
 constexpr std::size_t chunk = 512;  // draws at once
-/// Weights of the last draws, the newest first, as parts of B: what the processes of the flicker lack of the power of means over a sample's interval.
-/// Fitted to B^2 / (2 pi f) with the means' sinc^2, folded by sampling: within 1.7 % of its power at all frequencies, where without they lack 28 %.
+/// Weights of the last draws, the newest first, as fractions of B: the power of means over a sample's interval that the processes of the flicker
+/// lack. Fitted to B^2 / (2 pi f) with the sinc^2 of means, folded by sampling: within 1.7 % at all frequencies, instead of 28 %.
 constexpr std::array<double, 4> flicker_rest{0.080514, -0.012116, -0.018247, -0.006552};
 constexpr std::size_t past = flicker_rest.size() - 1;
 using Draws = std::array<double, past + chunk>;
@@ -33,7 +33,7 @@ AxisNoise::AxisNoise(const NoiseModel& model, double interval_s, std::uint64_t s
       flicker_(seed, "flicker of " + purpose),
       walk_(seed, "walk of " + purpose),
       start_(seed, "flicker's start of " + purpose) {
-  const Flicker flicker(model.B, interval_s);  // its white noise constant in a sample
+  const Flicker flicker(model.B, interval_s);  // its white noise is constant in a sample
   for (int m = 0; m < Flicker::processes; ++m) {
     const double pole = flicker.pole(m);
     decay_(m) = std::exp(-pole * interval_s);
@@ -96,7 +96,7 @@ void AxisNoise::add_fast(std::size_t begin, std::span<double> out) const {
       white_.normals(begin + done, std::span(draws).first(n));
       for (std::size_t k = 0; k < n; ++k) out[done + k] += white * draws[k];
     }
-    if (model_.Q != 0) {  // the integral's error at the sample's end less that at its beginning
+    if (model_.Q != 0) {  // error of the integral at the end of the sample minus that at its beginning
       quantization_.normals(begin + done, std::span(draws).first(n + 1));
       for (std::size_t k = 0; k < n; ++k) out[done + k] += quantum * (draws[k + 1] - draws[k]);
     }

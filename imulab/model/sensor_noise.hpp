@@ -1,4 +1,4 @@
-// The noise terms of one sensor axis as samples: means over the sample's interval, each term from random streams of its own.
+// The noise terms of one sensor axis as samples: means over the sample's interval, each term from its own random streams.
 #pragma once
 
 #include "imulab/core/random.hpp"
@@ -16,16 +16,16 @@ namespace imulab {
 
 // Flicker noise as first-order processes: simulations draw their sum, error budgets propagate their covariance.
 
-/// Power B^2 / (2 pi f): processes z' = -pole z + gain u, all driven by one white noise u of unit density, and `direct` u besides; their sum is a
-/// half-order integral of u. Correlation times of 1, 4, 16, ... 4^13 sample intervals.
+/// Power B^2 / (2 pi f): processes z' = -pole z + gain u, all driven by one white noise u of unit density, plus `direct` u; their sum is a half-order
+/// integral of u. The correlation times are 1, 4, 16, ... 4^13 sample intervals.
 struct Flicker {
   static constexpr int processes = 14;
-  static constexpr double times_ratio = 4;  // of neighboring correlation times
+  static constexpr double times_ratio = 4;  // ratio of successive correlation times
   using Array = Eigen::Array<double, processes, 1>;
   Array pole, gain;  // 1/s, SI of the output
-  double direct;     // of the faster ones, which follow the white noise: a geometric series of pole^-1/2
+  double direct;     // for the faster processes, which follow the white noise: a geometric series of pole^-1/2
 
-  // (j w)^-1/2 = 1/pi integral of p^1/2 / (j w + p) d(ln p): the poles p at equal steps of ln p.
+  // (j w)^-1/2 = 1/pi integral of p^1/2 / (j w + p) d(ln p), with poles p at equal steps of ln p.
   Flicker(double B, double interval) {
     const double weight = B * std::log(times_ratio) / std::numbers::pi, fastest = 1 / interval;
     for (int m = 0; m < processes; ++m) pole(m) = fastest * std::pow(times_ratio, -m);
@@ -34,7 +34,7 @@ struct Flicker {
   }
 };
 
-/// Covariance of flicker at two times.
+/// The covariance of flicker at two times.
 class FlickerCovariance {
  public:
   FlickerCovariance(double B, double interval_s) : flicker_(B, interval_s) {
@@ -42,10 +42,10 @@ class FlickerCovariance {
       weight_(j) = flicker_.gain(j) * (flicker_.gain / (flicker_.pole + flicker_.pole(j))).sum();  // one driver for all
   }
   double between(double lag) const { return (weight_ * (-flicker_.pole * lag).exp()).sum(); }
-  /// Variance of the mean over a time.
+  /// Returns the variance of the mean over a time.
   double of_mean(double time) const {
     const Flicker::Array x = flicker_.pole * time;
-    // 2 (x - 1 + exp(-x)) / x^2; its series where rounding would spoil it.
+    // 2 (x - 1 + exp(-x)) / x^2, as a series if rounding would dominate.
     const Flicker::Array averaged = (x > 1e-3).select(2 * (x - 1 + (-x).exp()) / x.square(), 1 - x / 3);
     return (weight_ * averaged).sum() + flicker_.direct * flicker_.direct / time;
   }
@@ -55,18 +55,18 @@ class FlickerCovariance {
   Flicker::Array weight_;
 };
 
-/// Flicker is the sum of the processes of Flicker, with the power of means over the sample's interval to within 2 % from 10^5 intervals to half
-/// the sample rate. It begins in its stationary state; the rate random walk begins at zero.
+/// Noise of one axis. Flicker is the sum of the processes of Flicker, with the power of means over the sample's interval within 2 % from 10^5
+/// intervals to half the sample rate. It begins in its stationary state; the rate random walk begins at zero.
 class AxisNoise {
  public:
-  /// `purpose` names the streams, as in "gyro.x noise of recording.csv".
+  /// `purpose` names the streams, for example "gyro.x noise of recording.csv".
   AxisNoise(const NoiseModel& model, double interval_s, std::uint64_t seed, const std::string& purpose);
 
-  /// True if there are terms with a memory, or constant terms.
+  /// Returns true if there are terms with memory, or constant terms.
   bool slow() const;
-  /// Adds turn-on bias, ramp, flicker and random walk to a whole recording, sample after sample.
+  /// Adds turn-on bias, ramp, flicker and random walk to a whole recording, sample by sample.
   void add_slow(std::span<double> recording) const;
-  /// Adds white and quantization noise to samples begin and following: any part of a recording independently.
+  /// Adds white and quantization noise to samples from `begin` on; parts of a recording are independent.
   void add_fast(std::size_t begin, std::span<double> out) const;
 
  private:
@@ -76,7 +76,7 @@ class AxisNoise {
   double interval_s_;
   double bias_, ramp_;             // of this recording
   std::array<double, 4> direct_;   // of the flicker: weights of the last draws
-  Flicker::Array decay_, driven_;  // of the flicker, a sample on
+  Flicker::Array decay_, driven_;  // of the flicker over one sample
   RandomStream white_, quantization_, flicker_, walk_, start_;
 };
 

@@ -1,4 +1,4 @@
-// Each noise term alone against its Allan deviation in closed form (IEEE Std 952).
+// Compares each noise term with its closed-form Allan deviation (IEEE Std 952).
 #include "imulab/model/sensor_noise.hpp"
 
 #include "imulab/core/statistics.hpp"
@@ -29,8 +29,8 @@ struct Allan {
   double variance = 0, pairs = 0;
 };
 
-/// Allan variance from pairs of neighboring clusters of `m` samples, no cluster in two pairs and one sample between pairs: the pairs are independent
-/// where the noise's increments (or those of its integral, or of its sum) are.
+/// Returns the Allan variance from pairs of adjacent clusters of `m` samples, with no cluster in two pairs and one sample between pairs: the pairs
+/// are independent if the noise's increments (or those of its integral, or of its sum) are.
 Allan allan(const NoiseModel& model, std::size_t m) {
   Allan a;
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
@@ -72,13 +72,13 @@ TEST(SensorNoise, AllanDeviationOfRateRandomWalk) {
 }
 
 TEST(SensorNoise, AllanDeviationOfBiasInstability) {
-  // Neighboring pairs of flicker correlate slightly: half of them is a safe count. The model is within 1 % of the plateau from 16 to
-  // 10^4 samples (its spectrum, integrated numerically).
+  // Adjacent pairs of flicker are slightly correlated: half of their number is a safe count. The model is within 1 % of the plateau from 16 to 10^4
+  // samples (its spectrum, integrated numerically).
   expect_variance(
       {.B = 2}, [](double) { return 4 * 2 * std::numbers::ln2 / std::numbers::pi; }, 0.5, 0.01);
 }
 
-// Of a first-order process: IEEE Std 952, C.1.5.
+// The formula for a first-order process is IEEE Std 952, C.1.5.
 TEST(FilterFlicker, HasTheAllanDeviationOfBiasInstability) {
   constexpr double T = FilterFlicker::time, within = 0.11;
   const FilterFlicker f(1);
@@ -113,14 +113,14 @@ TEST(SensorNoise, TurnOnBiasAndRampAreDrawnOnceOrFixed) {
 }
 
 TEST(SensorNoise, FlickerIsStationaryFromTheStart) {
-  // The variance is the same in the first sample and much later, from many starts.
+  // The variance is equal in the first sample and much later, from many starts.
   double first = 0, later = 0;
   const int n = 4000;
   for (std::uint64_t seed = 1; seed <= n; ++seed) {
     const std::vector<double> x = samples({.B = 1}, 600, seed);
     first += x.front() * x.front(), later += x.back() * x.back();
   }
-  // A ratio of two chi-squares with n degrees of freedom, independent or positively correlated: five sigma of its logarithm.
+  // This is a ratio of two chi-squares with n degrees of freedom, independent or positively correlated: five sigma of its logarithm.
   EXPECT_NEAR(std::log(first / later), 0, 5 * std::sqrt(4.0 / n));
 }
 

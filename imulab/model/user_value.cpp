@@ -14,7 +14,7 @@ namespace imulab {
 
 namespace {
 
-/// The largest value of a term: one unit for all of its coefficients.
+/// Returns the largest value of a term, because all of its coefficients share one unit.
 double largest_of_term(const Calibration& calibration, const Coefficient& c) {
   double largest = 0;
   for (const CoefficientIndex other : coefficient_indices())
@@ -23,7 +23,7 @@ double largest_of_term(const Calibration& calibration, const Coefficient& c) {
   return largest;
 }
 
-/// Readings in counts.
+/// Returns the value for readings in counts.
 UserValue of_counts(const Coefficient& c, Calibration calibration, const SensorModel& model, double value, double sigma) {
   if (c.term == Term::matrix) return {1 / value, sigma / (value * value), c.triad == Triad::accel ? "count/(m/s^2)" : "count/(rad/s)"};
   if (c.term != Term::offset) return {value, sigma, ""};
@@ -100,7 +100,7 @@ UserUnit user_unit(const Coefficient& c, double size) {
   const std::span<const UserUnit> units = user_units(c);
   if (units.empty()) return {c.unit, 1};
   const bool scaled = c.term == Term::offset || c.term == Term::g_sensitivity;
-  return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU in mg, deg/s and deg/s/g
+  return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU uses mg, deg/s and deg/s/g
 }
 
 UserUnit user_unit(const Coefficient& c, double size, const TriadModel& triad) {
@@ -120,7 +120,7 @@ double declared_part(const Calibration& calibration, CoefficientIndex index) {
 }  // namespace
 
 double coverage_factor(double degrees_of_freedom) {
-  constexpr double level = 0.9545;  // two sigma of a normal distribution, on both sides
+  constexpr double level = 0.9545;  // two sigma of a normal distribution, two-sided
   return student_quantile(0.5 * (1 + level), degrees_of_freedom);
 }
 
@@ -130,7 +130,7 @@ ExpandedUncertainty expanded_uncertainty(const Calibration& calibration, Coeffic
   ExpandedUncertainty out;
   out.standard = *u;
   out.declared = declared_part(calibration, index);
-  if (out.declared > *u) out.declared = 0;  // the data know the quantity better than the declaration: no part of it stands apart
+  if (out.declared > *u) out.declared = 0;  // the data determine the quantity better than the declaration: no part is separate
   out.from_fit = std::sqrt(std::max(0.0, *u * *u - out.declared * out.declared));
   const double of_fit = std::max(1, calibration.quality.degrees_of_freedom);
   const double part = *u > 0 ? out.from_fit / *u : 0;

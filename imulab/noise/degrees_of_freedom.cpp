@@ -11,9 +11,9 @@ namespace imulab::noise {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double longest_sum = 100;  // terms of a sum taken exactly: SP 1065's Jmax
+constexpr double longest_sum = 100;  // largest number of terms of an exact sum: SP 1065's Jmax
 
-/// Generalized autocovariance of the phase.
+/// Returns the generalized autocovariance of the phase.
 double sw(double t, int alpha) {
   t = std::abs(t);
   if (t == 0) return 0;
@@ -35,13 +35,13 @@ double sw(double t, int alpha) {
   }
 }
 
-/// The autocovariance of the phase averaged with filter factor F.
+/// Returns the autocovariance of the phase averaged with filter factor F.
 double sx(double t, double F, int alpha) {
   if (std::isinf(F)) return sw(t, alpha + 2);
   return F * F * (2 * sw(t, alpha) - sw(t - 1 / F, alpha) - sw(t + 1 / F, alpha));
 }
 
-/// The autocovariance of its differences.
+/// Returns the autocovariance of the differences of that phase.
 double sz(double t, double F, int alpha, int order) {
   if (order == 2) return 6 * sx(t, F, alpha) - 4 * (sx(t - 1, F, alpha) + sx(t + 1, F, alpha)) + sx(t - 2, F, alpha) + sx(t + 2, F, alpha);
   return 20 * sx(t, F, alpha) - 15 * (sx(t - 1, F, alpha) + sx(t + 1, F, alpha)) + 6 * (sx(t - 2, F, alpha) + sx(t + 2, F, alpha)) -
@@ -80,14 +80,14 @@ Pair at(const std::array<std::array<Pair, 2>, 7>& table, int alpha, int order) {
   return table[static_cast<std::size_t>(2 - alpha)][static_cast<std::size_t>(order - 2)];
 }
 
-/// Number of estimates M, and the stride S of `Variance` in points of m.
+/// Number of estimates M, and stride S of `Variance` in points of m.
 struct Size {
   double M, S, m;
   double r() const { return M / S; }
 };
 
-/// Summed exactly where that is short, by its asymptotic form for long records, else by a sum of as many terms at wider steps. `filter`: F of the
-/// exact sum; `limit`: F of the other, absent where the steps are; `at_zero`: sz(0) where the other forms need it (flicker of the phase), else 0.
+/// Returns 1 / edf: by an exact sum if that is short, by the asymptotic form for long records, else by a sum of as many terms at wider steps.
+/// `filter`: F of the exact sum; `limit`: F of the other sum, absent if it has the steps; `at_zero`: sz(0) for flicker of the phase, else 0.
 double inverse_by_size(const Size& n, int alpha, int order, double filter, std::optional<double> limit, double at_zero, Pair a) {
   const double J = std::min(n.M, (order + 1) * n.S);
   if (J <= longest_sum) return basic_sum(J, n.M, n.S, filter, alpha, order) / (std::pow(sz(0, filter, alpha, order), 2) * n.M);
@@ -124,7 +124,7 @@ double degrees_of_freedom(const Variance& v, int alpha) {
     inverse = inverse_for_white_phase(n, v.order);
   } else if (alpha == 1) {
     const Pair b = of_flicker_phase[static_cast<std::size_t>(v.order - 2)];
-    // Beyond m = 1e5 rounding spoils the exact sum, which then depends on ln m alone.
+    // Beyond m = 1e5, rounding degrades the exact sum, which then depends only on ln m.
     inverse = inverse_by_size(n, 1, v.order, std::min(m, 1e5), {}, b.a0 + b.a1 * std::log(m), at(of_unmodified, 1, v.order));
   } else {
     const double filter = m * (v.order + 1) <= longest_sum ? m : infinite;
@@ -142,9 +142,9 @@ namespace {
 
 using Run = std::vector<double>;
 constexpr std::size_t run_length = 1024, most_runs = 8;
-constexpr std::size_t fewest_averages = 30;  // for an autocorrelation
+constexpr std::size_t fewest_averages = 30;  // required for an autocorrelation
 
-/// Averages first and following over m samples (times m).
+/// Returns averages first, first + 1, ... over m samples (times m).
 Run averages(const std::vector<double>& phase, std::size_t m, std::size_t first, std::size_t count) {
   Run run(count);
   for (std::size_t j = 0; j < count; ++j) run[j] = phase[(first + j + 1) * m] - phase[(first + j) * m];
@@ -168,7 +168,7 @@ void remove_line(Run& run) {
   for (std::size_t j = 0; j < run.size(); ++j) run[j] -= mean + slope * (static_cast<double>(j) - 0.5 * (n - 1));
 }
 
-/// Lag-1 autocorrelation about each run's mean; 0 where nothing varies.
+/// Returns the lag-1 autocorrelation about the mean of each run; 0 if nothing varies.
 double autocorrelation(const std::vector<Run>& runs) {
   double products = 0, squares = 0;
   for (const Run& run : runs) {
@@ -194,7 +194,7 @@ int by_autocorrelation(std::vector<Run> runs, int least) {
   }
 }
 
-/// B1 of n averages for noise whose Allan variance goes as tau^mu.
+/// Returns B1 of n averages for noise whose Allan variance is proportional to tau^mu.
 double barnes_ratio(double n, int mu) {
   if (mu == 0) return n * std::log(n) / (2 * (n - 1) * std::log(2.0));
   return n * (1 - std::pow(n, mu)) / (2 * (n - 1) * (1 - std::pow(2.0, mu)));
@@ -207,7 +207,7 @@ int by_variance_ratio(const Run& run, int least) {
   for (const double v : run) standard += (v - mean) * (v - mean) / (n - 1);
   for (std::size_t j = 1; j < run.size(); ++j) allan += (run[j] - run[j - 1]) * (run[j] - run[j - 1]) / (2 * (n - 1));
   if (allan == 0) return 0;
-  // The boundary between two types: the geometric mean of what they give. alpha = 2 and 1 give the same.
+  // The boundary between two types is the geometric mean of their ratios. alpha = 2 and 1 have the same ratio.
   int alpha = 2;
   for (int mu = -1; - mu - 1 >= least; ++mu) {
     if (standard / allan < std::sqrt(barnes_ratio(n, mu) * barnes_ratio(n, mu - 1))) break;

@@ -18,13 +18,13 @@ using noise::SquareSum;
 
 bool is_hadamard(DeviationKind kind) { return kind == DeviationKind::hadamard || kind == DeviationKind::overlapping_hadamard; }
 
-/// Samples that one term spans, in averaging factors.
+/// Returns the span of one term in averaging factors.
 std::size_t reach(DeviationKind kind) {
   if (kind == DeviationKind::total) return 1;
   return is_hadamard(kind) || kind == DeviationKind::modified_allan ? 3 : 2;
 }
 
-/// The squares' mean is this many variances (times the squared averaging factor).
+/// Returns the ratio of the mean square to the variance (times the squared averaging factor).
 double scale(DeviationKind kind) { return is_hadamard(kind) ? 6 : 2; }
 
 std::vector<SquareSum> square_sums(const std::vector<double>& phase, const std::vector<std::size_t>& factors, DeviationKind kind) {
@@ -42,14 +42,14 @@ double edf_of(const DeviationPoint& point, std::size_t points, DeviationKind kin
   if (kind == DeviationKind::total && point.noise_type <= 0)
     return std::max(1.0, noise::total_degrees_of_freedom(static_cast<double>(points - 1) / static_cast<double>(point.factor), point.noise_type));
   const bool strided = kind == DeviationKind::allan || kind == DeviationKind::hadamard;
-  // With more than half the record a total deviation has the freedom of an overlapping one at half of it.
+  // Beyond half the record, a total deviation has the degrees of freedom of an overlapping one at half of it.
   const std::size_t m = kind == DeviationKind::total ? std::min(point.factor, (points - 1) / 2) : point.factor;
   return noise::degrees_of_freedom({is_hadamard(kind) ? 3 : 2, points, m, !strided, kind == DeviationKind::modified_allan}, point.noise_type);
 }
 
 void set_bounds(DeviationPoint& point) {
   const auto bound = [&](double p) { return point.deviation * std::sqrt(point.edf / chi_square_quantile(p, point.edf)); };
-  constexpr double one_sigma = 0.158655253931457;  // of a normal distribution, below minus one sigma
+  constexpr double one_sigma = 0.158655253931457;  // probability that a normal variable is below minus one sigma
   point.lower_68 = bound(1 - one_sigma);
   point.upper_68 = bound(one_sigma);
   point.lower_95 = bound(0.975);

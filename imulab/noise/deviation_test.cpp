@@ -1,6 +1,6 @@
-// Published values: NIST SP 1065 (Riley 2008), table 31 (NBS14, 10 points) and tables 32 to 34 (1000 points); bounds that Stable32 prints for the
-// same 1000 points. A published value has to be met to all digits that it is printed with, where the tables agree with themselves: SP 1065 prints one
-// Hadamard deviation as 70.80608 and as 70.80607 (it is 70.806073), and 3.9108606e-2 as 3.910860e-2.
+// Published values: NIST SP 1065 (Riley 2008), table 31 (NBS14, 10 points) and tables 32 to 34 (1000 points); and bounds of Stable32 for the same
+// 1000 points. A published value must agree to all printed digits, unless the tables are inconsistent: SP 1065 prints one Hadamard deviation as
+// 70.80608 and as 70.80607 (it is 70.806073), and 3.9108606e-2 as 3.910860e-2.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
@@ -31,7 +31,7 @@ std::vector<double> nbs14_1000() {
   return rate;
 }
 
-/// Half a unit of the last of `digits` significant digits.
+/// Returns half a unit of the last of `digits` significant digits.
 double half_unit(double value, int digits) { return 0.5 * std::pow(10, std::floor(std::log10(value)) + 1 - digits) * (1 + 1e-9); }
 
 void expect_published(const std::vector<double>& rate, const std::vector<std::size_t>& factors,
@@ -69,20 +69,20 @@ TEST(Deviation, IsThePublishedOneOfAThousandPoints) {
 
 TEST(Deviation, HasTheTermsAndTimesOfTheDefinition) {
   const auto points = deviation(nbs14_1000(), 0.5, {1, 10, 100, 256, 500, 501});
-  ASSERT_EQ(points.size(), 5u);  // 501 averages twice over do not fit into 1000
+  ASSERT_EQ(points.size(), 5u);  // two averages of 501 do not fit into 1000
   EXPECT_EQ(points[0].terms, 999u);
   EXPECT_EQ(points[1].terms, 981u);
   EXPECT_EQ(points[2].terms, 801u);
   EXPECT_EQ(points[3].terms, 489u);
   EXPECT_EQ(points[4].terms, 1u);
   EXPECT_DOUBLE_EQ(points[3].tau, 128);
-  EXPECT_NEAR(points[0].deviation, 2.922318781067595e-01, 1e-13);  // an independent implementation; rounding of 1000 sums
+  EXPECT_NEAR(points[0].deviation, 2.922318781067595e-01, 1e-13);  // from an independent implementation; rounding of 1000 sums
   EXPECT_NEAR(points[3].deviation, 1.028221763903267e-02, 1e-14);
 }
 
 TEST(Deviation, OfManyOctavesIsThatOfTheDefinition) {
   std::vector<double> rate;
-  for (int i = 0; i < 9000; ++i) rate.push_back(std::fmod(0.61803398875 * i * i, 1.0));  // several pieces, the last one in part
+  for (int i = 0; i < 9000; ++i) rate.push_back(std::fmod(0.61803398875 * i * i, 1.0));  // several pieces, the last one partial
   const std::vector<std::size_t> factors = averaging_factors(rate.size());
   const std::vector<DeviationPoint> points = deviation(rate, 1, factors, DeviationKind::overlapping_allan);
   ASSERT_EQ(points.size(), factors.size());
@@ -96,7 +96,7 @@ TEST(Deviation, OfManyOctavesIsThatOfTheDefinition) {
       square += std::pow((second - first) / static_cast<double>(m), 2);
     }
     EXPECT_EQ(points[k].terms, terms);
-    // Rounding: of sums of 9000 readings, 1e-12, against means that differ by 1e-3 at least.
+    // Rounding of sums of 9000 readings is 1e-12, for means that differ by at least 1e-3.
     EXPECT_NEAR(points[k].deviation, std::sqrt(square / (2 * static_cast<double>(terms))), 1e-9 * points[k].deviation) << m;
   }
 }
@@ -132,8 +132,8 @@ TEST(Deviation, HasTheBoundsOfStable32) {
     EXPECT_EQ(p.terms, rows[k].terms);
     EXPECT_EQ(p.noise_type, 0) << p.factor;  // white
     EXPECT_NEAR(p.deviation, rows[k].value, half_unit(rows[k].value, 5));
-    // Stable32's bounds are those of 68.0 %, not 68.27 %, above 100 degrees of freedom: to one unit of the last digit. Below, its quantiles of
-    // chi-square differ from the exact ones by up to 1.5e-4 of the bound.
+    // Above 100 degrees of freedom, Stable32's bounds are those of 68.0 %, not 68.27 %, to one unit of the last digit. Below, its chi-square
+    // quantiles differ from the exact ones by up to 1.5e-4 of the bound.
     const double sixty_eight = p.edf > 100 ? 0.680 : 0.6826895;
     const auto bound = [&](double probability) { return p.deviation * std::sqrt(p.edf / chi_square_quantile(probability, p.edf)); };
     const auto allowed = [&](double printed) { return p.edf > 100 ? 3 * half_unit(printed, 5) : 2e-4 * printed; };
@@ -168,7 +168,7 @@ TEST(DegreesOfFreedom, AreThePublished) {
   expect_edf(oadev, -2, some, {762.29, 227.09, 56.41, 12.97, 5.73}, 2);
 }
 
-/// The asymptotic forms go on where the exact sums end; SP 1065 states them to a few percent.
+/// The asymptotic forms must continue the exact sums; SP 1065 states them to a few percent.
 TEST(DegreesOfFreedom, HaveNoStepWhereTheFormChanges) {
   for (const int order : {2, 3})
     for (int alpha = 2; alpha >= 2 - 2 * order; --alpha)
@@ -177,7 +177,7 @@ TEST(DegreesOfFreedom, HaveNoStepWhereTheFormChanges) {
           double before = 0;
           for (const std::size_t m : {24u, 25u, 26u, 32u, 33u, 34u, 35u, 36u}) {
             double edf = noise::degrees_of_freedom({.order = order, .points = averages * m + 1, .m = m, .modified = modified}, alpha);
-            if (alpha == 2 && !modified) edf /= static_cast<double>(m);  // of white phase every sample counts
+            if (alpha == 2 && !modified) edf /= static_cast<double>(m);  // every sample of white phase counts
             if (before > 0) {
               EXPECT_NEAR(edf / before, 1, alpha == 1 ? 0.12 : 0.05) << order << " " << alpha << " " << modified << " " << averages << " " << m;
             }
@@ -192,7 +192,7 @@ std::vector<double> white(std::size_t n, std::uint64_t seed) {
   return rate;
 }
 
-/// The exponent of 333 averages scatters by 0.11.
+/// The exponent from 333 averages scatters by 0.11.
 TEST(NoiseType, IsFoundAtEveryAveragingTime) {
   const std::vector<double> w = white(100'001, 1);
   std::vector<double> quantization(w.size() - 1), walk(w.size() - 1);
@@ -211,7 +211,7 @@ TEST(NoiseType, IsFoundAtEveryAveragingTime) {
   }
 }
 
-/// 95 % of the bounds of independent records hold the true deviation; the binomial band of 400 records at 99.9 %.
+/// 95 % of the bounds of independent records contain the true deviation; the band is the binomial one of 400 records at 99.9 %.
 TEST(Deviation, BoundsHoldAsOftenAsTheySay) {
   constexpr int records = 400;
   const std::vector<std::size_t> factors{1, 8, 64, 333};
@@ -224,7 +224,7 @@ TEST(Deviation, BoundsHoldAsOftenAsTheySay) {
       held_68[k] += points[k].lower_68 <= truth && truth <= points[k].upper_68;
     }
   }
-  // With fewer than 30 averages the type is not sure, and taken with the wider bounds: they may hold more often.
+  // With fewer than 30 averages, the type is uncertain and the wider bounds are used: they may contain the truth more often.
   for (std::size_t k = 0; k < factors.size(); ++k) {
     const double slack = factors[k] > 33 ? records : 0;
     EXPECT_GE(held_95[k], binomial_quantile(0.0005, records, 0.95)) << factors[k];

@@ -17,7 +17,7 @@ namespace {
 using Eigen::ArrayXd, Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
 constexpr double largest_step = 3;  // of a logarithm
-/// A process faster than two samples is white, one slower than a tenth of the record a walk.
+/// A process faster than two samples is white; one slower than a tenth of the record is a random walk.
 constexpr double fewest_intervals = 2, fewest_times = 10;
 
 }  // namespace
@@ -112,8 +112,8 @@ ArrayXd SpectrumLikelihood::power(double ramp) const {
   return power;
 }
 
-/// Sets ramp and misfit of a point, and returns the model there, nothing where it is not possible. A fitted ramp takes power from the lowest
-/// ordinates, which the restricted likelihood allows for.
+/// Sets ramp and misfit of a point and returns the model there, or nothing if it is impossible. A fitted ramp absorbs power of the lowest ordinates,
+/// for which the restricted likelihood allows.
 Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed) const {
   point.misfit = std::numeric_limits<double>::infinity();
   if (!possible(point.at)) return {};
@@ -129,7 +129,7 @@ Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed) const {
   return at_point;
 }
 
-/// True if correlation times and cutoff are distinguishable from the other terms.
+/// Returns true if correlation times and cutoff are distinguishable from the other terms.
 bool SpectrumLikelihood::possible(const Parameters& at) const {
   for (int m = 0; m < terms_.markov; ++m)
     if (at[Terms::time(m)] < std::log(fewest_intervals * shortest_interval_) || at[Terms::time(m)] > std::log(longest_time_)) return false;
@@ -191,7 +191,7 @@ Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precisi
     if (!better) return point;
     const double gain = point.misfit - next.misfit;
     point = next, now = std::move(then);
-    const bool full_step = damping < 1e-1;  // a damped one gains little wherever it is
+    const bool full_step = damping < 1e-1;  // a damped step gains little anywhere
     damping = std::max(1e-9, damping * 1e-2);
     if (gain < precision && full_step) return point;
   }

@@ -1,9 +1,9 @@
-// Whittle's likelihood of a spectrum: the model's density against the measured power of every bin, and its maximum.
+// Whittle's likelihood of a spectrum: the density of the model compared with the measured power of every bin, and its maximum.
 //
 //   S(f) = L(f) (N^2 + B^2 b(f) + K^2 k(f) + sum of sigma^2 m(f; time)) + Q^2 q(f) + r^2 T / 12,   L = 1 / (1 + (f / cutoff)^2n)
 //   -2 ln likelihood = sum of count (ln S + power / S)
 //
-// Rounding to steps r and quantization come after the sensor's low-pass.
+// Rounding to steps r and quantization occur after the sensor's low-pass.
 #pragma once
 
 #include "imulab/eigen.hpp"
@@ -16,11 +16,11 @@
 
 namespace imulab::noise {
 
-/// Which terms the model has besides Q, N, B, K and the ramp.
+/// The terms of the model in addition to Q, N, B, K and the ramp.
 struct Terms {
-  int markov = 0;  ///< processes, at most two
+  int markov = 0;  ///< number of processes, at most two
   LowPassShape low_pass{};
-  /// Places in Point::at.
+  /// Indices in Point::at.
   static constexpr int Q = 0, N = 1, B = 2, K = 3;
   static int sigma(int process) { return 4 + 2 * process; }
   static int time(int process) { return 5 + 2 * process; }
@@ -28,14 +28,14 @@ struct Terms {
   int count() const { return 4 + 2 * markov + (low_pass.order > 0 ? 1 : 0); }
 };
 
-inline constexpr double absent = -1e300;  ///< logarithm of a term that is not there
+inline constexpr double absent = -1e300;  ///< logarithm of an absent term
 using Parameters = Eigen::Array<double, Eigen::Dynamic, 1, 0, 9, 1>;
 
-/// Parameters: Q^2 as a part of SpectrumLikelihood::Q_scale, which may be negative while it is fitted, so that what is absent does not bias N; of the
-/// others the logarithm: of N^2, B^2, K^2, and of each process sigma^2 and time, then of the cutoff frequency.
+/// Parameters: Q^2 in units of SpectrumLikelihood::Q_scale, which may be negative during the fit so that an absent term does not bias N; for the
+/// others logarithms: of N^2, B^2, K^2, of sigma^2 and time of each process, then of the cutoff frequency.
 struct Point {
   Parameters at = Parameters::Constant(4, absent);
-  double ramp = 0;                                          ///< beyond the line that was removed
+  double ramp = 0;                                          ///< in addition to the line that was removed
   double misfit = std::numeric_limits<double>::infinity();  ///< -2 ln likelihood
 };
 
@@ -45,15 +45,15 @@ struct Fixed {
   std::optional<double> ramp;
 };
 
-/// The model at one point: of each bin the density, and what the filter passes of it.
+/// The model at one point: for each bin the density, and the part that passes the filter.
 struct Modeled {
   Eigen::ArrayXd density;
-  FilterShares::Shares filter;  ///< empty without one
+  FilterShares::Shares filter;  ///< empty without a filter
 };
 
 class SpectrumLikelihood {
  public:
-  /// The bins of a spectrum up to a frequency; `resolution` r of the readings, 0 where they are not rounded.
+  /// Uses the bins of a spectrum up to a frequency; `resolution` is r of the readings, 0 if they are not rounded.
   SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms);
 
   const std::vector<SpectrumBin>& bins() const { return bins_; }
@@ -63,19 +63,19 @@ class SpectrumLikelihood {
 
   Modeled modeled(const Parameters& at) const;
   Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }
-  /// Power without the ramp, where an ordinate has its amplitude.
+  /// Returns the power without the ramp, for ordinates with an amplitude.
   Eigen::ArrayXd power(double ramp) const;
-  /// For each ordinate the ramp's squared amplitude over the noise's power: their sum is the information on the ramp.
+  /// Returns for each ordinate the ramp's squared amplitude divided by the power of the noise: their sum is the information about the ramp.
   Eigen::ArrayXd ramp_information(const Eigen::ArrayXd& density) const;
-  /// Derivatives of the logarithm of the density, bins by parameters.
+  /// Returns derivatives of the logarithm of the density, bins by parameters.
   Eigen::MatrixXd sensitivity(const Parameters& at, const Modeled& modeled) const;
   const Eigen::ArrayXd& counts() const { return counts_; }
 
-  /// Each of Q, N, B, K as large as the spectrum below a frequency admits anywhere, over several of them; of the terms besides, nothing.
+  /// Returns Q, N, B, K each at the largest value that the spectrum below a frequency permits over several bins; other terms are absent.
   Point start(double below_hz = std::numeric_limits<double>::infinity()) const;
-  /// This point with N, B and K at least a thousandth of the density somewhere: a fit does not recover a term that has vanished.
+  /// Returns this point with N, B and K at least a thousandth of the density somewhere, because a fit does not recover a vanished term.
   Point revived(Point point) const;
-  /// Fisher scoring, damped (Levenberg and Marquardt), until the misfit falls by less than `precision`, at most `iterations` times.
+  /// Fits by damped Fisher scoring (Levenberg and Marquardt) until the misfit falls by less than `precision`, at most `iterations` times.
   Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;
 
  private:

@@ -1,4 +1,4 @@
-// Lines in simulated rates: those that are there, and none where there is none.
+// Lines in simulated rates: true lines are found, and no others.
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/sensor_noise.hpp"
@@ -24,7 +24,7 @@ std::vector<double> log_of(const NoiseModel& m, std::size_t samples, std::uint64
   return rate;
 }
 
-/// One log of a thousand may show one. A median that was taken for the density itself gave one in 45 of 1000.
+/// One log of a thousand may have a line. If the median were used as the density itself, one in 45 would.
 TEST(NoiseLines, NoiseAloneHasNone) {  // ctest: long
   constexpr std::size_t logs = 300, samples = 16384;
   for (const NoiseModel& m : {NoiseModel{.N = 1}, NoiseModel{.N = 1, .B = 0.3, .K = 0.003}, NoiseModel{.N = 1, .K = 0.3}}) {
@@ -53,7 +53,7 @@ TEST(NoiseLines, OneThatStandsOutIsFoundWithItsFrequencyAndAmplitude) {
     EXPECT_NEAR(lines[0].amplitude.value, amplitude, 4.5 * sigma);
     ++right;
   }
-  // Its power is 59 times the floor, shared by ordinates as phase and frequency have it; one with 33 times the floor begins a line.
+  // Its power is 59 times the floor, distributed over ordinates by phase and frequency; an ordinate with 33 times the floor begins a line.
   EXPECT_GE(right, 34);
 }
 

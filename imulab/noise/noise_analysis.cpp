@@ -22,7 +22,7 @@
 namespace imulab {
 namespace {
 
-/// The largest less the least.
+/// Returns the largest temperature minus the smallest.
 double temperature_change(const RecordingView& recording, std::size_t column, const Range& range) {
   double least = HUGE_VAL, most = -HUGE_VAL;
   for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
@@ -39,7 +39,7 @@ void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording
         "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect unless its slope is removed", triad, change));
 }
 
-/// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.
+/// Smooths the temperature, because thermometer noise would reduce the slope: means over 10 s joined by lines; readings of a short record.
 class SmoothTemperature {
  public:
   SmoothTemperature(const RecordingView& recording, std::size_t column, const Range& range)
@@ -68,7 +68,7 @@ class SmoothTemperature {
   std::vector<double> means_;
 };
 
-/// Takes a parabola of the temperature off the readings; returns the slope per unit of the temperature, at its mean.
+/// Subtracts a parabola in the temperature from the readings; returns the slope per unit of temperature at its mean.
 double remove_parabola(std::vector<double>& readings, const SmoothTemperature& smooth) {
   const std::size_t n = readings.size();
   double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
@@ -107,12 +107,12 @@ void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis, bool joined) {
                                             axis.name, m.ratio, m.low_hz, m.high_hz));
 }
 
-/// One axis: of a column on disk in the memory of `n` numbers.
+/// Analyzes one axis, from a column on disk with the memory of `n` numbers.
 void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, const Range& range, const NoiseOptions& options, double& slope) {
   axis.name = axis_name(column);
   axis.unit = column < accel_columns ? r.gyro_unit : r.accel_unit;
   std::vector<double> buffer;
-  if (r.on_disk != nullptr) buffer.reserve(range.size() + 1);  // for the phase in its place
+  if (r.on_disk != nullptr) buffer.reserve(range.size() + 1);  // allows the phase to replace the readings
   std::span<const double> readings = r.samples(column, range, buffer);
   if (std::all_of(readings.begin(), readings.end(), [&](double reading) { return reading == readings[0]; })) {
     axis.problem = "all readings are equal";
@@ -183,7 +183,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The spread t^2 for which sum of (value - mean)^2 / (u^2 + t^2) is its degrees of freedom (Mandel and Paule 1970), and the mean with these weights.
+/// The spread t^2 for which sum of (value - mean)^2 / (u^2 + t^2) equals its degrees of freedom (Mandel and Paule 1970), and the mean.
 struct CommonValue {
   double mean = 0, sigma = 0, spread = 0;
 };
@@ -233,7 +233,7 @@ BatchCoefficient together(const std::vector<NoiseCoefficient>& logs) {
   }
   const CommonValue all = common_value(known);
   if (known.size() > 1) out.spread = all.spread;
-  // Few logs know their own spread badly: Student's quantile where there is one.
+  // The spread of few logs is uncertain, so Student's quantile is used if there is a spread.
   const double width = known.size() > 1 && all.spread > 0 ? student_quantile(0.975, static_cast<double>(known.size()) - 1) : 1.96;
   out.mean = {all.mean, all.sigma, all.mean - width * all.sigma, all.mean + width * all.sigma, true};
   return out;

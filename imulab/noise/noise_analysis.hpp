@@ -13,9 +13,8 @@
 
 namespace imulab {
 
-/// Axes in parallel; the result does not depend on the number of threads. From columns on disk: one axis at a time, each in memory as a whole but
-/// only once; the result is the same, bit for bit. Throws Unsupported where a temperature is to be removed that the recording does not have, or that
-/// does not change.
+/// Analyzes axes in parallel; the result does not depend on the number of threads. Columns on disk are analyzed one at a time, each completely in
+/// memory but only once, with bit-identical results. Throws Unsupported if a temperature to be removed is missing or constant.
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options = {});
 
 }  // namespace imulab

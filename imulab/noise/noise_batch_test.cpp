@@ -34,7 +34,7 @@ TEST(NoiseBatch, AgreeingLogsGiveTheirWeightedMean) {
 }
 
 TEST(NoiseBatch, UnitsThatDifferHaveASpread) {
-  // Equal uncertainties: spread^2 = sample variance - u^2, by hand.
+  // For equal uncertainties, spread^2 is the sample variance minus u^2.
   const NoiseBatch batch = noise_batch({log_of("a", known(1, 0.1)), log_of("b", known(2, 0.1)), log_of("c", known(3, 0.1))});
   const BatchCoefficient& N = batch.axes[0].coefficients[1];
   EXPECT_NEAR(N.spread, std::sqrt(1 - 0.01), 1e-9);

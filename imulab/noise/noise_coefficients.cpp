@@ -16,7 +16,7 @@ AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s) {
   out.K = square(noise.K) * tau_s / 3;
   out.R = square(noise.R) * tau_s * tau_s / 2;
   for (const MarkovTerm& term : noise.markov) {
-    // 2 sigma^2 t / tau (1 - t / (2 tau) (3 - 4 exp(-x) + exp(-2 x))), x = tau / t; its series where rounding would spoil it.
+    // 2 sigma^2 t / tau (1 - t / (2 tau) (3 - 4 exp(-x) + exp(-2 x))), x = tau / t; as a series if rounding would dominate.
     const double x = tau_s / term.time.value;
     const double bracket = x > 1e-3 ? 1 - (3 - 4 * std::exp(-x) + std::exp(-2 * x)) / (2 * x) : x * x / 3;
     out.markov += 2 * square(term.sigma) / x * bracket;

@@ -24,8 +24,8 @@ TEST(ImuNoise, AllanVarianceOfEachTerm) {
 TEST(ImuNoise, AMarkovProcessIsAWalkBeforeItsTimeAndWhiteAfterIt) {
   NoiseCoefficients noise;
   noise.markov = {{known(2), known(100)}};
-  // Driven by white noise of density q^2 = 2 sigma^2 / time: q^2 tau / 3 at first; q^2 time^2 / tau at last; the largest at 1.89 times (IEEE Std
-  // 952).
+  // For a process driven by white noise of density q^2 = 2 sigma^2 / time, the variance is initially q^2 tau / 3 and finally q^2 time^2 / tau; the
+  // maximum is at 1.89 times (IEEE Std 952).
   EXPECT_NEAR(allan_variance(noise, 0.01).markov / (2 * 4 / 100.0 * 0.01 / 3), 1, 1e-3);
   EXPECT_NEAR(allan_variance(noise, 1e6).markov / (2 * 4 * 100 / 1e6), 1, 1e-3);
   EXPECT_GT(allan_variance(noise, 189).markov, allan_variance(noise, 170).markov);

@@ -1,4 +1,4 @@
-// The fields of noise.json, each stated once (core/fields.hpp): what one log or several say about an IMU's noise.
+// The fields of noise.json, each defined once (core/fields.hpp): the noise of an IMU from one or several logs.
 #pragma once
 
 #include "imulab/core/fields.hpp"
@@ -21,7 +21,7 @@ void describe(Fields& f, NoiseCoefficient& c) {
   fields::check(f, c.lower <= c.upper, "", "expected an upper bound not below the lower one");
 }
 
-/// Sizes are not negative; a ramp has a sign.
+/// Describes a size, which is not negative; a ramp has a sign.
 template <class Fields>
 void describe_size(Fields& f, const char* key, NoiseCoefficient& c) {
   f(key, c);
@@ -106,7 +106,7 @@ void describe(Fields& f, NoiseAnalysis& analysis) {
   f("axes", analysis.axes), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
 }
 
-/// A coefficient of several logs.
+/// Describes a coefficient of several logs.
 template <class Fields>
 void describe(Fields& f, BatchCoefficient& c) {
   describe(f, c.mean);

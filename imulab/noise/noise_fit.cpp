@@ -25,14 +25,14 @@ void check(std::span<const double> rate, double interval_s) {
     throw Unsupported("all readings are equal: no noise can be seen");
 }
 
-/// Where a first process in the term's place, with its two parameters for one, explains the spectrum better (Akaike's criterion), the term is not
-/// determined: the larger bound of the two ways then holds.
+/// Returns the coefficient as undetermined if a first process with two parameters in place of the term explains the spectrum better (Akaike's
+/// criterion), with the larger bound of the two models.
 NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
   if (!model.wider || model.problem.terms().markov > 0) return c;
   const noise::SpectrumLikelihood& problem = model.wider->problem;
   noise::Point without = problem.revived(model.wider->best);
   without.at[parameter] = noise::absent;
-  constexpr double price = 2;  // of a parameter more
+  constexpr double price = 2;  // of an additional parameter
   if (c.determined && problem.fitted(without, {parameter, {}}).misfit + price * widening > model.best.misfit) return c;
   const NoiseCoefficient other = noise::size_of(problem, model.wider->best, parameter, widening);
   return undetermined_below(std::max(c.upper, other.upper));
@@ -42,7 +42,7 @@ NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::Chosen
 
 double resolution_of(std::span<const double> rate) {
   constexpr std::size_t most = 65536;
-  constexpr double near = 0.05, enough = 0.95;  // of a step; of the gaps between values
+  constexpr double near = 0.05, enough = 0.95;  // fraction of a step; fraction of the gaps between values
   std::vector<double> values(rate.begin(), rate.begin() + static_cast<std::ptrdiff_t>(std::min(rate.size(), most)));
   std::sort(values.begin(), values.end());
   const double rounding = 1e-12 * std::max(std::abs(values.front()), std::abs(values.back()));

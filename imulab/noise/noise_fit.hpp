@@ -9,7 +9,7 @@
 
 namespace imulab {
 
-/// The step of rounded readings, where enough of its multiples occur; 0 where none is seen.
+/// Returns the step of rounded readings if enough of its multiples occur, or 0 if no step is found.
 double resolution_of(std::span<const double> rate);
 
 }  // namespace imulab

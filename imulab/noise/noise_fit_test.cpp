@@ -1,4 +1,4 @@
-// Simulated rates with known coefficients: by imulab's own simulation, and by another construction of every term.
+// Simulated rates with known coefficients, from imulab's simulation and from another construction of every term.
 #include "imulab/noise/noise_fit.hpp"
 
 #include "imulab/core/parallel.hpp"
@@ -39,7 +39,7 @@ std::vector<double> constructed(const NoiseModel& m, std::size_t n, std::uint64_
   for (std::size_t k = 0; k < n; ++k) {
     stream.normals(4 * k, z);
     rate[k] += m.N / std::sqrt(interval) * z[0] + m.Q / interval * (z[1] - before) + m.R.value * interval * static_cast<double>(k);
-    rate[k] += walk + step * (0.5 * z[2] + z[3] / std::sqrt(12.0));  // the walk's exact mean over the interval
+    rate[k] += walk + step * (0.5 * z[2] + z[3] / std::sqrt(12.0));  // exact mean of the walk over the interval
     walk += step * z[2];
     before = z[1];
   }
@@ -70,8 +70,8 @@ std::array<Held, 5> count(const NoiseModel& truth, std::size_t logs) {
   return out;
 }
 
-/// 100 logs of 20 minutes with each of two IMUs; the binomial bands of 99.9 % for intervals of 95 %. Bounds of what is absent, or hardly seen, may
-/// hold more often.
+/// 100 logs of 20 minutes with each of two IMUs; the bands are binomial at 99.9 % for 95 % intervals. Bounds of absent or barely detectable terms may
+/// contain the truth more often.
 TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {  // ctest: long
   constexpr int logs = 100;
   const double least = binomial_quantile(0.0005, logs, 0.95);
@@ -83,11 +83,11 @@ TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {  // ctest: long
   EXPECT_GE(rich[2].determined, 0.5 * logs) << "in twenty minutes a process often explains flicker better";
   for (const Held& h : {rich[0], rich[1], rich[2], walk[1]})  // the mean of n squares scatters by sqrt(2 / n): three of them
     EXPECT_NEAR(h.error2 / h.stated2, 1, 3 * std::sqrt(2.0 / h.determined));
-  // Absent terms are not stated: 2.5 % by chance, where a bound at zero lets only one side err.
+  // Absent terms are stated with probability 2.5 % by chance, because a bound at zero leaves errors on one side only.
   for (const Held& h : {rich[4], walk[0], walk[2]}) EXPECT_LE(h.determined, logs - least);
 }
 
-/// y += 0.5 (x - y): a first-order filter, though not Butterworth's by the bilinear transform.
+/// Applies y += 0.5 (x - y): a first-order filter, but not the Butterworth filter of the bilinear transform.
 void smooth(std::vector<double>& rate) {
   double state = 0;
   for (double& r : rate) r = state += 0.5 * (r - state);  // half the power is lost at 1.1 Hz
@@ -103,7 +103,7 @@ TEST(NoiseFit, LeavesOutWhatAnUnknownFilterTook) {
 }
 
 TEST(NoiseFit, KnowsAButterworthFilter) {
-  // Bilinear, first order, cutoff tan(pi f T) = 1/3: half the power at 1.024 Hz.
+  // The filter is bilinear, first order, with cutoff tan(pi f T) = 1/3: half the power at 1.024 Hz.
   std::vector<double> rate = constructed({.N = 1}, 50000, 3);
   double x = 0, y = 0;
   for (double& r : rate) {
@@ -131,7 +131,7 @@ TEST(NoiseFit, FindsLinesAndTakesThemOut) {
   EXPECT_NEAR(fit.lines[0].hz, 1 / 80.0, 5e-5) << "a tenth of one over the record";
   EXPECT_NEAR(fit.lines[1].hz, 3.21, 5e-5);
   for (const auto& [line, truth] : {std::pair{fit.lines[0], 0.5}, std::pair{fit.lines[1], 2.0}}) {
-    // White noise of density 1 in 2000 s: sqrt(2 / 2000); what the lines leak into the ordinates about them makes it larger.
+    // White noise of density 1 in 2000 s gives sqrt(2 / 2000); leakage of the lines into adjacent ordinates increases it.
     EXPECT_GT(line.amplitude.standard_uncertainty, 0.8 * std::sqrt(1e-3));
     EXPECT_LT(line.amplitude.standard_uncertainty, 1.6 * std::sqrt(1e-3));
     EXPECT_NEAR(line.amplitude.value, truth, 4 * std::sqrt(1e-3));
@@ -155,7 +155,7 @@ TEST(NoiseFit, FindsAMarkovProcess) {
 TEST(NoiseFit, KnowsTheStepOfRoundedReadings) {
   std::vector<double> rate = constructed({.N = 1}, 20000, 6);
   EXPECT_EQ(resolution_of(rate), 0);
-  const double step = 2;  // of a scatter of 3.2
+  const double step = 2;  // for a scatter of 3.2
   for (double& r : rate) r = 9.8 + step * std::round(r / step);
   EXPECT_NEAR(resolution_of(rate), step, 1e-9);
   const NoiseFit fit = fit_noise(rate, interval);
@@ -164,7 +164,7 @@ TEST(NoiseFit, KnowsTheStepOfRoundedReadings) {
 }
 
 TEST(NoiseFit, SaysWhatTheModelDoesNotHave) {
-  // A broad resonance: no line, no process without oscillation.
+  // A broad resonance is neither a line nor a process without oscillation.
   std::vector<double> rate = constructed({.N = 1}, 50000, 7);
   std::vector<double> z(rate.size());
   RandomStream(7, "resonance").normals(0, z);

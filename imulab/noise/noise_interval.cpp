@@ -10,17 +10,17 @@ namespace imulab::noise {
 
 namespace {
 
-constexpr int most_halvings = 24;   // of an interval that holds a bound
-constexpr double precision = 0.01;  // of a bound, as a part of its distance from the value
-/// Chi-square of one degree, 95 %: also for the bound of what is not determined. With less for it (2.71, 95 % on one side), intervals would be left
-/// too short as well as too long by the very logs that decide which of the two is stated, and hold in 92.5 % of them.
+constexpr int most_halvings = 24;   // of an interval that contains a bound
+constexpr double precision = 0.01;  // of a bound, relative to its distance from the value
+/// 95 % of chi-square with one degree of freedom, also used for the bound of an undetermined coefficient. With less (2.71, 95 % one-sided), the same
+/// logs that decide which of the two is stated would make intervals too short as well as too long, and coverage would be 92.5 %.
 constexpr double rise_of_95 = 3.841458820694124;
-constexpr double profile_precision = 1e-3;  // of the 3.84 that the misfit rises
-constexpr double farthest = 0.5;            // that another logarithm is expected to follow: one that hardly matters would run away
+constexpr double profile_precision = 1e-3;  // of the 3.84 by which the misfit rises
+constexpr double farthest = 0.5;            // largest predicted change of another logarithm: insensitive ones would run away
 constexpr double widest_log = 60;           // of an interval, in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// A parameter as the logarithm of a square, also Q's.
+/// Returns a parameter as the logarithm of a square, also for Q.
 double log_square(const SpectrumLikelihood& problem, const Point& point, int parameter) {
   if (parameter != Terms::Q) return point.at[parameter];
   return point.at[parameter] > 0 ? std::log(point.at[parameter] * problem.Q_scale()) : absent;
@@ -30,7 +30,7 @@ void set_log_square(const SpectrumLikelihood& problem, Point& point, int paramet
   point.at[parameter] = parameter == Terms::Q ? std::exp(log) / problem.Q_scale() : log;
 }
 
-/// Derivatives of the other parameters by one near the maximum, and its own standard deviation: from the information matrix.
+/// Derivatives of the other parameters by one near the maximum, and its standard deviation, from the information matrix.
 struct Following {
   Parameters slope;
   double sigma = 0;
@@ -39,17 +39,17 @@ struct Following {
 Following following(const SpectrumLikelihood& problem, const Point& best, int parameter) {
   const Eigen::MatrixXd D = problem.sensitivity(best.at, problem.modeled(best.at));
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
-  information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
+  information.diagonal().array() += 1e-9;  // an absent term has no information
   const Eigen::VectorXd column = solve_semidefinite(information, Eigen::VectorXd(Eigen::VectorXd::Unit(information.rows(), parameter)));
   return {(column / column[parameter]).array(), std::sqrt(column[parameter])};
 }
 
-/// From a parameter outward by `direction` until the misfit has risen by `rise`; NaN where it does not within e^60.
+/// Searches from a parameter outward in `direction` until the misfit has risen by `rise`; returns NaN if it does not within e^60.
 double crossing(const SpectrumLikelihood& problem, const Point& best, int parameter, double from, double direction, double rise) {
   const Following others = following(problem, best, parameter);
   Point last = best;
   const auto risen = [&](double log) {
-    // From where the others are expected; if the model does not admit that, from where the fit before ended.
+    // Start from the predicted values of the others or, if the model does not permit these, from the end of the previous fit.
     Point start = last;
     set_log_square(problem, start, parameter, log);
     const Parameters step = others.slope * (start.at[parameter] - last.at[parameter]);
@@ -62,11 +62,11 @@ double crossing(const SpectrumLikelihood& problem, const Point& best, int parame
       set_log_square(problem, start, parameter, log);
       found = problem.fitted(start, {parameter, {}}, profile_precision);
     }
-    if (!std::isfinite(found.misfit)) return 1.0;  // beyond what the model admits
+    if (!std::isfinite(found.misfit)) return 1.0;  // beyond the permitted range of the model
     last = found;
     return last.misfit - best.misfit - rise;
   };
-  // The parameter of Q is the square itself, relative to which its logarithm changes.
+  // The parameter of Q is the square itself, which converts to relative changes of its logarithm.
   const double sigma = parameter == Terms::Q ? others.sigma / std::max(best.at[parameter], others.sigma) : others.sigma;
   double inside = from, step = std::clamp(sigma, 1e-6, 1.0), outside = inside + direction * step;
   while (risen(outside) < 0) {
@@ -81,13 +81,13 @@ double crossing(const SpectrumLikelihood& problem, const Point& best, int parame
   return 0.5 * (inside + outside);
 }
 
-/// On how many degrees of freedom the power rests that a ramp has to stand out of: by the fit's variance of its logarithm, 2 / degrees.
+/// Returns the degrees of freedom of the power below a ramp, from the fit's variance of its logarithm, 2 / degrees.
 double degrees_below_ramp(const SpectrumLikelihood& problem, const Point& best) {
   const Modeled modeled = problem.modeled(best.at);
   const Eigen::ArrayXd ramp = problem.ramp_information(modeled.density);
   const Eigen::MatrixXd D = problem.sensitivity(best.at, modeled);
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
-  information.diagonal().array() += 1e-6;  // of a term that is absent: nothing
+  information.diagonal().array() += 1e-6;  // an absent term has no information
   const Eigen::VectorXd direction = D.transpose() * (ramp / ramp.sum()).matrix();
   return std::max(1.0, 2 / squared_norm_in(information, direction));
 }
@@ -100,7 +100,7 @@ NoiseCoefficient size_of(const SpectrumLikelihood& problem, const Point& best, i
   NoiseCoefficient c;
   double from = log_square(problem, best, parameter);
   c.determined = from != absent && problem.fitted(without, {parameter, {}}).misfit - best.misfit > rise_of_95 * widening;
-  if (!c.determined) {  // from where the term is a thousandth of the spectrum, if it is less
+  if (!c.determined) {  // starts at a thousandth of the spectrum if the term is smaller
     Point unit = best;
     set_log_square(problem, unit, parameter, 0);
     const Eigen::ArrayXd density = problem.density(best.at);

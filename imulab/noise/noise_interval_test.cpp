@@ -1,4 +1,4 @@
-// Bounds are where the likelihood, maximized over all other terms, has fallen by what 95 % of chi-square do not exceed.
+// At the bounds, the likelihood, maximized over all other terms, must have fallen by the 95 % quantile of chi-square.
 #include "imulab/noise/noise_interval.hpp"
 
 #include "imulab/core/statistics.hpp"
@@ -12,7 +12,7 @@
 namespace imulab::noise {
 namespace {
 
-/// The rise of the misfit with a parameter at this size.
+/// Returns the rise of the misfit with a parameter at this size.
 double rise_at(const SpectrumLikelihood& problem, const Point& best, int parameter, double size) {
   Point start = problem.revived(best);
   start.at[parameter] = 2 * std::log(size);
@@ -32,7 +32,7 @@ TEST(NoiseInterval, EndsWhereTheMisfitHasRisenByChiSquare) {
   for (const int parameter : {Terms::N, Terms::B, Terms::K}) {
     const NoiseCoefficient c = size_of(problem, best, parameter, 1);
     (c.determined ? determined : bounded)++;
-    // A bound is found to a hundredth of its distance from the value; the rise goes with the square of it, or faster.
+    // A bound has an error of at most 1 % of its distance from the value; the rise is at least quadratic in this distance.
     EXPECT_NEAR(rise_at(problem, best, parameter, c.upper), rise, 0.1 * rise) << parameter;
     if (c.determined) {
       EXPECT_NEAR(rise_at(problem, best, parameter, c.lower), rise, 0.1 * rise) << parameter;

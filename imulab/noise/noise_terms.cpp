@@ -14,14 +14,14 @@ namespace imulab::noise {
 
 namespace {
 
-/// Required fall of -2 ln likelihood for a term of one or two parameters, sought at some dozens of places: p = 0.001.
+/// Required decrease of -2 ln likelihood for a term with one or two parameters, searched at several dozen points: p = 0.001.
 constexpr double least_gain = 18;
 constexpr int most_processes = 2, coarse_iterations = 15;
 constexpr double coarse_precision = 0.5;
 constexpr std::size_t fewest_bins = 12;
 constexpr LowPassShape low_passes[] = {{1, false}, {1, true}, {2, false}, {2, true}, {4, false}, {4, true}};
 
-/// A negative Q^2 only keeps the other terms unbiased: it must not stand for a low-pass.
+/// Returns the misfit with nonnegative Q^2: a negative value only prevents bias of the other terms and must not represent a low-pass.
 double misfit_of(const SpectrumLikelihood& problem, const Point& best) {
   if (best.at[Terms::Q] >= 0) return best.misfit;
   Point at_bound = best;
@@ -36,7 +36,7 @@ double density_near(const SpectrumLikelihood& problem, const Eigen::ArrayXd& den
   return density[static_cast<Eigen::Index>(nearest)];
 }
 
-/// The point with other terms: its processes and cutoff stay where they are.
+/// Returns the point with other terms; its processes and cutoff do not change.
 Point moved(const Point& from, const Terms& old, const Terms& terms) {
   Point out = from;
   out.at.resize(terms.count());
@@ -55,7 +55,7 @@ std::optional<Model> best_of(const SpectrumLikelihood& problem, const std::vecto
   return Model{problem, *best, misfit_of(problem, *best)};
 }
 
-/// White noise through a filter looks like a process that is all there is at the highest frequencies.
+/// Returns true if a process dominates the highest frequencies, as white noise through a filter does.
 bool stands_for_a_filter(const Model& model) {
   const Terms& terms = model.problem.terms();
   const Eigen::ArrayXd density = model.problem.density(model.best.at);
@@ -68,7 +68,7 @@ bool stands_for_a_filter(const Model& model) {
   return false;
 }
 
-/// Another process, tried at correlation times a factor of 3 apart with a third of the power about its corner.
+/// Adds another process, tried at correlation times that differ by factors of 3, with a third of the power near its corner.
 std::optional<Model> with_process(const Model& model, double shortest_s, double record_s) {
   Terms terms = model.problem.terms();
   const int place = terms.markov++;
@@ -106,7 +106,7 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
   return best_of(problem, starts);
 }
 
-/// `agreement` and `highest_hz` are left to the caller.
+/// Chooses the model; the caller sets `agreement` and `highest_hz`.
 ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
   const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
@@ -129,7 +129,7 @@ ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double r
   }
 }
 
-/// Measured over modeled power in ranges of at least 20 degrees of freedom and a third of an octave.
+/// Returns measured over modeled power in ranges of at least 20 degrees of freedom and a third of an octave.
 Agreement agreement_of(const Model& model) {
   const SpectrumLikelihood& problem = model.problem;
   const Eigen::ArrayXd ratio = problem.power(model.best.ramp) / problem.density(model.best.at);
@@ -166,7 +166,7 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
     ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
     found.highest_hz = highest;
     found.agreement = agreement_of(found);
-    // A quantization that is negative beyond chance (three sigma) stands for a filter.
+    // A significantly negative quantization (three sigma) represents a filter.
     const bool holds = found.agreement.misfits.empty() && found.misfit - found.best.misfit < 9;
     if (!chosen || holds || found.agreement.chi2_per_dof < chosen->agreement.chi2_per_dof) chosen = std::move(found);
     if (holds) break;
@@ -178,20 +178,20 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
 namespace {
 
 constexpr std::size_t most_lines = 8, lowest_ordinate = 8, around = 5, shortest_block = 16, longest_block = 128;
-constexpr double chance = 1e-3;       // of a line in a log without one
-constexpr double left_at_most = 0.3;  // of the excess about a line, once it is taken out
+constexpr double chance = 1e-3;       // for a line in a log without one
+constexpr double left_at_most = 0.3;  // of the excess near a line, after its removal
 
 struct Peak {
   std::size_t level = 0, ordinate = 0;
-  double hz = 0, noise = 0;  // density about it
+  double hz = 0, noise = 0;  // density near it
 };
 
-/// Density, and on how many degrees of freedom it rests.
+/// Density and its degrees of freedom.
 struct Floor {
   double noise = 0, degrees = 0;
 };
 
-/// The median of ordinates on `transforms` degrees of freedom each, as a mean. Its variance is 1 / (4 n density^2) at the median.
+/// Converts the median of ordinates with `transforms` degrees of freedom each to a mean. Its variance is 1 / (4 n density^2) at the median.
 class MedianFloor {
  public:
   explicit MedianFloor(double transforms) {
@@ -209,8 +209,8 @@ class MedianFloor {
   double of_one_ = 1, degrees_of_one_ = 0;
 };
 
-/// The median power about each ordinate: in three blocks, longer at high frequency; below the third, as many ordinates on either side, since the
-/// median of a spectrum that falls is then what it is in their middle.
+/// Returns the median power near each ordinate: over three blocks, which are longer at high frequency. At the lowest frequencies it uses equally many
+/// ordinates on either side, because the median of a decreasing spectrum is then its value in the middle.
 std::vector<Floor> floors(const SpectrumLevel& level) {
   const MedianFloor floor(level.transforms);
   std::vector<Floor> out(level.end);
@@ -227,7 +227,7 @@ std::vector<Floor> floors(const SpectrumLevel& level) {
   return out;
 }
 
-/// Octaves of all levels, as logarithms: the chance of a false line is the same in each.
+/// Returns the number of octaves of all levels as a logarithm, because the probability of a false line is equal in each octave.
 double log_range(const Spectrum& spectrum) {
   double sum = 0;
   for (const SpectrumLevel& level : spectrum.levels)
@@ -256,7 +256,7 @@ std::optional<Peak> highest_peak(const Spectrum& spectrum, const std::vector<dou
   return best;
 }
 
-/// Power above the noise about a peak.
+/// Returns the power above the noise near a peak.
 double excess(const Spectrum& spectrum, const Peak& peak) {
   const SpectrumLevel& level = spectrum.levels[peak.level];
   double sum = 0;
@@ -265,7 +265,7 @@ double excess(const Spectrum& spectrum, const Peak& peak) {
   return sum;
 }
 
-/// Power of the last sinusoid that was removed: its mean square less what the noise alone gives.
+/// Returns the amplitude of the last removed sinusoid, from its mean square minus the contribution of noise.
 NoiseCoefficient amplitude_of(const Spectrum& spectrum, const Peak& peak) {
   constexpr double coverage = 1.96;
   NoiseCoefficient c;
@@ -287,7 +287,7 @@ WithoutLines without_lines(std::span<const double> rate, double interval_s) {
     const SpectrumLevel& level = out.spectrum.levels[peak->level];
     taken.push_back(sharpened(rate, interval_s, peak->hz, level.interval * static_cast<double>(level.power.size())));
     Spectrum less = spectrum_of(rate, interval_s, taken);
-    if (!(excess(less, *peak) < left_at_most * excess(out.spectrum, *peak))) break;  // not one frequency
+    if (!(excess(less, *peak) < left_at_most * excess(out.spectrum, *peak))) break;  // not a single frequency
     out.spectrum = std::move(less);
     out.lines.push_back({taken.back(), amplitude_of(out.spectrum, *peak)});
   }

@@ -1,4 +1,4 @@
-// Which terms a spectrum needs, and how well the model then fits.
+// Selection of the terms for a spectrum, and a test of the resulting model.
 #pragma once
 
 #include "imulab/noise.hpp"
@@ -19,28 +19,28 @@ struct Agreement {
 struct Model {
   SpectrumLikelihood problem;
   Point best;
-  double misfit = 0;  ///< with Q^2 not negative
+  double misfit = 0;  ///< with nonnegative Q^2
 };
 
 struct ChosenModel : Model {
-  std::optional<Model> wider;  ///< with one process more, which the spectrum neither asks for nor excludes
+  std::optional<Model> wider;  ///< with one more process, which the spectrum neither requires nor excludes
   double highest_hz = 0;
   Agreement agreement;
 };
 
-/// Processes and a low-pass as far as each raises the likelihood by more than chance does; where the model then does not hold at high frequency, that
-/// end is left out, at most down to a 32nd. Throws Unsupported where too little of the spectrum is left.
+/// Adds processes and a low-pass if each raises the likelihood significantly. If the model is invalid at high frequencies, these are left out, at
+/// most down to 1/32. Throws Unsupported if too little of the spectrum remains.
 ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution);
 
-// Periodic lines in a spectrum: found as ordinates that stand out of those about them, taken out as sinusoids.
+// Periodic lines in a spectrum: ordinates above their neighborhood, removed as sinusoids.
 
 struct WithoutLines {
   Spectrum spectrum;
   std::vector<NoiseLine> lines;  ///< by frequency
 };
 
-/// At most eight. An ordinate whose power over the median about it, by chance, one log of a thousand has, begins one; it is a line if one frequency
-/// takes most of the power about it in every piece of the record.
+/// Removes at most eight lines. A line begins with an ordinate whose power relative to the median near it occurs by chance in one log of a thousand;
+/// it is a line if one frequency explains most of the power near it in every piece of the record.
 WithoutLines without_lines(std::span<const double> rate, double interval_s);
 
 }  // namespace imulab::noise

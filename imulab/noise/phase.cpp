@@ -19,8 +19,8 @@ namespace imulab::noise {
 
 namespace {
 
-constexpr std::size_t lanes = 8;     // sums in flight: an addition waits for the one before it. As many on every processor: results are equal
-constexpr std::size_t piece = 2048;  // points at once: three of them fit into the first cache
+constexpr std::size_t lanes = 8;     // parallel sums, as an addition waits for the previous one; equal on all processors for equal results
+constexpr std::size_t piece = 2048;  // points at once: three pieces fit into the first-level cache
 using Lanes = Eigen::Array<double, lanes, 1>;
 using Points = Eigen::Map<const Lanes>;
 
@@ -50,7 +50,7 @@ double sum_of_third(const double* x, std::size_t m, std::size_t n) {
 
 constexpr std::size_t most_octaves = 4;  // together: their sums and points fit into the registers
 
-/// Sums for the factors m, 2m, 4m, ..., `octaves` of them, to the place of each: a point that two of them need is read once.
+/// Computes `octaves` sums for the factors m, 2m, 4m, ... in order: a point that two of them need is read once.
 using OctaveSums = void (*)(const double* x, std::size_t m, std::size_t n, double* sums);
 
 template <std::size_t octaves>
@@ -59,7 +59,7 @@ void octave_sums(const double* x, std::size_t m, std::size_t n, double* sums) {
 }
 
 #if defined(__x86_64__)
-/// As octave_sums, with registers of four numbers; not fused, so that the result is the same.
+/// Like octave_sums, with registers of four numbers; not fused, so that the result is the same.
 template <std::size_t octaves>
 __attribute__((target("avx2"))) void wide_octave_sums(const double* x, std::size_t m, std::size_t n, double* sums) {
   __m256d low[octaves], high[octaves];
@@ -86,7 +86,7 @@ __attribute__((target("avx2"))) void wide_octave_sums(const double* x, std::size
 }
 #endif
 
-/// By the number of octaves less one.
+/// Returns the fastest functions, indexed by the number of octaves minus one.
 std::array<OctaveSums, most_octaves> fastest_octave_sums() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) return {wide_octave_sums<1>, wide_octave_sums<2>, wide_octave_sums<3>, wide_octave_sums<4>};
@@ -94,7 +94,7 @@ std::array<OctaveSums, most_octaves> fastest_octave_sums() {
   return {octave_sums<1>, octave_sums<2>, octave_sums<3>, octave_sums<4>};
 }
 
-/// Places of factors each of which is twice the one before.
+/// Indices of factors, each twice the previous one.
 using Octaves = std::vector<std::size_t>;
 
 std::vector<Octaves> octaves_of(const std::vector<std::size_t>& factors) {

@@ -14,20 +14,20 @@ namespace {
 
 using std::numbers::pi;
 
-/// The ordinates of flicker have less power than its density says, because the transform mirrors the record at its ends: the integral of the density
-/// times the squared Fourier transform of the cosine; 1 - 2 / (pi^2 k) from k = 4 on, within 0.1 %.
+/// Returns the ratio of flicker power in an ordinate to its density, which is below one because the transform mirrors the record at its ends: the
+/// integral of the density times the squared Fourier transform of the cosine; 1 - 2 / (pi^2 k) from k = 4 on, within 0.1 %.
 double mirrored_flicker(std::size_t k) {
   constexpr std::array<double, 4> first{0, 0.7737, 0.9028, 0.9311};
   return k < first.size() ? first[k] : 1 - 2 / (pi * pi * static_cast<double>(k));
 }
 
-/// (sin(n x) / (n sin x))^2: the mean of n readings.
+/// Returns (sin(n x) / (n sin x))^2, the response of the mean of n readings.
 double mean_of(std::size_t n, double x) {
   const double nn = static_cast<double>(n), sine = std::sin(x);
   return std::abs(sine) < 1e-12 ? 1 : std::pow(std::sin(nn * x) / (nn * sine), 2);
 }
 
-constexpr std::size_t most_folds = 6;  // that averaging makes
+constexpr std::size_t most_folds = 6;  // caused by averaging
 
 }  // namespace
 
@@ -60,10 +60,10 @@ double MarkovDensity::at(double interval_s, double cosine) {
   return interval_s * (g0_ + 2 * g1_ * (cosine - a_) / (1 - 2 * a_ * cosine + a_ * a_));
 }
 
-// A digital filter's slope goes with the tangent of half the angle (bilinear transform).
+// The slope of a digital filter depends on the tangent of half the angle (bilinear transform).
 double FilterShares::place(double hz) const { return shape_.digital ? std::tan(pi * std::min(hz * reading_s_, 0.4999)) : hz; }
 
-/// Where white noise at a frequency of the readings comes from: sampling folds what an analog filter leaves above half their rate.
+/// Returns the origins of white noise at a frequency of the readings: sampling folds frequencies above half the rate that an analog filter passes.
 std::vector<FilterShares::Node> FilterShares::sampled(double hz, double weight) const {
   if (shape_.digital) return {{place(hz), weight}};
   std::vector<Node> out;
@@ -81,7 +81,7 @@ FilterShares::FilterShares(const std::vector<SpectrumBin>& bins, const LowPassSh
 
 void FilterShares::add_bin(const SpectrumBin& bin) {
   double rest = 1;
-  // Simpson's rule over the bin: a filter of fourth order falls by a factor of 1.5 across one.
+  // Simpson's rule over the bin: a fourth-order filter decreases by a factor of 1.5 across one.
   for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{bin.middle_hz(), 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
     red_.add({place(hz), weight});
     if (bin.averaged == 1) {
@@ -107,7 +107,7 @@ void FilterShares::add_bin(const SpectrumBin& bin) {
   white_.begin.push_back(white_.weight.size());
 }
 
-/// For each bin its nodes' sum of weight / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
+/// Returns for each bin the sum over nodes of weight / (1 + (x / cutoff)^2n); `steepness`: derivative of the cutoff's log place by the log cutoff.
 std::vector<Passed> FilterShares::passed(const Nodes& nodes, double cutoff, double steepness) const {
   const auto count = static_cast<Eigen::Index>(nodes.weight.size());
   const Eigen::Map<const Eigen::ArrayXd> square(nodes.square.data(), count), weight(nodes.weight.data(), count);

@@ -20,12 +20,12 @@ using std::numbers::pi;
 constexpr std::size_t longest_transform = 65536, finest_step = 64;
 constexpr std::size_t shortest_piece = 4096, longest_piece = 32768, fewest_pieces = 16;
 constexpr std::size_t single_ordinates = 32;
-constexpr std::size_t widest_bin = 64;  // ordinates: at half the rate a filter may fall steeply
+constexpr std::size_t widest_bin = 64;  // ordinates: near half the rate a filter may fall steeply
 constexpr double bin_ratio = 1.05;      // of the frequencies of a bin
-constexpr double beside = 2.5;          // ordinates left out about a sinusoid's
-constexpr double fewest_periods = 1.5;  // of a sinusoid in a transform's readings; fewer tell it from a ramp badly
+constexpr double beside = 2.5;          // ordinates left out around a sinusoid
+constexpr double fewest_periods = 1.5;  // of a sinusoid in the readings of a transform; fewer hardly separate it from a ramp
 
-/// The largest number without prime factors above 5 that is at most n: their transforms are fast, and every n has one within a few percent.
+/// Returns the largest number up to n without prime factors above 5: such transforms are fast, and there is one within a few percent of every n.
 std::size_t smooth_length(std::size_t n) {
   std::size_t best = 1;
   for (std::size_t a = 1; a <= n; a *= 5)
@@ -44,7 +44,7 @@ class CosineTransform {
     for (std::size_t k = 0; k < n; ++k)
       turn_[k] = std::polar(std::sqrt(2.0 / static_cast<double>(n)), -pi * static_cast<double>(k) / (2 * static_cast<double>(n)));
   }
-  /// In place; ordinate 0 is not normalized.
+  /// Transforms in place; ordinate 0 is not normalized.
   void operator()(std::vector<double>& y) {
     const std::size_t n = y.size();
     for (std::size_t j = 0; 2 * j < n; ++j) order_[j] = y[2 * j];
@@ -59,7 +59,7 @@ class CosineTransform {
   std::vector<std::complex<double>> spectrum_, turn_;
 };
 
-/// Means of p readings from `begin`, less a line through the record's middle.
+/// Returns means of p readings from `begin`, minus a line through the middle of the record.
 std::vector<double> means(std::span<const double> rate, std::size_t begin, std::size_t count, std::size_t p, double slope_per_sample) {
   std::vector<double> y(count);
   const double origin = rate[0];
@@ -79,7 +79,7 @@ double slope_of(std::span<const double> rate) {
   return 12 * sum / (n * (n * n - 1));
 }
 
-/// A sinusoid and a mean fitted to y by least squares.
+/// A sinusoid and a mean, fitted to y by least squares.
 struct Sinusoid {
   double mean, cosine, sine;
   double square() const { return cosine * cosine + sine * sine; }
@@ -87,7 +87,7 @@ struct Sinusoid {
 
 using Readings = Eigen::Map<const Eigen::ArrayXd>;
 
-/// Calls `each`(first, cosines, sines) for blocks of j from 0 to n, of cos(w j) and sin(w j): each block's first turned by the same angles.
+/// Calls `each`(first, cosines, sines) for blocks of j from 0 to n, with cos(w j) and sin(w j): the first block is rotated to each block.
 template <class Each>
 void along(double w, std::size_t n, Each each) {
   constexpr Eigen::Index block = 256;
@@ -124,7 +124,7 @@ void subtract(std::vector<double>& y, const Sinusoid& fitted, double w) {
         [&](Eigen::Index first, const auto& c, const auto& s) { readings.segment(first, c.size()) -= fitted.cosine * c + fitted.sine * s; });
 }
 
-/// Where sampling at this interval folds a frequency to, in radians a sample, 0 to pi.
+/// Returns the frequency after folding by sampling at this interval, in radians per sample, 0 to pi.
 double folded(double hz, double interval) {
   const double turns = hz * interval;
   return 2 * pi * std::abs(turns - std::round(turns));
@@ -135,7 +135,7 @@ bool tells(double hz, double interval, std::size_t length) {
   return periods >= fewest_periods && static_cast<double>(length) / 2 - periods >= 0.5 * fewest_periods;
 }
 
-/// Removes the sinusoids; the last one's squared amplitude is added to the spectrum's.
+/// Removes the sinusoids; the squared amplitude of the last one is added to that of the spectrum.
 void remove_sinusoids(Spectrum& spectrum, std::vector<double>& y, double interval, const std::vector<double>& without) {
   for (const double& hz : without) {
     if (!tells(hz, interval, y.size())) continue;
@@ -156,7 +156,7 @@ bool is_beside(const SpectrumLevel& level, std::size_t k, const std::vector<doub
   });
 }
 
-/// Neighboring ordinates of a level together, none of those beside a sinusoid.
+/// Combines successive ordinates of a level, except those next to a sinusoid.
 void add_bins(Spectrum& spectrum, const SpectrumLevel& level, const std::vector<double>& without) {
   for (std::size_t k = level.first; k < level.end;) {
     if (is_beside(level, k, without)) {
@@ -178,7 +178,7 @@ void add_bins(Spectrum& spectrum, const SpectrumLevel& level, const std::vector<
   }
 }
 
-/// The whole record in one transform: p samples averaged.
+/// Adds the whole record in one transform with p samples averaged.
 void add_record(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, const std::vector<double>& without) {
   const std::size_t n = smooth_length(rate.size() / p);
   const double T = interval_s * static_cast<double>(p);
@@ -200,14 +200,14 @@ void add_record(Spectrum& spectrum, std::span<const double> rate, double interva
   spectrum.levels.push_back(std::move(level));
 }
 
-/// Leakage from strong frequencies to weak ones falls with the length of a piece.
+/// Returns the length of a piece: leakage from strong to weak frequencies falls with it.
 std::size_t piece_of(std::size_t means) {
   std::size_t length = shortest_piece;
   while (2 * length <= longest_piece && 2 * length * fewest_pieces <= means) length *= 2;
   return length;
 }
 
-/// Pieces of means of p samples, from the frequency on where the level before ended.
+/// Adds pieces of means of p samples, from the frequency at which the previous level ended.
 void add_segments(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, double from_hz,
                   const std::vector<double>& without) {
   const double T = interval_s * static_cast<double>(p);
@@ -243,7 +243,7 @@ Spectrum spectrum_of(std::span<const double> rate, double interval_s, const std:
 }
 
 double sharpened(std::span<const double> rate, double interval_s, double hz, double piece_s) {
-  const auto averaged = std::max<std::size_t>(1, static_cast<std::size_t>(0.1 / (hz * interval_s)));  // ten to a period
+  const auto averaged = std::max<std::size_t>(1, static_cast<std::size_t>(0.1 / (hz * interval_s)));  // ten per period
   const double T = interval_s * static_cast<double>(averaged);
   const auto length = std::min(static_cast<std::size_t>(piece_s / T), rate.size() / averaged);
   constexpr std::size_t most_pieces = 8;
@@ -255,7 +255,7 @@ double sharpened(std::span<const double> rate, double interval_s, double hz, dou
     for (const std::vector<double>& part : parts) sum += fit_sinusoid(part, folded(f, T)).square();
     return sum;
   };
-  // The peak is about one over the length of a piece wide: a grid of eighths, then by thirds.
+  // The width of the peak is about one over the length of a piece: search a grid of eighths, then by thirds.
   const double width = 1 / (T * static_cast<double>(length));
   double best = hz, most = taken(hz);
   for (int i = -8; i <= 8; ++i)

@@ -28,14 +28,14 @@ constexpr std::size_t fewest_samples = 1024;
 
 double seconds(const RecordingView& recording, const Range& range) { return static_cast<double>(range.size()) * recording.interval_s; }
 
-/// Gaps up to this, which are many: the readings are taken as if none was missing.
+/// If gaps up to this length are frequent, the readings are used as if none were missing.
 constexpr double longest_closed_s = 1, most_closed = 0.3;
-/// A piece without gaps is used as long as it is not so much shorter.
+/// A piece without gaps is used unless the other is longer by this factor.
 constexpr std::size_t times_longer = 4;
-/// The share of samples that may be filled in: each has half the noise of its neighbors.
+/// Largest fraction of samples that may be filled in: each has half the noise variance of its neighbors.
 constexpr double most_filled = 0.005;
 
-/// The share of readings at its limit up to which a varying channel does not count as saturated there.
+/// Largest fraction of readings at a limit for which a varying channel does not count as saturated.
 constexpr double seldom = 0.001;
 
 std::string clipped_axes(const RecordingView& recording, const Range& range) {
@@ -72,7 +72,7 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
                                 seconds(recording, longest), seconds(recording, best), expected));
 }
 
-/// Time that is missing in the gaps of a range [s].
+/// Returns the missing time in the gaps of a range [s].
 double missing_s(const RecordingView& recording, const Range& range) {
   double missing = 0;
   for (auto gap = std::upper_bound(recording.gaps.begin(), recording.gaps.end(), range.begin); gap != recording.gaps.end() && *gap < range.end; ++gap)
@@ -80,7 +80,7 @@ double missing_s(const RecordingView& recording, const Range& range) {
   return missing;
 }
 
-/// Rests that only a gap separates as one: who wants the noise does not ask what moved inside.
+/// Joins rests that only a gap separates: motion inside a gap does not matter for the noise.
 std::vector<Range> across_gaps(const std::vector<Range>& rests) {
   std::vector<Range> out;
   for (const Range& rest : rests) {
@@ -92,7 +92,7 @@ std::vector<Range> across_gaps(const std::vector<Range>& rests) {
   return out;
 }
 
-/// The longest part across short gaps, if it is much longer than the longest without; else nothing.
+/// Returns the longest part across short gaps if it is much longer than the longest without, else nothing.
 std::optional<Range> across_short_gaps(const RecordingView& recording, const Range& part, const Range& without) {
   Range longest;
   for (const Range& piece : without_interruptions(recording, part, longest_closed_s))
@@ -101,8 +101,8 @@ std::optional<Range> across_short_gaps(const RecordingView& recording, const Ran
   return missing_s(recording, longest) <= most_closed * seconds(recording, longest) ? std::optional(longest) : std::nullopt;
 }
 
-/// The interval of all of the analysis: nominal, or that of the even clock of stamps whose usual difference is another. The stamps of each eighth are
-/// held against it: jitter of a third of it moves the mean of 128 by 0.4 %; 1 % is half a percent of N.
+/// Returns the interval of the analysis: nominal, or that of an even clock if the usual difference of the stamps is another. The stamps of each
+/// eighth are compared with it: jitter of a third of it changes the mean of 128 by 0.4 %; 1 % is half a percent of N.
 double one_interval(const RecordingView& recording, const Range& range, bool declared, std::vector<std::string>& notes) {
   constexpr std::size_t parts = 8;
   constexpr double most = 0.01;
@@ -131,7 +131,7 @@ double one_interval(const RecordingView& recording, const Range& range, bool dec
 
 std::vector<std::string> cut_notes(const RecordingView& recording, const std::vector<Range>& rests, const Range& used) {
   std::vector<std::string> notes;
-  // Clocks that count from 1970 or from power-on: from the log's first stamp on, unless that is near zero.
+  // If a clock counts from 1970 or from power-on, times refer to the log's first stamp unless that is near zero.
   const double begin = recording.time_s(0) - recording.interval_s, from = std::abs(begin) < 1e6 ? 0 : begin;
   notes.push_back(fmt::format("at rest: {} to {} s{}, {} samples; {:.3g} of {:.6g} s were cut",
                               stamp_text(recording.time_s(used.begin) - recording.interval_s - from),
@@ -168,7 +168,7 @@ bool rate_is_declared(const RecordingView& recording, const Session& session) {
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
   StillRange still;
   Rests found = rests_of(recording, session);
-  if (recording.accel_unit == "count")  // of a log at rest their mean is gravity
+  if (recording.accel_unit == "count")  // for a log at rest, their mean is gravity
     std::erase_if(found.ranges, [&](const Range& rest) {
       std::string motion = motion_in(recording, rest, true);
       const bool moves = !motion.empty();

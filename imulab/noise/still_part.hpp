@@ -1,4 +1,4 @@
-// The part of a recording in which an IMU shows its noise alone: at rest, without interruption.
+// The part of a recording that contains only noise of the IMU: at rest, without interruption.
 #pragma once
 
 #include "imulab/recording/recording_view.hpp"
@@ -9,27 +9,27 @@
 
 namespace imulab {
 
-/// The longest stretch at rest without a gap or a saturated sample; where gaps of up to a second are so many that a stretch across them is more than
-/// four times as long, that one. A shorter one than 30 s or 1024 samples says too little.
+/// The longest part at rest without a gap or a saturated sample. If there are so many gaps of up to a second that a part across them is more than
+/// four times as long, that part. A part shorter than 30 s or 1024 samples is insufficient.
 struct StillRange {
-  Range range;                     ///< of the recording's samples
-  std::vector<std::string> notes;  ///< what was cut, and why
-  double interval_s = 0;           ///< of its samples: nominal, or of the even clock of stamps that scatter
+  Range range;                     ///< samples of the recording
+  std::vector<std::string> notes;  ///< excluded parts with reasons
+  double interval_s = 0;           ///< of its samples: nominal, or of an even clock if stamps scatter
 };
 
-/// The part at rest of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds,
-/// they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as
-/// detect_rests.
+/// Returns the part at rest of a valid recording in memory or on disk, of which `filled` lost samples were filled in. The holds of the session are
+/// the rests if there are any, else rests are found. Throws Unsupported if no part is long enough: in motion, interrupted, saturated or short; throws
+/// Error like detect_rests.
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 
-/// True where so few samples are lost that filling them in does not change the noise.
+/// Returns true if so few samples are lost that filling them in does not change the noise.
 bool worth_filling(const RecordingView& recording);
 
 struct StillPart : StillRange {
-  Recording recording;  ///< the whole one; lost samples filled, one or two at a time; its interval that of the part
+  Recording recording;  ///< whole recording; lost samples filled in one or two at a time; interval as for the part
 };
 
-/// The part at rest of any recording in memory.
+/// Returns the part at rest of any recording in memory.
 StillPart still_part(Recording recording, const Session& session);
 
 }  // namespace imulab

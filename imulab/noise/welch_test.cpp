@@ -8,7 +8,7 @@
 namespace imulab {
 namespace {
 
-/// Half of what SciPy 1.10.1's signal.welch(y, fs=10, nperseg=64, window="hann", detrend="constant") gives one-sided for the 1000 points of NBS14.
+/// Half of the one-sided result of SciPy 1.10.1's signal.welch(y, fs=10, nperseg=64, window="hann", detrend="constant") for the 1000 points of NBS14.
 TEST(Welch, EqualsScipy) {
   std::vector<double> rate;
   std::uint64_t n = 1234567890;

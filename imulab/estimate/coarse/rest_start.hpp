@@ -37,8 +37,7 @@ struct RestStart {
   Vector3d up(const RestMeans& rest) const { return linear_output(model.accel, accel(rest)).normalized(); }
 };
 
-/// Computes the start. Throws Unsupported for too few or too similar rests, and Error if the accelerometers' declared unit contradicts gravity
-/// [m/s^2].
+/// Computes the start. Throws Unsupported for too few or too similar rests, and Error if the accelerometers' unit contradicts gravity [m/s^2].
 RestStart start_from_rests(const CalibrationInput& input, std::string_view method);
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double gravity);
 

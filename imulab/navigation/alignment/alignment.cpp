@@ -66,7 +66,7 @@ Matrix3d from_heading(const RestMotion& rest, const CarriedRest& body, double he
   return C_n0;
 }
 
-/// The axes n are those at mid-rest, without rotation; e(t) is the accumulated angle error of the gyros, df the error of the accelerometers, and D the
+/// The axes n are those at mid-rest, without rotation; e(t) is the accumulated angle error of the gyros, df the error of the accelerometers, D the
 /// difference between the means of the second and the first half:
 ///   phi_E = mean e_E - df_N / g,  phi_N = mean e_N + df_E / g,  phi_U = (-D e_E + D df_N / g) / (w_N T / 2)  in the middle; then minus e(T / 2).
 /// For constant errors, this is phi_U = phi_N tan L - dw_E / (w_ie cos L).

@@ -10,8 +10,7 @@ namespace imulab::in_place {
 
 Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const NoiseModels& declared, double duration_s) {
   // Processes with a variance of B^2 / pi per unit of ln(time) have the two-sided power B^2 / (2 pi f) of flicker (IEEE 952, C.1.2). With a ratio of
-  // 16, the Allan variance of their sum agrees with flicker within 10 % from the fastest time to half of the slowest. Slower ones are constant in the
-  // recording.
+  // 16, the Allan variance of their sum agrees with flicker within 10 % from the fastest time to half of the slowest. Slower ones count as constant.
   constexpr double ratio = 16;
   const auto slow = [&](const NoiseModel& n) {
     return SlowNoise{n.K, n.B * std::sqrt(std::log(ratio) / std::numbers::pi), {duration_s, duration_s / ratio, duration_s / (ratio * ratio)}};

@@ -15,8 +15,7 @@ class Spline {
     Point value, first, second;
   };
 
-  /// Interpolates points at four or more ascending knots; the third derivative is continuous at the second and the last but one (not-a-knot ends).
-  /// Throws Error for fewer.
+  /// Interpolates points at four or more ascending knots (Error for fewer), with a continuous third derivative next to the ends (not-a-knot).
   Spline(std::vector<double> knots, std::vector<Point> points);
 
   /// Returns the smoothest spline (least integral of the squared second derivative) with a mean square distance `mean_square` from the points, over
