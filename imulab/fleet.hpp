@@ -243,7 +243,7 @@ struct OutlierSearch {
 };
 
 struct FleetOptions {
-  double confidence = 0.95;                    ///< of every single interval
+  double confidence = 0.95;                    ///< confidence level of every single interval
   double false_alarm = 0.01;                   ///< total probability for outliers, and for significant drifts and correlations
   std::vector<Requirement> requirements = {};  ///< limits for the values
   std::vector<Requirement> errors = {};        ///< limits for the errors of a calibration; beyond them recalibration is due

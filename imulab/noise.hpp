@@ -123,9 +123,9 @@ struct SpectrumPoint {
 
 struct NoiseFit : NoiseCoefficients {
   std::optional<LowPass> low_pass = {};
-  std::vector<NoiseLine> lines = {};         ///< by frequency; lines above half the sampling rate appear at their alias below it
+  std::vector<NoiseLine> lines = {};         ///< sorted by frequency; lines above half the sampling rate appear at their alias below it
   double resolution = 0;                     ///< step of the readings; 0: not rounded, or the step is negligible
-  double chi2_per_dof = 0;                   ///< of the power in several dozen frequency ranges
+  double chi2_per_dof = 0;                   ///< chi-square of the power in several dozen frequency ranges
   double highest_hz = 0;                     ///< highest frequency used: half the rate, or less if the model is invalid above
   bool cut = false;                          ///< higher frequencies were excluded
   std::vector<NoiseMisfit> misfits = {};     ///< remaining misfits; all intervals are then widened by the square root of chi2_per_dof

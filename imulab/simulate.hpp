@@ -39,8 +39,8 @@ struct RigErrorSource {
   static constexpr std::size_t at_start = static_cast<std::size_t>(-1);
 
   RigErrorKind kind = RigErrorKind::zero;
-  std::size_t axis = 0;         ///< by RigAxis; for a tilt: 0 about east, 1 about north; for a mount: body axis of the rotation
-  std::size_t element = 0;      ///< of an orthogonality: 0 or 1, as in i1, i2
+  std::size_t axis = 0;         ///< RigAxis index; for a tilt: 0 about east, 1 about north; for a mount: body axis of the rotation
+  std::size_t element = 0;      ///< element of an orthogonality: 0 or 1, as in i1, i2
   std::size_t step = at_start;  ///< angle or timing error: index of the step (of its recording) that draws it
   Mount place{};                ///< mount to which a mount or radius error belongs
   double known = 0;             ///< declared value [rad, s, m or relative], the mean of the draws

@@ -50,7 +50,7 @@ void check_rests(const CalibrationInput& input, std::vector<std::string>& proble
   const Recording none, &recording = input.recordings.empty() ? none : input.recordings.front();
   const double window = recording.interval_s > 0 ? RestOptions{}.window_s / recording.interval_s : 0;
   const auto shared = static_cast<std::size_t>(std::min(window, 1e9));
-  std::size_t begin = 0, end = 0;  // of the previous rest
+  std::size_t begin = 0, end = 0;  // limits of the previous rest
   for (const Range& rest : *input.rests) {
     const std::size_t least = std::max(begin, end - std::min(end, shared));
     if (rest.end <= rest.begin)

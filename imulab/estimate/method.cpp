@@ -198,7 +198,7 @@ CalibrationResult calibrate_in_either_hemisphere(const Method& method, const Cal
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
   if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != Verdict::doubtful) return result;
-  constexpr double obvious = 30;  // of chi-square: five sigma of one parameter
+  constexpr double obvious = 30;  // difference of chi-square: five sigma of one parameter
   const Findings& found = result.calibration.quality.findings;
   const bool by_latitude = found.has(Code::wrong_latitude) || found.has(Code::not_earth_rate);
   Session elsewhere = input.session;

@@ -205,7 +205,7 @@ void describe(Fields& f, Calibration& c) {
   f("rest_noise", c.rest_noise, fields::if_any);
   const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
   if (Fields::reads || c.recorded_accel || c.recorded_gyro) f.table("recorded", recorded, fields::optional);
-  fields::derived(f, "rig", std::map<std::string, double>(), fields::if_any);  // of a simulation's truth
+  fields::derived(f, "rig", std::map<std::string, double>(), fields::if_any);  // present in the truth of a simulation
   fields::known_keys_only(f, true);
 }
 

@@ -37,7 +37,7 @@ inline Vector3d size_effect(const Vector3d& rate, const Vector3d& angular_accele
 /// Derivatives; the rows of every matrix are rate x y z [rad/s], force x y z [m/s^2].
 struct CompensationDerivatives {
   Motion motion;                                             ///< compensate(model, raw)
-  Eigen::Matrix<double, 6, coefficient_count> coefficients;  ///< by table index; lever arms do not act on a single sample
+  Eigen::Matrix<double, 6, coefficient_count> coefficients;  ///< columns by table index; lever arms do not act on a single sample
   Eigen::Matrix<double, 6, 6> raw;                           ///< gyro x y z, accel x y z
   Eigen::Matrix<double, 6, 6> temperature;                   ///< gyro tau x y z, accel tau x y z
 };

@@ -17,7 +17,7 @@ constexpr int third(int i) { return (i + 2) % 3; }
 /// Slow change in a recording, two functions each: proportional to time, and a warm-up with a time constant of a quarter of the recording; both minus
 /// their mean.
 inline double slow(const EffectState& s, int function) {
-  constexpr double mean_warm_up = 1 - 0.25 * (1 - 0.018315638888734179);  // of 1 - exp(-4 x) over 0 to 1: 1 - (1 - e^-4) / 4
+  constexpr double mean_warm_up = 1 - 0.25 * (1 - 0.018315638888734179);  // mean of 1 - exp(-4 x) over 0 to 1: 1 - (1 - e^-4) / 4
   if (function / 2 != s.recording) return 0;
   return function % 2 == 0 ? s.time : 1 - std::exp(-4 * (s.time + 0.5)) - mean_warm_up;
 }

@@ -11,8 +11,8 @@ namespace imulab {
 struct FilterFlicker {
   static constexpr double time = 60, ratio = 32;  // s; for a coast of 10 s to 10 min the sigma is within 4 %
   static constexpr double slower = 3;             // number of processes: up to three weeks
-  double sigma;                                   // of the process, as of any of the series
-  double white;                                   // density
+  double sigma;                                   // standard deviation of the process, equal for all of the series
+  double white;                                   // density of the white noise
   double walk;                                    // growth of the standard deviation [1/sqrt(s)]
   double start;                                   // standard deviation of the walk at the start
 

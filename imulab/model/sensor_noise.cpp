@@ -46,7 +46,7 @@ AxisNoise::AxisNoise(const NoiseModel& model, double interval_s, std::uint64_t s
 bool AxisNoise::slow() const { return bias_ != 0 || ramp_ != 0 || model_.B != 0 || model_.K != 0; }
 
 Flicker::Array AxisNoise::stationary_draw() const {
-  Eigen::Matrix<double, Flicker::processes, Flicker::processes> covariance;  // of processes with one driver
+  Eigen::Matrix<double, Flicker::processes, Flicker::processes> covariance;  // covariance of processes with one driver
   for (int i = 0; i < Flicker::processes; ++i)
     for (int j = 0; j < Flicker::processes; ++j) covariance(i, j) = driven_(i) * driven_(j) / (1 - decay_(i) * decay_(j));
   Eigen::Matrix<double, Flicker::processes, 1> z;

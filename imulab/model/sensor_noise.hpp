@@ -74,9 +74,9 @@ class AxisNoise {
 
   NoiseModel model_;
   double interval_s_;
-  double bias_, ramp_;             // of this recording
-  std::array<double, 4> direct_;   // of the flicker: weights of the last draws
-  Flicker::Array decay_, driven_;  // of the flicker over one sample
+  double bias_, ramp_;             // constant errors of this recording
+  std::array<double, 4> direct_;   // weights of the last draws of the flicker
+  Flicker::Array decay_, driven_;  // propagation of the flicker over one sample
   RandomStream white_, quantization_, flicker_, walk_, start_;
 };
 

@@ -166,7 +166,7 @@ namespace {
 
 /// The integrated increments: those that end after `time`, the first one from there.
 struct IntegratedSteps {
-  Range range;  // of samples with such increments
+  Range range;  // samples with such increments
   double time, tolerance;
   bool at_begin;  // at the begin of the recording
 };
@@ -245,7 +245,7 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
     if (options.each) options.each(time, strapdown.state());
   };
   constexpr std::size_t enough = 100'000;
-  std::vector<double> forces;  // of the steps, or a sample of them
+  std::vector<double> forces;  // forces of the steps, or of a sample of them
   const std::size_t every = steps.range.size() / enough + 1;
   if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
   add(start.time);

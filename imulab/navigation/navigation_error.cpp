@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double same_stamp = 1e-7;  // s: files write nanoseconds
 
-/// Latitude, longitude (near `longitude`) and height, and their rates.
+/// Latitude, longitude (near `longitude`) and height, with their rates.
 struct Place {
   Vector3d value, rate;
 };
@@ -30,7 +30,7 @@ Place place_of(const NavigationState& s, double longitude) {
           {s.velocity.y() / e.meridian_radius, s.velocity.x() / (e.transverse_radius * e.cos_latitude), s.velocity.z()}};
 }
 
-/// Between two states `h` [s] apart, at the fraction x of h.
+/// Interpolates between two states `h` [s] apart, at the fraction x of h.
 NavigationState between(const NavigationState& a, const NavigationState& b, double h, double x) {
   const Place p = place_of(a, a.longitude), q = place_of(b, a.longitude);
   const double x2 = x * x, x3 = x2 * x;
@@ -46,7 +46,7 @@ NavigationState between(const NavigationState& a, const NavigationState& b, doub
   return s;
 }
 
-/// At a time inside the solution's.
+/// Returns the state at a time within the solution.
 NavigationState at(const Solution& s, double t) {
   const auto after = std::lower_bound(s.time.begin(), s.time.end(), t - same_stamp);
   const auto i = static_cast<std::size_t>(after - s.time.begin());

@@ -1,4 +1,4 @@
-// States that a comparison with a truth needs, and the rates of many runs.
+// Selection of states for a comparison with a truth, and rates of many runs.
 #pragma once
 
 #include "imulab/navigate.hpp"
@@ -9,8 +9,8 @@
 
 namespace imulab {
 
-/// Keeps those of a solution's states, as they are reached, that its comparison with a truth needs: on both sides of each of the truth's times, the
-/// first, and the last two.
+/// Keeps those states of a solution, as they are reached, that a comparison with a truth needs: both neighbors of each time of the truth, the first
+/// state, and the last two.
 class ComparedStates {
  public:
   explicit ComparedStates(const Solution& truth) : truth_(truth) {}
@@ -19,12 +19,12 @@ class ComparedStates {
 
  private:
   const Solution& truth_;
-  std::size_t passed_ = 0;    // of the truth's times
-  std::vector<bool> needed_;  // of the solution's states
+  std::size_t passed_ = 0;    // number of times of the truth that were passed
+  std::vector<bool> needed_;  // for each state of the solution
   Solution solution_;
 };
 
-/// Pure-inertial rates over a set of runs [m/s]: root mean square, and the median, which half of the runs stay below (CEP rate).
+/// Pure-inertial rates over a set of runs [m/s]: RMS, and the median (CEP rate).
 struct RateSummary {
   double rms = 0, cep = 0;
 };

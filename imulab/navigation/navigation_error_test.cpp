@@ -35,7 +35,7 @@ Solution sampled(double begin, double end, double interval, double phase = 0) {
 }
 
 TEST(NavigationErrors, OfTheTruthItselfAreZeroBetweenItsStampsToo) {
-  // Stamps at 10 Hz that fall in the middle between those at 100 Hz and at 10 Hz.
+  // The stamps at 10 Hz are in the middle between those at 100 Hz and at 10 Hz.
   for (const auto& [interval, position, velocity, attitude] : {std::tuple(0.01, 1e-6, 1e-6, 1e-5), std::tuple(0.1, 1e-4, 1e-3, 5e-4)}) {
     const NavigationErrors errors = navigation_errors(sampled(0, 20, interval), sampled(0, 20, 0.1, interval / 2));
     ASSERT_GT(errors.history.size(), 190u);
@@ -88,7 +88,7 @@ TEST(NavigationErrors, AreThoseOfTheCommonTime) {
 TEST(ComparedStates, GiveTheErrorsThatAllStatesGive) {
   Solution all = sampled(0, 10, 0.01);
   for (NavigationState& s : all.states) s.height += 3, s.velocity.x() += 0.1;
-  // On the stamps, between them, as fine, finer, longer at both ends, of a part, of one row.
+  // The truth has its times on the stamps, between them, as dense, denser, longer at both ends, partial, or a single row.
   for (const Solution& truth : {sampled(0, 10, 0.5), sampled(0, 10, 0.5, 0.003), sampled(0, 10, 0.01), sampled(0, 10, 0.004), sampled(-1, 11, 0.5),
                                 sampled(4, 6, 0.1), sampled(5, 5, 1), sampled(9.9, 12, 1)}) {
     ComparedStates some(truth);

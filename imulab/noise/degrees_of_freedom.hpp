@@ -12,7 +12,7 @@ struct Variance {
   int order = 2;
   std::size_t points = 0, m = 1;
   bool overlapping = true;
-  bool modified = false;  ///< of phase averaged over m points
+  bool modified = false;  ///< variance of phase averaged over m points
 };
 
 /// Returns the degrees of freedom for noise of spectrum f^alpha, alpha from 2 to 1 - 2 order + 1 (order 2: -2; order 3: -4); points > order m.

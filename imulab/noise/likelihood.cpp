@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::ArrayXd, Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
 
-constexpr double largest_step = 3;  // of a logarithm
+constexpr double largest_step = 3;  // largest change of a logarithm
 /// A process faster than two samples is white; one slower than a tenth of the record is a random walk.
 constexpr double fewest_intervals = 2, fewest_times = 10;
 
@@ -71,7 +71,7 @@ MatrixXd SpectrumLikelihood::sensitivity(const Parameters& at, const Modeled& mo
   MatrixXd D(density.size(), terms_.count());
   const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
   const bool filtered = terms_.low_pass.order > 0;
-  constexpr double step = 1e-3;  // of the logarithm of a correlation time
+  constexpr double step = 1e-3;  // change of the logarithm of a correlation time
   std::vector<std::array<MarkovDensity, 3>> processes;
   for (int m = 0; m < terms_.markov; ++m) {
     const double time = std::exp(at[Terms::time(m)]);

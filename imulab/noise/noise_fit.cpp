@@ -32,7 +32,7 @@ NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::Chosen
   const noise::SpectrumLikelihood& problem = model.wider->problem;
   noise::Point without = problem.revived(model.wider->best);
   without.at[parameter] = noise::absent;
-  constexpr double price = 2;  // of an additional parameter
+  constexpr double price = 2;  // cost of an additional parameter
   if (c.determined && problem.fitted(without, {parameter, {}}).misfit + price * widening > model.best.misfit) return c;
   const NoiseCoefficient other = noise::size_of(problem, model.wider->best, parameter, widening);
   return undetermined_below(std::max(c.upper, other.upper));

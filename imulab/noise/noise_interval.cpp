@@ -10,14 +10,14 @@ namespace imulab::noise {
 
 namespace {
 
-constexpr int most_halvings = 24;   // of an interval that contains a bound
-constexpr double precision = 0.01;  // of a bound, relative to its distance from the value
+constexpr int most_halvings = 24;   // limit for an interval that contains a bound
+constexpr double precision = 0.01;  // error of a bound relative to its distance from the value
 /// 95 % of chi-square with one degree of freedom, also used for the bound of an undetermined coefficient. With less (2.71, 95 % one-sided), the same
 /// logs that decide which of the two is stated would make intervals too short as well as too long, and coverage would be 92.5 %.
 constexpr double rise_of_95 = 3.841458820694124;
-constexpr double profile_precision = 1e-3;  // of the 3.84 by which the misfit rises
+constexpr double profile_precision = 1e-3;  // error of the 3.84 by which the misfit rises
 constexpr double farthest = 0.5;            // largest predicted change of another logarithm: insensitive ones would run away
-constexpr double widest_log = 60;           // of an interval, in the logarithm of a square
+constexpr double widest_log = 60;           // width of an interval in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Returns a parameter as the logarithm of a square, also for Q.

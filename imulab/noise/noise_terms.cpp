@@ -179,7 +179,7 @@ namespace {
 
 constexpr std::size_t most_lines = 8, lowest_ordinate = 8, around = 5, shortest_block = 16, longest_block = 128;
 constexpr double chance = 1e-3;       // for a line in a log without one
-constexpr double left_at_most = 0.3;  // of the excess near a line, after its removal
+constexpr double left_at_most = 0.3;  // fraction of the excess near a line, after its removal
 
 struct Peak {
   std::size_t level = 0, ordinate = 0;
@@ -227,7 +227,7 @@ std::vector<Floor> floors(const SpectrumLevel& level) {
   return out;
 }
 
-/// Returns the number of octaves of all levels as a logarithm, because the probability of a false line is equal in each octave.
+/// Returns the logarithmic frequency range of all levels together, because the probability of a false line is equal in each octave.
 double log_range(const Spectrum& spectrum) {
   double sum = 0;
   for (const SpectrumLevel& level : spectrum.levels)

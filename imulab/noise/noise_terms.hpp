@@ -19,11 +19,11 @@ struct Agreement {
 struct Model {
   SpectrumLikelihood problem;
   Point best;
-  double misfit = 0;  ///< with nonnegative Q^2
+  double misfit = 0;  ///< misfit with nonnegative Q^2
 };
 
 struct ChosenModel : Model {
-  std::optional<Model> wider;  ///< with one more process, which the spectrum neither requires nor excludes
+  std::optional<Model> wider;  ///< model with one more process, which the spectrum neither requires nor excludes
   double highest_hz = 0;
   Agreement agreement;
 };
@@ -36,7 +36,7 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
 
 struct WithoutLines {
   Spectrum spectrum;
-  std::vector<NoiseLine> lines;  ///< by frequency
+  std::vector<NoiseLine> lines;  ///< sorted by frequency
 };
 
 /// Removes at most eight lines. A line begins with an ordinate whose power relative to the median near it occurs by chance in one log of a thousand;

@@ -107,7 +107,7 @@ void FilterShares::add_bin(const SpectrumBin& bin) {
   white_.begin.push_back(white_.weight.size());
 }
 
-/// Returns for each bin the sum over nodes of weight / (1 + (x / cutoff)^2n); `steepness`: derivative of the cutoff's log place by the log cutoff.
+/// Returns for each bin the sum over nodes of weight / (1 + (x / cutoff)^2n); `steepness`: d ln cutoff / d ln (cutoff frequency).
 std::vector<Passed> FilterShares::passed(const Nodes& nodes, double cutoff, double steepness) const {
   const auto count = static_cast<Eigen::Index>(nodes.weight.size());
   const Eigen::Map<const Eigen::ArrayXd> square(nodes.square.data(), count), weight(nodes.weight.data(), count);

@@ -48,7 +48,7 @@ class FilterShares {
   FilterShares(const std::vector<SpectrumBin>& bins, const LowPassShape& shape);
 
   struct Shares {
-    std::vector<Passed> red, white;  ///< by bin
+    std::vector<Passed> red, white;  ///< fractions for each bin
   };
   Shares at(double cutoff_hz) const;
 

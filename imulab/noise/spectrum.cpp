@@ -21,9 +21,9 @@ constexpr std::size_t longest_transform = 65536, finest_step = 64;
 constexpr std::size_t shortest_piece = 4096, longest_piece = 32768, fewest_pieces = 16;
 constexpr std::size_t single_ordinates = 32;
 constexpr std::size_t widest_bin = 64;  // ordinates: near half the rate a filter may fall steeply
-constexpr double bin_ratio = 1.05;      // of the frequencies of a bin
+constexpr double bin_ratio = 1.05;      // ratio of the frequencies of a bin
 constexpr double beside = 2.5;          // ordinates left out around a sinusoid
-constexpr double fewest_periods = 1.5;  // of a sinusoid in the readings of a transform; fewer hardly separate it from a ramp
+constexpr double fewest_periods = 1.5;  // periods of a sinusoid in the readings of a transform; fewer hardly separate it from a ramp
 
 /// Returns the largest number up to n without prime factors above 5: such transforms are fast, and there is one within a few percent of every n.
 std::size_t smooth_length(std::size_t n) {

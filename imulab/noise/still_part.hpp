@@ -14,7 +14,7 @@ namespace imulab {
 struct StillRange {
   Range range;                     ///< samples of the recording
   std::vector<std::string> notes;  ///< excluded parts with reasons
-  double interval_s = 0;           ///< of its samples: nominal, or of an even clock if stamps scatter
+  double interval_s = 0;           ///< interval of its samples: nominal, or of an even clock if stamps scatter
 };
 
 /// Returns the part at rest of a valid recording in memory or on disk, of which `filled` lost samples were filled in. The holds of the session are

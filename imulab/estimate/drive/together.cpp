@@ -62,7 +62,7 @@ VectorXd unit_information(const Drive& drive) {
   for (Index k = 0; k < out.size(); ++k) {
     const AidedConstant& c = drive.navigation.constants[static_cast<std::size_t>(places[static_cast<std::size_t>(k)])];
     const double turn_on = c.name.starts_with("gyro.offset") ? drive.gyro_turn_on : c.name.starts_with("accel.offset") ? drive.accel_turn_on : 0;
-    constexpr double least = 0.01;  // of the prior: the remainder is turn-on
+    constexpr double least = 0.01;  // smallest fraction of the prior: the remainder is turn-on
     out[k] = 1 / std::max(least, 1 - turn_on / (c.prior * c.prior));
   }
   return out;
@@ -77,7 +77,7 @@ Contradiction contradiction_of(const Drive& drive, const Said& all, const Said& 
   const MatrixXd half = root.matrixL().solve(with), learned = MatrixXd::Identity(with.rows(), with.cols()) - root.matrixL().solve(half.transpose());
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes((learned + learned.transpose()) / 2);
   Contradiction out{.drive = drive.name, .worst = {}};
-  constexpr double some = 0.05;  // of the variance: less is hardly informative and subject to rounding
+  constexpr double some = 0.05;  // fraction of the variance: less is hardly informative and subject to rounding
   for (Index k = 0; k < white.size(); ++k)
     if (const double part_learned = axes.eigenvalues()[k]; part_learned > some)
       out.chi2 += std::pow(axes.eigenvectors().col(k).dot(white), 2) / part_learned, ++out.freedom;

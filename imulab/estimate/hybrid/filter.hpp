@@ -77,8 +77,8 @@ struct Pass {
   Matrix3d start;     ///< attitude at the start about which the pass was linearized
   Eigen::VectorXd x;  ///< constants, and errors of attitude and velocity at the end
   Eigen::MatrixXd covariance;
-  std::vector<double> chi2;  ///< of the innovations by block, with three degrees of freedom each; zero without observation
-  Serial serial;             ///< of the innovations
+  std::vector<double> chi2;  ///< chi-square of each block's innovation, with three degrees of freedom; zero without observation
+  Serial serial;             ///< serial correlation of the innovations
   std::vector<SeenHeading> headings;
   std::vector<CurvePoint> curve;  ///< thinned
   std::vector<RestRate> rates;

@@ -21,14 +21,14 @@
 // four passes are usual.
 //
 // The difficulties:
-// - Each pass has the same prior about the coarse solution: `total` keeps what was corrected since. The posterior of a pass as the prior of the
-//   next would count the data twice (83 % instead of 95 % coverage).
-// - Some states have no place in the model (Linearity in states.hpp): each pass estimates them anew, and no step moves them.
-// - The heading at the start may be anything, where one rest hardly shows the Earth's rate, and an equal g-sensitivity of all axes turns it further.
-//   The error equations hold for small angles: find_heading reads angle and rate from all rests together.
+// - Each pass has the same prior about the coarse solution: `total` keeps the corrections since then. If the posterior of a pass were the prior of
+//   the next, the data would count twice (83 % instead of 95 % coverage).
+// - Some states are not in the model (Linearity in states.hpp): each pass estimates them anew, and no step changes them.
+// - If one rest hardly resolves the Earth's rate, the heading at the start is arbitrary, and an equal g-sensitivity of all axes turns it further.
+//   The error equations require small angles: find_heading estimates angle and rate from all rests together.
 // - Barely determined directions converge slowly along one line, or oscillate about it: extrapolation shortens the series.
-// - The sizes of effects and terms are not known, and a bump is no error of the model: infer_sizes and outlying_blocks change priors and data, and
-//   the passes go on (kernel::refine).
+// - The sizes of effects and terms are unknown, and a bump is not an error of the model: infer_sizes and outlying_blocks change priors and data, and
+//   the passes continue (kernel::refine).
 #include "imulab/estimate/hybrid/iteration.hpp"
 
 #include "imulab/core/rotation.hpp"

@@ -86,7 +86,7 @@ TEST(MotionInformation, ARestIsTheSumOfItsSeconds) {
   Knowledge at_once = one_by_one;
   for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, {1}));
   at_once = after(at_once, rest_information(model, C, {13}));
-  // The constant heading is sixteen digits more certain than its direction.
+  // That the heading is constant is known to sixteen digits more than the heading itself.
   EXPECT_LT((sigma_of(one_by_one).cwiseQuotient(sigma_of(at_once)).array() - 1).abs().maxCoeff(), 1e-3);
 }
 

@@ -110,7 +110,7 @@ TurnPath PathJudge::described(const QuarterPath& path) const {
 
 namespace {
 
-constexpr std::size_t width = 64;        // of the beam search
+constexpr std::size_t width = 64;        // number of beginnings in the beam search
 constexpr std::size_t first_turns = 40;  // longer paths need fewer beginnings
 constexpr std::size_t patience = 40;     // largest number of turns that do not reduce the worst ratio by 5 %
 

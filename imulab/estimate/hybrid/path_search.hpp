@@ -28,7 +28,7 @@ class PathJudge {
  public:
   explicit PathJudge(const PathQuestion& question);
 
-  const int quantum;  ///< of a rest [s]
+  const int quantum;  ///< step of the duration of a rest [s]
 
   Knowledge start() const { return prior_knowledge(model_); }
   const MotionInformation& turn(const QuarterPose& pose, const QuarterTurn& turn) const;
@@ -57,8 +57,8 @@ class PathJudge {
   double turn_rate_;
   std::vector<Limit> limits_;
   QuarterTable table_;
-  std::vector<std::array<std::array<MotionInformation, 4>, 3>> turn_;  // by attitude, axis of n, and angle
-  std::vector<std::array<std::vector<MotionInformation>, 2>> rest_;    // by attitude, outermost and quanta
+  std::vector<std::array<std::array<MotionInformation, 4>, 3>> turn_;  // index: attitude, axis of n, and angle
+  std::vector<std::array<std::vector<MotionInformation>, 2>> rest_;    // index: attitude, outermost, and quanta
 };
 
 struct Candidate {

@@ -95,7 +95,7 @@ class Separation {
   kernel::Parameters parameters_;
   Eigen::MatrixXd rows_;             // whitened derivatives, transposed, a column for each innovation
   std::vector<double> innovations_;  // whitened
-  kernel::Information information_;  // of the first `summed_` innovations
+  kernel::Information information_;  // information of the first `summed_` innovations
   Eigen::Index summed_ = 0;
 };
 

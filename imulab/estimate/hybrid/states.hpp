@@ -90,7 +90,7 @@ class States {
   /// fixed.
   States(const Terms& terms, const Place& place, const Noise& noise = {});
 
-  Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
+  Eigen::VectorXd prior;  ///< prior sigma of each constant about the coarse solution; 0: fixed there
   CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none
 
   Groups groups() const;                ///< groups in the model

@@ -15,7 +15,7 @@ namespace imulab::hybrid {
 /// Returns the blocks of each motion between two rests.
 std::vector<Range> motions_of(const std::vector<in_place::Block>& blocks);
 
-/// Returns the difference of gravity's rotation in a motion from the gyros' [rad] with this model. Turns about the vertical are not observable.
+/// Returns for each motion the angle [rad] between gravity after it and gravity propagated by the gyros, blind to turns about the vertical.
 std::vector<double> misfits_of_gravity(const Recording& recording, const SensorModel& model, const std::vector<in_place::Block>& blocks,
                                        const std::vector<Range>& motions);
 

@@ -93,7 +93,7 @@ Effects::Sized Effects::sized(const Parameters& parameters, const Solution& solu
     out.terms.push_back(&c);
   }
   const VectorXd sigma = parameters.sigma(at), per_sigma = sigma.cwiseInverse();
-  VectorXd per_size(std::ssize(at));  // by column: a column of size 1 has the sigma of its parameter
+  VectorXd per_size(std::ssize(at));  // for each column: a column of size 1 has the sigma of its parameter
   for (std::size_t k = 0; k < out.groups.size(); ++k) per_size.segment(out.groups[k].first, out.groups[k].size).setConstant(1 / out.in_use[k]);
   out.data = without_priors((solution.x - parameters.offset)(at).cwiseProduct(per_sigma),
                             per_sigma.asDiagonal() * solution.covariance(at, at) * per_sigma.asDiagonal());
@@ -173,7 +173,7 @@ MatrixXd Effects::constant_part(const Parameters& parameters, const MatrixXd& co
 std::string Effects::grade_of_factor(double factor) const {
   std::string_view nearest = grade();
   double least = std::abs(std::log(factor));
-  for (const std::string_view name : graded_names()) {  // by the mean ratio of the sizes that depend on the grade
+  for (const std::string_view name : graded_names()) {  // compares the mean ratio of the sizes that depend on the grade
     double sum = 0, n = 0;
     for (const EffectGroup& g : groups_)
       if (g.of != SizedGroup::Of::declared && g.of != SizedGroup::Of::rig)

@@ -109,7 +109,7 @@ class Effects {
 
   std::vector<EffectGroup> groups_;
   std::vector<EffectColumn> columns_;
-  std::vector<SizeHypothesis> hypotheses_;  ///< with effect sizes
+  std::vector<SizeHypothesis> hypotheses_;  ///< hypotheses with effect sizes
   std::size_t best_ = 0;                    ///< index of the best hypothesis after inference
   ImuDeclaration imu_;                      ///< declaration for the terms
   PriorSizes terms_;                        ///< sizes in use

@@ -50,7 +50,7 @@ struct Information {
 
 struct Solution {
   Eigen::VectorXd x;              ///< correction of the parameters
-  Eigen::MatrixXd covariance;     ///< of all parameters; zero for the fixed ones
+  Eigen::MatrixXd covariance;     ///< covariance of all parameters; zero for fixed ones
   double chi2 = 0;                ///< chi-square of the data at x
   double degrees_of_freedom = 0;  ///< number of rows minus the number of estimated parameters that the data determine
 };

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double log_unit_spread = 1.6094379124341003;  // ln 5, one sigma of ln lambda
 constexpr double log_own_spread = std::numbers::ln2;    // one sigma of ln t and ln o
-constexpr int grid_points = 24;                         // of ln lambda, within four sigmas on either side
+constexpr int grid_points = 24;                         // number of points of ln lambda, within four sigmas on either side
 constexpr double negligible = 8;                        // difference of ln weight from the largest: a weight of 3e-4
 
 double log_lambda(int point) {

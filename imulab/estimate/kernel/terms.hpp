@@ -26,8 +26,8 @@ TermTest wald_without_prior(std::string name, const Eigen::VectorXd& value, cons
 
 /// RMS residual of each part of the data, predicted from the other parts, in sigmas of its noise.
 struct CrossValidation {
-  double with = 0;              ///< with all parameters
-  std::vector<double> without;  ///< with each group in turn fixed at its prior value
+  double with = 0;              ///< RMS with all parameters
+  std::vector<double> without;  ///< RMS with each group in turn fixed at its prior value
 };
 /// Computes the cross-validation; `all` must be the sum of `parts`.
 CrossValidation cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters,

@@ -20,7 +20,7 @@ using Spreads = std::array<double, kinds>;  ///< additional standard deviation o
 struct Conditions {
   Eigen::VectorXd value;     ///< w at the current parameters
   Eigen::MatrixXd jacobian;  ///< dw / dtheta
-  std::vector<Kind> kind;    ///< by row; the variance of a row grows by the square of its kind's spread
+  std::vector<Kind> kind;    ///< kind of each row; the variance of a row grows by the square of its kind's spread
   BlockTridiagonal blocks;   ///< covariance of w, one block per rest
 
   Conditions(Eigen::Index rows, Eigen::Index parameters)

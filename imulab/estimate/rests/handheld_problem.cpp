@@ -211,7 +211,7 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
 }
 
 void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
-  constexpr int pieces = 40;                      // of the turn, a few degrees each
+  constexpr int pieces = 40;                      // number of parts of a turn, a few degrees each
   constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2, typical of a hand
   const Vector3d force = gravity_ * last_up();
   const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();

@@ -189,7 +189,7 @@ kernel::Parameters RestProblem::parameters(Index nuisances) const {
 }
 
 std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
-  constexpr double nothing = 0.9;  // of the prior sigma: the data have less than a quarter of the prior's information
+  constexpr double nothing = 0.9;  // fraction of the prior sigma: the data have less than a quarter of the prior's information
   std::vector<Index> unseen;
   for (const Index i : parameters.with(kernel::Role::estimated))
     if (i < std::ssize(indices_) && is_optional(coefficient(indices_[static_cast<std::size_t>(i)]).term) &&

@@ -141,7 +141,7 @@ class Estimator {
   Eigen::MatrixXd readings_by_source_;               ///< at `around_`: by errors of table and site, then by effects
   Eigen::MatrixXd design_;                           ///< rows x all columns
   Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
-  Eigen::VectorXd weight_;                           ///< by row: 1 / noise, 0 if left out
+  Eigen::VectorXd weight_;                           ///< weight of each row: 1 / noise, 0 if left out
   Cholesky factor_{Eigen::MatrixXd()};               ///< factor of the weighted covariance with all sources
   Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
   Eigen::MatrixXd gain_;                             ///< known_ x rows

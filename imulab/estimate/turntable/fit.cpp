@@ -172,7 +172,7 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
     const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
     const VectorXd errors = estimator.table_errors(readings);
-    constexpr int enough = 1, most = 6;  // of passes about the start; for noise far below the table's errors
+    constexpr int enough = 1, most = 6;  // numbers of passes about the start; the second for noise far below the table's errors
     constexpr double largest = 1;        // rad, s, m/s^2: a table and its site have no larger errors, and the equations would not be linear
     const bool converged = pass >= enough && close(estimator, before, model);
     const bool diverges = !((errors - problem.motion.nominal()).cwiseAbs().maxCoeff() < largest);
@@ -183,8 +183,8 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
 
 Fit enlarged(const Fit& declared, double most) {
   if (declared.estimator.degrees_of_freedom() < 1) return declared;
-  constexpr int most_passes = 50;        // of a fixed-point iteration, which converges linearly
-  constexpr double close_enough = 0.02;  // of a variance: one percent of the stated uncertainties
+  constexpr int most_passes = 50;        // limit for a fixed-point iteration, which converges linearly
+  constexpr double close_enough = 0.02;  // relative change of a variance: one percent of the stated uncertainties
   Fit now = declared;
   for (int pass = 0; pass < most_passes; ++pass) {
     const Vector3d ratio = now.estimator.variance_ratios(now.readings);
@@ -206,7 +206,7 @@ Fit enlarged(const Fit& declared, double most) {
 std::string reversed_axis(const Fit& declared) {
   const bool mirrored = left_handed(declared.model);
   if (!mirrored && declared.log_probability() > std::log(unlikely)) return {};
-  constexpr double obvious = 30;  // of chi-square: five sigma
+  constexpr double obvious = 30;  // difference of chi-square: five sigma
   std::string found;
   double best = declared.chi2 + (mirrored ? obvious : -obvious);  // the prior evidence of handedness
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {

@@ -78,7 +78,7 @@ void check_noise(Findings& findings, const TableProblem& problem, const SensorMo
 Vector3d sensor_offset(const TriadModel& triad, std::string_view unit) {
   if (unit != "count") return triad.offset;
   Vector3d zero = -triad.matrix.inverse() * triad.offset;
-  constexpr double least = 128;  // of eight bits
+  constexpr double least = 128;  // half the range of eight bits
   for (double& z : zero)
     if (const double middle = std::exp2(std::round(std::log2(std::max(z, 1.0)))); middle >= least && std::abs(z - middle) < z) z -= middle;
   return triad.matrix * zero;

@@ -143,7 +143,7 @@ RawSample PointProblem::sample(const MachinePoint& point) const {
 Motion PointProblem::motion(const MachinePoint& point, Rows* motion_by_common) const {
   constexpr int variables = 8;  // gravity, tilt, rate, mount, radius
   using T = Eigen::AutoDiffScalar<Eigen::Vector<double, variables>>;
-  std::vector<Index> index{0};  // of eta, by derivative
+  std::vector<Index> index{0};  // index of eta for each derivative
   MachineErrors<T> errors;
   for (const std::size_t i : acting_[point.recording])
     if (T* const element = element_of(errors, common[i].source, mount_of(point.step))) {
@@ -271,7 +271,7 @@ void PointProblem::correct(const VectorXd& x) {
 
 Fit fit(PointProblem& problem, Priors priors) {
   constexpr int most_iterations = 20;
-  constexpr double still = 0.01 * 0.01;  // of chi-square: every parameter changes by less than a hundredth of its standard deviation
+  constexpr double still = 0.01 * 0.01;  // change of chi-square: every parameter changes by less than a hundredth of its standard deviation
   Fit out;
   problem.update_effects();
   out.converged = kernel::iterate(most_iterations, [&](int) {

@@ -64,17 +64,17 @@ struct PointProblem {
   MachinePoints points;
   const Session* session;
   Site site;                                   ///< as declared, or mirrored
-  SensorModel start, model;                    ///< of readings minus `center`: prior value and present value
+  SensorModel start, model;                    ///< models of readings minus `center`: prior value and present value
   Vector6d center;                             ///< raw
   std::vector<CoefficientIndex> coefficients;  ///< theta
   /// Roles of theta. Estimated: from the data alone. Considered: not determined by the data. Fixed: left out.
   std::vector<kernel::Role> role;
-  Eigen::VectorXd prior_sigma, needed_sigma;             ///< of theta: before the data; sigma below which it is determined
+  Eigen::VectorXd prior_sigma, needed_sigma;             ///< sigmas of theta: before the data; below which it is determined
   std::vector<CommonError> common;                       ///< eta, follows theta in every parameter vector
   kernel::Effects effects;                               ///< follow eta in every parameter vector
-  std::vector<std::vector<Eigen::MatrixXd>> by_effects;  ///< by recording and point: derivatives of the residuals
+  std::vector<std::vector<Eigen::MatrixXd>> by_effects;  ///< derivatives of the residuals, by recording and point
   Vector6d noise;                                        ///< variance of one sample of force and rate
-  std::vector<Vector6d> point_variance;  ///< by recording: variance of a point's means due to declared noise that is independent between points
+  std::vector<Vector6d> point_variance;  ///< variance of a point's means, by recording, due to declared noise that is independent between points
   double noise_factor = 1;               ///< factor on standard deviations
   bool ideal = false;                    ///< error-free points: effects keep their expected sizes
 
@@ -109,7 +109,7 @@ struct PointProblem {
   /// Sets the place for the present latitude, and dependent properties of the points.
   void set_place();
 
-  std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of effective elements of eta
+  std::vector<std::vector<std::size_t>> acting_;  ///< indices of effective elements of eta, by recording
   MachinePlace<double> place_;
   Eigen::Index latitude_ = -1;  ///< index among the effects: the motion of the machine is not linear in the latitude
 };

@@ -260,7 +260,7 @@ class Steps {
   SensorModel model_;
   bool with_covariance_;
   Index coefficients_, noises_;
-  MatrixXd sensitivity_;  ///< of the coefficients, with columns as in the equations
+  MatrixXd sensitivity_;  ///< sensitivity of the coefficients, with columns as in the equations
 };
 
 /// Returns true if the session has the data for all three steps.

@@ -19,8 +19,8 @@ SensorModel starting_model(const MachinePoints& points, const Session& session, 
 void check_mounts(const MachinePoints& points, const Session& session, const SensorModel& start, const Vector6d& center);
 
 struct StepwiseEstimate {
-  SensorModel model;           ///< of readings minus the problem's center
-  Eigen::MatrixXd covariance;  ///< of the problem's coefficients; zero if it was not requested
+  SensorModel model;           ///< model of readings minus the problem's center
+  Eigen::MatrixXd covariance;  ///< covariance of the problem's coefficients; zero if it was not requested
 };
 
 /// Estimates in three steps. Requires a chamber, a rate table with opposed mounts along every axis, and a centrifuge with each accelerometer axis

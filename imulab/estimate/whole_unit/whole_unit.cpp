@@ -46,7 +46,7 @@ struct PointFit {
       const Matrix6 remaining = Matrix6::Identity() - e.jacobian * solution.covariance * e.jacobian.transpose();
       statistic.push_back(e.white.dot(remaining.ldlt().solve(e.white)));
     }
-    const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, if they scatter more than their noise
+    const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // excess scatter of good points over their noise
     std::vector<kernel::Suspect> out;
     for (std::size_t k = 0; k < statistic.size(); ++k)
       out.push_back({problem.points.all[k].name(*problem.session), log_chi_square_tail(statistic[k] / spread, 6)});
@@ -190,7 +190,7 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   const kernel::Parameters counted = problem.parameters(Priors::considered);
   const bool all = options.whole_unit.full || options.whole_unit.stepwise;
   if (options.terms.empty() && !all) out.tests = choose_terms(problem, options.significance);
-  if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // of the points without the terms left out
+  if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // scatter of the points without the terms left out
   const kernel::Parameters parameters = problem.parameters();
   for (std::size_t k = 0; k < problem.role.size(); ++k)
     if (problem.role[k] == Role::fixed && counted.role[k] == Role::estimated) out.left_out.push_back(k);

@@ -86,7 +86,7 @@ struct AidedNavigation {
   std::vector<AidedCovariance> covariance;  // at the epochs; for the filter twice if it uses an aid, before and after the update
   std::vector<std::string> aids;            // names, with which the names of their constants and factors begin: "gnss", "gnss2"
   std::vector<AidedConstant> constants;
-  Eigen::MatrixXd constants_covariance;  // of all constants
+  Eigen::MatrixXd constants_covariance;  // covariance of all constants
   std::vector<AidedFactor> factors;
   std::vector<OutageResult> outages;
   std::vector<AidedInnovation> innovations;  // innovations of the filter

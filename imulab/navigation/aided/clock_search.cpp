@@ -18,9 +18,9 @@ namespace imulab::aided {
 namespace {
 
 constexpr double finest_interval = 0.5, least_common = 30;  // s: of an interval, and of the compared time
-constexpr std::size_t most_bins = 8000;                     // of a record: the time grows with their square
+constexpr std::size_t most_bins = 8000;                     // largest number of intervals of a record: the time grows with their square
 constexpr double alike_for = 4;                             // s: rates within this time are correlated
-constexpr double decisive = 12;                             // of ln likelihood: odds of 1 to 160,000
+constexpr double decisive = 12;                             // difference of ln likelihood: odds of 1 to 160,000
 constexpr double between_maxima = 5;                        // s: closer offsets belong to the same maximum
 
 /// Motion in intervals of equal length; NaN if nothing was measured.
@@ -111,7 +111,7 @@ double explained(const std::vector<double>& a, const std::vector<double>& b, std
   }
   const double vx = xx - x * x / n, vy = yy - y * y / n, covariance = xy - x * y / n;
   if (!(n * length >= least_common / 2 && vx > 0 && vy > 0 && covariance > 0)) return 0;
-  constexpr double best = 1 - 1e-6;  // of the squared correlation
+  constexpr double best = 1 - 1e-6;  // limit of the squared correlation
   return -0.5 * n * std::min(1., length / alike_for) * std::log1p(-std::min(best, covariance * covariance / (vx * vy)));
 }
 

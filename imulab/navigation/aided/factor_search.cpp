@@ -13,7 +13,7 @@
 namespace imulab::aided {
 namespace {
 
-constexpr double vibration = 100;  // of the sensors
+constexpr double vibration = 100;  // first factor of the sensors
 constexpr double false_sigma = 3;  // too small by this factor: the size of a slow error is then unknown, too
 
 /// Returns the ratio of white noise to its stated size from differences of some order over evenly spaced rows: noise has their variance times the sum

@@ -8,7 +8,7 @@
 
 namespace imulab::aided {
 
-inline constexpr double settled = 0.1;  // of a factor: another pass changes sigmas by less than half of it
+inline constexpr double settled = 0.1;  // relative change of a factor: another pass changes sigmas by less than half of it
 
 /// Sets the factors of the first pass. The search reduces noise quickly, but hardly increases it: noise that no aid explains is attributed to the
 /// sensors. A vehicle therefore starts with more vibration than a table; an aid starts with the deviation of its values from smooth motion, up to the

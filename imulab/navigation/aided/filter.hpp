@@ -31,7 +31,7 @@ inline double row_variance(const Problem& problem, const ObservedRows& rows, Eig
 struct AboutTrajectory {
   std::function<NavigationState(std::size_t samples)> at;
   Eigen::VectorXd x;
-  std::vector<Eigen::VectorXd> weights;  // of the rows of each observation; empty: computed from the innovations
+  std::vector<Eigen::VectorXd> weights;  // weights of the rows of each observation; empty: computed from the innovations
 };
 
 struct FilterOptions {
@@ -66,8 +66,8 @@ struct NoiseEvidence {
 struct SmoothedNode {
   std::size_t samples = 0;  // number of samples of the recording before it
   FullState state;
-  Eigen::MatrixXd covariance;  // of the first nine states
-  Eigen::VectorXd variance;    // of all states, only at the last node
+  Eigen::MatrixXd covariance;  // covariance of the first nine states
+  Eigen::VectorXd variance;    // variance of all states, only at the last node
 };
 /// Withheld values minus their prediction, and the variance of the difference.
 struct Withheld {
@@ -76,11 +76,11 @@ struct Withheld {
 };
 struct SmootherPass {
   std::vector<SmoothedNode> nodes;
-  std::vector<NoiseEvidence> evidence;   // by source
-  std::vector<Eigen::VectorXd> weights;  // by observation
+  std::vector<NoiseEvidence> evidence;   // evidence for each source
+  std::vector<Eigen::VectorXd> weights;  // weights for each observation
   std::vector<Withheld> withheld;
   std::size_t middle = 0;             // node in the middle of the time
-  Eigen::MatrixXd middle_covariance;  // of all states at that node
+  Eigen::MatrixXd middle_covariance;  // covariance of all states at that node
 };
 /// Smooths, and consumes the nodes of the pass. Without `covariances`, those of the nodes are omitted.
 SmootherPass smooth(const Problem& problem, FilterPass pass, bool covariances = true);

@@ -36,7 +36,7 @@ constexpr std::array<std::size_t, 2> block_lengths{5, 20};
 
 /// Correlation statistics of one or several series. For white values, the first correlation is normal, and sums of blocks are chi-square distributed.
 struct Likeness {
-  double count = 0, squares = 0, products = 0;  // of adjacent values
+  double count = 0, squares = 0, products = 0;  // sums over adjacent values
   std::array<double, 2> chi2{}, blocks{};
   void add(const Likeness& other) {
     count += other.count, squares += other.squares, products += other.products;
@@ -62,7 +62,7 @@ void take_larger(const Likeness& l, SerialCorrelation& out) {
     if (times > out.times && log_chi_square_tail(chi2, freedom) < std::log(improbable)) out = {values, times};
   };
   const double first = l.products / l.count;
-  take(2, l.squares / l.count + 2 * first / std::max(1 - first, 0.01), first * first * l.count, 1);  // of a Markov process
+  take(2, l.squares / l.count + 2 * first / std::max(1 - first, 0.01), first * first * l.count, 1);  // variance of a Markov process
   for (std::size_t k = 0; k < 2; ++k)
     if (l.blocks[k] > 0) take(block_lengths[k], l.chi2[k] / l.blocks[k], l.chi2[k], l.blocks[k]);
 }

@@ -208,7 +208,7 @@ ObservedRows observe_heading(const Problem& p, const Channel& c, const Observati
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const double east = C(0, 1), north = C(1, 1), up = C(2, 1), level = east * east + north * north;
   ObservedRows out = rows_of(1, p.size);
-  const VectorXd rate = VectorXd::Constant(1, -(C * at.rate_eb).z());  // of a level body
+  const VectorXd rate = VectorXd::Constant(1, -(C * at.rate_eb).z());  // rate of heading of a level body
   out.residual[0] = std::remainder(c.aid.record.value[o.row] - std::atan2(east, north) - offset * rate[0], 2 * std::numbers::pi);
   out.derivative = -offset * C.row(2) * rate_derivative(p, at);
   set_delay(p, c, o, rate, out.derivative);

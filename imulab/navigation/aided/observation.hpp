@@ -37,7 +37,7 @@ struct ObservedRows {
   Eigen::VectorXd residual;
   Eigen::MatrixXd derivative;
   Eigen::VectorXd variance;
-  std::vector<std::size_t> source;  // of the noise
+  std::vector<std::size_t> source;  // noise source of each row
 };
 
 /// A row of the table.

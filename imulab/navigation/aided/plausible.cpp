@@ -170,7 +170,7 @@ void judge_estimates(const Problem& p, const SmoothedNode& last, AidedNavigation
       const bool own = (c.lever >= 0 && b.first == c.lever) || (c.delay >= 0 && b.first == c.delay);
       for (Index k = b.first; own && k < b.first + b.size; ++k) {
         // If data agree with a prior, their change of the estimate has the variance by which they reduce the prior's.
-        constexpr double learned = 0.05;  // of the variance: less is rounding
+        constexpr double learned = 0.05;  // fraction of the variance: less is rounding
         const double off = std::abs(last.state.x[k] - prior.mean[k]), declared = b.prior[k - b.first] * b.prior[k - b.first];
         const double added = declared - last.variance[k];
         if (added > learned * declared && off > far_constant * std::sqrt(added))

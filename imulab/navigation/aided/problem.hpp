@@ -51,7 +51,7 @@ struct Channel {
   std::string name;
   Aid aid;
   Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1, level = -1;
-  std::size_t first_noise = 0, second_noise = 0;  // of position (or value), of velocity
+  std::size_t first_noise = 0, second_noise = 0;  // noise source of position (or value), and of velocity
 };
 
 /// A row of an aid's record, or a time at which a constraint applies.
@@ -88,7 +88,7 @@ struct Problem {
   Eigen::Index size = 15;
   Eigen::MatrixXd joint = {};  // covariances between states at the start, in addition to the variances; empty: none
   std::vector<Channel> channels;
-  std::vector<Observation> observations;  // by stamp
+  std::vector<Observation> observations;  // sorted by stamp
   /// Returns the end of the first `count` samples [s].
   double time_after(std::size_t count) const { return count > 0 ? time[count - 1] : begin; }
   double middle() const { return (begin + time.back()) / 2; }

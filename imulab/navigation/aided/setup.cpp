@@ -27,7 +27,7 @@ using Eigen::VectorXd;
 // One-sigma defaults for undeclared properties of an aid.
 constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
 constexpr double delay_sigma = 0.2;                    // s: for an aid on the recording's clock
-constexpr double clock_sigma = 300e-6;                 // of a logger's clock relative to the aid's
+constexpr double clock_sigma = 300e-6;                 // rate error of a logger's clock relative to the aid's
 constexpr double mount_sigma = 20 * unit::deg;
 constexpr double flicker_time = 100;  // s: time over which an offset's flicker equals its bias instability
 
@@ -244,7 +244,7 @@ Eigen::MatrixXd constants_by(const SensorModel& model, const std::vector<Coeffic
     if (c.term == Term::offset) by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = 1;
     if (c.term == Term::g_sensitivity) by[g_sensitivity_at + 3 * c.column + c.row] = 1;
     if (c.term != Term::matrix) continue;
-    by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = -(to_raw * m.offset)[c.column];  // by the raw readings at zero output
+    by[(gyro ? gyro_offset_at : accel_offset_at) + c.row] = -(to_raw * m.offset)[c.column];  // derivative by the matrix: raw readings at zero output
     for (Index j = 0; j < 3; ++j) by[(gyro ? gyro_matrix_at : accel_matrix_at) + 3 * j + c.row] = to_raw(c.column, j);
   }
   return out;

@@ -24,7 +24,7 @@ struct SensorPriors {
   double gyro_walk = 0, accel_walk = 0;        // random walk of the offsets [unit/sqrt(s)]
   double gyro_flicker = 0, accel_flicker = 0;  // bias instability B, if it is modeled separately
   Vector3d gyro_noise, accel_noise;            // densities
-  Eigen::MatrixXd covariance = {};             // of offsets, matrices and g-sensitivity from a calibration, in the order of the states; empty: none
+  Eigen::MatrixXd covariance = {};  // covariance of offsets, matrices and g-sensitivity in a calibration, in the order of the states; empty: none
 };
 /// Sets the sensors' constants from the covariance of the coefficients [SI, for the model's raw readings], converted to the calibrated output.
 /// Constants without a coefficient become zero; noise and walks do not change.

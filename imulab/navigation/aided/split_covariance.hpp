@@ -19,7 +19,7 @@ namespace imulab::aided {
 /// An error source: constant errors of states at the start, and fractions of the filter's noises.
 struct CovariancePart {
   std::string name;
-  std::vector<std::pair<Eigen::Index, double>> states;  // with their variances
+  std::vector<std::pair<Eigen::Index, double>> states;  // states with their variances
   std::vector<std::pair<std::size_t, double>> noises;   // indices of the problem's sources
 };
 

@@ -17,16 +17,16 @@ namespace imulab::aided {
 namespace {
 
 constexpr int headings = 12;
-constexpr double heading_sigma = 30 * unit::deg, tilt_sigma = 5 * unit::deg;  // of a candidate
+constexpr double heading_sigma = 30 * unit::deg, tilt_sigma = 5 * unit::deg;  // one sigma of a candidate
 constexpr double velocity_sigma_at_start = 2, position_sigma_at_start = 30;   // m/s, m: in addition to stated sigmas
 constexpr double unknown_velocity = 20, unknown_acceleration = 1.5;           // m/s, m/s^2: if no fix determines them
 constexpr double prompt = 2;                                                  // s: an earlier fix counts as one at the start
-constexpr double decided = 12;                                                // of ln likelihood: odds of 1 to 160,000
+constexpr double decided = 12;                                                // difference of ln likelihood: odds of 1 to 160,000
 
 /// The measurements of receivers at their first position or, if there are no positions, at their first velocity.
 struct Fixes {
   std::optional<Vector3d> position, velocity, acceleration;
-  double time = INFINITY;     // of the first fix
+  double time = INFINITY;     // time of the first fix
   double velocity_noise = 0;  // m/s: one sigma
 };
 

@@ -18,7 +18,7 @@ using NineRows = Eigen::Matrix<double, 9, Eigen::Dynamic>;
 struct Transition {
   NineRows motion;                                          // columns up to the sensors' last state
   Matrix9 gyro = Matrix9::Zero(), accel = Matrix9::Zero();  // for factors of 1
-  Eigen::VectorXd decay, driven;                            // of all states; 1 and 0 for the first nine; for factors of 1
+  Eigen::VectorXd decay, driven;                            // decay and driven variance of all states; 1 and 0 for the first nine; for factors of 1
   double interval = 0;                                      // s
 };
 

@@ -182,7 +182,7 @@ void judge_place(const AidRecord& r, const Session& session, Subject name, Findi
 }  // namespace
 
 void take_unmeasured(std::vector<Aid>& aids, const Session& session, const Recording& recording, AidedNavigation& out) {
-  constexpr double few = 1e-3;  // of the samples, as for a bump
+  constexpr double few = 1e-3;  // fraction of the samples, as for a bump
   const auto size = static_cast<double>(recording.size()), clipped = static_cast<double>(recording.saturated.size());
   if (clipped > few * size) {
     out.findings.add<Code::samples_at_a_limit>(100 * clipped / size).place = recording.name;

@@ -41,7 +41,7 @@ struct ErrorSources {
   Eigen::VectorXd fixed;                                               // exact error of each [SI of the table],
   Eigen::MatrixXd covariance;                                          // plus a random error with this covariance
   Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();  // thermal readings minus their reference, constant
-  NoiseModel gyro_noise, accel_noise;                                  // of the compensated output
+  NoiseModel gyro_noise, accel_noise;                                  // noise of the compensated output
   StartErrors start;
   BarometerErrors barometer;
 };
@@ -68,7 +68,7 @@ struct AidLoss {
 };
 
 struct ErrorBudget {
-  std::optional<AidLoss> loss = {};  // of an aided solution
+  std::optional<AidLoss> loss = {};  // present for an aided solution
   VerticalChannel vertical = VerticalChannel::free;
   std::vector<double> time;                // s
   std::vector<Contribution> groups;        // coefficients, noise terms, start; with the correlation between groups, they add up to the total

@@ -241,7 +241,7 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
     out(At::up, At::up) = n.growth.noise_variance();
   }
   const int integral = n.acts == NoiseSource::Acts::gyro_white ? At::attitude : At::velocity;
-  for (int k = 0; k < 3; ++k)  // of the last reading
+  for (int k = 0; k < 3; ++k)  // adds the noise of the last reading
     if (integral + k != At::velocity + 2 || !fixed(options_)) out(integral + k, integral + k) += n.quantization * n.quantization;
   return out;
 }

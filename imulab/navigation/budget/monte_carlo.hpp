@@ -26,7 +26,7 @@ struct ErrorDistribution {
   Eigen::Matrix<double, budget_quantities + 1, Eigen::Dynamic> mean, sigma, low, median, high;  // low, high: 5 and 95 %
   std::uint64_t runs = 0;
   std::vector<double> drift;                          // for each stored run: horizontal error at the end divided by the duration [m/s]
-  double drift_rms = 0, drift_cep = 0, drift_95 = 0;  // of these runs; CEP: median
+  double drift_rms = 0, drift_cep = 0, drift_95 = 0;  // RMS, median (CEP) and 95 % of these runs
   BudgetRows end;                                     // errors at the end, one column per stored run
   BudgetRows peak;                                    // largest absolute errors at any output, one column per stored run
 };

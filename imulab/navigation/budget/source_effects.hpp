@@ -76,8 +76,8 @@ class NoiseGrowth {
 
   NoiseProcesses processes_;
   ErrorMatrix covariance_ = ErrorMatrix::Zero();
-  std::vector<ErrorColumns> cross_;  // of the error state and the processes of each noise
-  Eigen::MatrixXd own_;              // of the processes of one noise
+  std::vector<ErrorColumns> cross_;  // covariance of the error state and the processes of each noise
+  Eigen::MatrixXd own_;              // covariance of the processes of one noise
 
   // For an interval: decay, contribution of a process's start to the integral, and second moments of the new parts.
   double interval_ = 0;

@@ -63,7 +63,7 @@ void BlockSums::add(const ErrorStep& s, const Matrix3d& across, const OptionalSu
   if (optional.quadratic) quadratic += s.once * s.force.cwiseAbs2().asDiagonal();
   if (!s.turning) return;
   const auto& [w, f, acceleration] = *s.turning;
-  if (optional.delay) {  // of f' = -w x f and f'' = w x (w x f) - w' x f
+  if (optional.delay) {  // uses f' = -w x f and f'' = w x (w x f) - w' x f
     delay += s.once * w.cross(f);
     smear += 0.5 * s.once * (w.cross(w.cross(f)) - acceleration.cross(f));
   }

@@ -53,7 +53,7 @@ struct OptionalSums {
 /// A step that is short compared with the body's rotation: the quantities that errors multiply, in body axes, and integrals of C = C_nb.
 struct ErrorStep {
   double duration;                     ///< s
-  Vector3d rate, force;                ///< without noise if they are known
+  Vector3d rate, force;                ///< noise-free if they are known
   Matrix3d once, twice;                ///< integrals of C over the step, once and twice
   std::array<Matrix3d, 3> with_force;  ///< integrals of C f_b, for each axis of the force
   Matrix3d moved = Matrix3d::Zero();   ///< integral of [v x] C

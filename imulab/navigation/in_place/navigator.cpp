@@ -73,7 +73,7 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   const integration::BodyStep step = i > first ? integration::body_step(sample, previous_) : integration::body_step({&sample, 1});
   previous_ = sample;
 
-  const Vector3d turn = dt * earth_rate_;  // of east-north-up
+  const Vector3d turn = dt * earth_rate_;  // rotation of east-north-up
   const Vector3d turn_b = C_nb.transpose() * turn;
   const Vector3d pushed = C_nb * step.velocity;
   const Matrix3d before = C_nb;
@@ -131,7 +131,7 @@ double rate_size(const Recording& recording, std::size_t i) { return std::hypot(
 /// rate at the end. A block therefore ends where the rate is smoothest, between half and three halves of its length. A noise-free steady turn, as in
 /// predictions, is equally smooth everywhere; rounding must not decide, and the length remains.
 std::size_t smooth_end(const Recording& recording, std::size_t begin, std::size_t length, std::size_t end) {
-  constexpr double rounding = 1e-12;  // of the rate: above the rounding of any computation, far below a gyro's noise
+  constexpr double rounding = 1e-12;  // relative to the rate: above the rounding of any computation, far below a gyro's noise
   const std::size_t first = begin + std::max<std::size_t>(2, (length + 1) / 2);
   std::size_t best = std::min(begin + length, end);
   double least = best >= first && best + 1 < end ? kink(recording, best) : std::numeric_limits<double>::infinity();

@@ -38,8 +38,8 @@ Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& res
 /// correlated with the attitude.
 class Navigator {
  public:
-  /// Navigates readings with the errors of `model`. Its accelerometers measure the size effect by `delay` [s], at most one sample, later than the
-  /// gyros the turn. Recording and model must outlive it. `latitude` [rad], `gravity` [m/s^2].
+  /// Navigates readings with the errors of `model`. Its accelerometers measure the size effect with a `delay` [s] of at most one sample relative to
+  /// the gyros. Recording and model must outlive the navigator. `latitude` [rad], `gravity` [m/s^2].
   Navigator(const Recording& recording, const SensorModel& model, double delay, double latitude, double gravity, const OptionalSums& optional);
 
   Matrix3d C_nb = Matrix3d::Identity();
@@ -63,7 +63,7 @@ class Navigator {
   Vector3d earth_rate_, gravity_;
   Increment previous_;
   Vector3d velocity_ = Vector3d::Zero();  // relative to the last time when it was zero
-  Vector3d pushes_, squares_;             // of a block at rest: sums of the force beyond gravity, and of its squares
+  Vector3d pushes_, squares_;             // for a block at rest: sums of the force beyond gravity, and of its squares
 };
 
 }  // namespace imulab::in_place

@@ -19,7 +19,7 @@ struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 9> phi;
   Eigen::Matrix3Xd by_effect;  ///< dphi for each column of the effects: a rate error c phi
-  Matrix3d covariance;         ///< of dphi due to sample noise of the gyros, rad^2
+  Matrix3d covariance;         ///< covariance of dphi due to sample noise of the gyros, rad^2
   Vector3d reading;            ///< integral of the scaled gyro readings
   double duration_s;
 

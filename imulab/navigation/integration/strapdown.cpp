@@ -115,7 +115,7 @@ void integration::advance(NavigationState& s, const BodyStep& body, double inter
   Vector3d middle = s.velocity + half * slow + pushed / 2;
   if (level) middle.z() = 0;
   const Vector3d transport = earth.transport_rate(middle);
-  const Vector3d turn = interval * (earth.rate + transport);  // of east-north-up relative to inertial space
+  const Vector3d turn = interval * (earth.rate + transport);  // rotation of east-north-up relative to inertial space
 
   // Velocity: n turns while the force acts, on average by half of its turn; a force that turns with the body weights the later part more.
   const Vector3d turned = turn.cross(pushed / 2 + (C_nb * body.rotation - 2 * turn).cross(pushed) / 12);

@@ -226,10 +226,10 @@ struct Splines {
   Splines(const Solution& rows, const TrackSmoothing& smoothing);
   Kinematics at(double t) const;
 
-  double latitude, longitude, height;  // of the first row
+  double latitude, longitude, height;  // position of the first row
   double east_radius, north_radius;    // m per radian
   std::unique_ptr<Spline<3>> position;
-  std::unique_ptr<Spline<4>> attitude;  // of the components of the quaternion before normalization
+  std::unique_ptr<Spline<4>> attitude;  // spline of the quaternion's components before normalization
 };
 
 template <int N>

@@ -31,9 +31,9 @@ struct Mission {
   FlightStart start;  // used with segments
   std::vector<Segment> segments;
   std::optional<Solution> track;  // replaces start and segments
-  TrackSmoothing smoothing;       // of the track
+  TrackSmoothing smoothing;       // smoothing of the track
   std::optional<UnitTemperature> temperature;
-  std::vector<Aid> aids;  // without records
+  std::vector<Aid> aids;  // aids without records
 };
 
 /// Returns the motion. Throws Error if `flight` or `track` does, and for a motion of no sample, of more than ten million, or longer than 1e6 s.

@@ -20,7 +20,7 @@ struct Pulse {
 };
 
 /// Sinusoids of a vibrating base: roll, pitch, heading, and east, north, up, each three a third of a period apart. Their amplitude rises and falls
-/// over one second, or a quarter of a segment shorter than four.
+/// over one second, or over a quarter of the segment if that is less.
 struct Sway {
   double angle = 0, angle_frequency = 1;                // amplitude [rad], Hz
   double displacement = 0, displacement_frequency = 1;  // amplitude [m], Hz

@@ -62,7 +62,7 @@ struct FiveDiagonals {
 template <class Point>
 struct Smoothed {
   std::vector<Point> values, curvatures;
-  double mean_square = 0;  // of the removed part
+  double mean_square = 0;  // mean square of the removed part
 };
 
 /// Smooths by Reinsch: (R + a Q'Q) c = Q'y, values y - a Q c, natural ends.
@@ -122,7 +122,7 @@ template <int N>
 Spline<N> Spline<N>::smoothing(std::vector<double> knots, const std::vector<Point>& points, double mean_square) {
   check(knots, points.size());
   const double h = (knots.back() - knots.front()) / static_cast<double>(knots.size() - 1);
-  double low = std::log(1e-9 * h * h * h), high = std::log(1e14 * h * h * h);  // of a; the removed part grows with it
+  double low = std::log(1e-9 * h * h * h), high = std::log(1e14 * h * h * h);  // limits of ln a; the removed part grows with a
   Smoothed<Point> best = smoothed(knots, points, std::exp(high));
   for (int i = 0; i < 60 && std::abs(best.mean_square - mean_square) > 1e-6 * mean_square && (i > 0 || best.mean_square > mean_square); ++i) {
     const double middle = (low + high) / 2;

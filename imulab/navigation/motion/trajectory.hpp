@@ -15,7 +15,7 @@ struct Kinematics {
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();      // east, north, up [m/s]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // derivatives of these three components [m/s^2]
   Eigen::Matrix3d C_nb = Eigen::Matrix3d::Identity();      // body to east-north-up
-  Eigen::Vector3d rate_nb_b = Eigen::Vector3d::Zero();     // of the body relative to east-north-up, in body axes [rad/s]
+  Eigen::Vector3d rate_nb_b = Eigen::Vector3d::Zero();     // rate of the body relative to east-north-up, in body axes [rad/s]
 };
 
 /// A motion as a function of time, more than 0.1 deg away from the poles.
