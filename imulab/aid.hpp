@@ -37,7 +37,7 @@ bool has_record(AidKind kind);
 /// The time scale of the stamps of a recording or an aid. own: an independent clock, whose offset is estimated; recording (aids only): exactly the
 /// time of the recording. Stamps in gps or utc are the date and time of day on that scale, counted from 1970 without leap seconds.
 enum class TimeScale { own, gps, utc, recording };
-std::string_view to_string(TimeScale scale);
+std::string_view to_string(TimeScale scale);  ///< returns the name in a session file
 
 /// The measurements of an aid, one row per stamp. A column that the aid lacks is empty; a missing value or component is NaN (NMEA has no vertical
 /// velocity). The standard deviations are those that the receiver states.

@@ -195,7 +195,7 @@ struct RestNoise {
 
 /// Definition of the body axes: x_b along the x accelerometer and y_b in the plane of the x and y accelerometers, or the axes of the rig.
 enum class BodyFrame : std::uint8_t { accelerometers, rig };
-std::string_view to_string(BodyFrame frame);
+std::string_view to_string(BodyFrame frame);  ///< returns "accelerometers" or "rig"
 
 struct Calibration {
   std::string imu, serial, method, created, software;

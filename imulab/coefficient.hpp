@@ -59,7 +59,7 @@ bool is_scale(const Coefficient& coefficient);
 /// Returns true for a term that an IMU model can omit: all except offset and matrix.
 bool is_optional(Term term);
 
-bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
+bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);  ///< returns true if `index` is one of `indices`
 
 /// Lists the faults of a list of coefficients: indices that are not in the table, or that occur twice.
 std::vector<std::string> problems_of(const std::vector<CoefficientIndex>& indices);
@@ -67,15 +67,15 @@ std::vector<std::string> problems_of(const std::vector<CoefficientIndex>& indice
 std::vector<std::string> problems_of(const SensorModel& model);
 
 inline const TriadModel& triad_model(const SensorModel& model, Triad triad) { return triad == Triad::accel ? model.accel : model.gyro; }
-double coefficient_value(const SensorModel& model, CoefficientIndex index);
-Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);
-void set_coefficient(SensorModel& model, CoefficientIndex index, double value);
+double coefficient_value(const SensorModel& model, CoefficientIndex index);  ///< returns the value [SI, raw unit of the model]
+Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);  ///< one value per index
+void set_coefficient(SensorModel& model, CoefficientIndex index, double value);                              ///< `value`: SI, raw unit of the model
 
 /// Returns true for terms with three elements, one per axis (offset, quadratic, cubic). The other terms are 3x3 in the model and in files.
 bool is_vector(Term term);
 
-std::string_view to_string(Triad triad);
-std::string_view to_string(Term term);
+std::string_view to_string(Triad triad);  ///< returns "accel" or "gyro"
+std::string_view to_string(Term term);    ///< returns the name of a term: "offset", "matrix", ...
 
 // Customary units of differences and uncertainties of coefficients. For matrices, they are the units of D = M_b M_a^-1 - I.
 

@@ -87,6 +87,6 @@ struct Agreement {
   Consistency consistency;                ///< all coefficients: (N - 1) m degrees of freedom if all N estimated the same m
 };
 
-Agreement agreement(const std::vector<Calibration>& calibrations);
+Agreement agreement(const std::vector<Calibration>& calibrations);  ///< `calibrations` without a covariance are not included
 
 }  // namespace imulab

@@ -96,7 +96,7 @@ class SampleCompensator {
     return (*this)(gyro, accel, Vector3d::Constant(temperature), Vector3d::Constant(temperature));
   }
 
-  bool needs_temperature() const { return needs_temperature_; }
+  bool needs_temperature() const { return needs_temperature_; }  ///< true if the model has thermal terms
 
  private:
   SensorModel model_;
@@ -124,7 +124,7 @@ void remove_lever_arms(Recording& recording, const Matrix3d& lever_arm);
 /// Compensates a recording that arrives in pieces.
 class Compensator {
  public:
-  Compensator(SensorModel model, Outliers outliers);
+  Compensator(SensorModel model, Outliers outliers);  ///< `outliers`: whether outliers are replaced before compensation
 
   /// Compensates the next samples. With outlier rejection the output lags by two samples until rest().
   CompensatedRecording next(Recording piece);

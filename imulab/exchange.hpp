@@ -60,7 +60,7 @@ struct ExportTarget {
   unsigned takes = 0;  ///< combination of `Takes`; `noise` includes `axes` and `rate_hz`
 };
 
-const std::vector<ExportTarget>& export_targets();
+const std::vector<ExportTarget>& export_targets();  ///< returns all targets
 
 /// Returns the target with this `name`. Throws an Error that lists the `targets` if it is unknown.
 const ExportTarget& export_target(std::string_view name, const std::vector<ExportTarget>& targets = export_targets());

@@ -55,7 +55,7 @@ class Findings : public std::vector<Finding> {
   void append(Severity severity, const std::vector<std::string>& texts);
   void prepend(Severity severity, const std::vector<std::string>& texts);
 
-  bool has(Code code) const;
+  bool has(Code code) const;                             ///< returns true if a finding has this code
   bool doubtful() const;                                 ///< returns true if one is a doubt
   std::vector<std::string> of(Severity severity) const;  ///< returns place, text and advice
   std::vector<std::string> notes() const { return of(Severity::note); }

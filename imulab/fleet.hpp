@@ -112,7 +112,7 @@ class FleetStore {
   FleetUnit unit(const std::string& serial_or_name);
   /// Returns the calibrations of the unit with this id (0: of all units) in the order of their times.
   std::vector<FleetRecord> records(std::int64_t unit = 0, bool with_removed = false);
-  std::vector<FleetFailure> failures();
+  std::vector<FleetFailure> failures();  ///< returns the recorded failures
   /// Lists signs of wrong clocks: calibrations added before earlier ones, or measured after they were added.
   std::vector<std::string> clock_problems();
   /// Returns the calibration file as it was stored.
@@ -187,7 +187,7 @@ struct Capability {
   double cpk = 0;                          ///< (limit - |mean - target|) / (3 spread)
   double outside = 0;                      ///< fraction of units outside the limits, if they are normally distributed
 };
-Capability capability(const RandomEffects& fleet, double target, double limit);
+Capability capability(const RandomEffects& fleet, double target, double limit);  ///< `target` and `limit` in the unit of `fleet`
 
 struct UnitDrift {
   Eigen::Index unit = 0;

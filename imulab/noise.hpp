@@ -53,7 +53,7 @@ struct AllanTerms {
   double Q = 0, N = 0, B = 0, K = 0, R = 0, markov = 0;
   double sum() const { return Q + N + B + K + R + markov; }
 };
-AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
+AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);  ///< `tau_s`: averaging time [s]
 
 /// The noise of an IMU. An axis with constant readings has no coefficients.
 struct ImuNoise {
@@ -131,7 +131,7 @@ struct NoiseFit : NoiseCoefficients {
   std::vector<NoiseMisfit> misfits = {};     ///< remaining misfits; all intervals are then widened by the square root of chi2_per_dof
   std::vector<SpectrumPoint> spectrum = {};  ///< measured spectrum without lines
 
-  bool accepted() const { return misfits.empty(); }
+  bool accepted() const { return misfits.empty(); }  ///< true if the model fits the spectrum
 };
 
 /// Fits the noise terms to readings `rate` at intervals `interval_s` [s]. Q, N, B, K and the ramp are always fitted; up to two Markov processes, a

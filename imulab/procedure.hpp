@@ -78,7 +78,7 @@ struct TableProcedure {
   Session (*make)(const TableProcedureOptions& options);
   TableProcedureOptions options;  ///< default options
 };
-const std::vector<TableProcedure>& table_procedures();
+const std::vector<TableProcedure>& table_procedures();  ///< returns all of them
 
 /// Source of the thermal readings: a sensor at each axis of a triad, one sensor per triad, or the gyros' resonance frequencies with three sensors at
 /// the accelerometers.

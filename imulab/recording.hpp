@@ -45,7 +45,7 @@ struct Recording {
   std::vector<std::size_t> gaps;       ///< samples with missing time before their interval, ascending
   std::vector<std::size_t> starts;     ///< first samples of recordings that were joined to the first one, ascending
 
-  std::size_t size() const { return time_ns.size(); }
+  std::size_t size() const { return time_ns.size(); }  ///< number of samples
   /// Returns the memory that the columns occupy.
   std::size_t bytes() const;
   /// Returns the stamp [s] of sample i < size().

@@ -32,7 +32,7 @@ namespace imulab {
 
 /// Noise terms of a grade in a simulation: white noise only, or all.
 enum class NoiseTerms { white, full };
-std::string_view to_string(NoiseTerms terms);
+std::string_view to_string(NoiseTerms terms);  ///< these functions return the name in a session file
 
 /// One sigma of optional terms beyond offsets and matrices, SI: priors of a calibration. Absent: from the grade or the IMU's offsets.
 struct TermSigmas {

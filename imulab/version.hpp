@@ -29,6 +29,6 @@ struct Build {
   std::string programs;  // installation folder of helper programs: "/usr/local/libexec"
 };
 
-Build build();
+Build build();  ///< returns the build of the compiled library
 
 }  // namespace imulab
