@@ -93,9 +93,9 @@ struct CalibrationResult {
 /// Returns the names of the methods, the one that needs the least equipment first (docs/README.md lists a page on each).
 std::vector<std::string_view> method_names();
 
-/// Calibrates by `method` (one of `method_names`) and checks whether scales and axes are as declared. `input`: session and recordings; `options`:
-/// terms, levels and settings. Throws Error if the method is unknown or declarations are contradictory, and Unsupported if the data determine
-/// nothing.
+/// Calibrates by `method` (one of `method_names`) and checks whether scales and axes are as declared. `input`: session with declarations, recordings,
+/// and optionally rests; `options`: terms, levels and settings of the methods. Throws Error if the method is unknown or declarations contradict each
+/// other or the data, and Unsupported if the data determine nothing.
 CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});
 
 }  // namespace imulab

@@ -40,10 +40,11 @@ struct RawSample {
   Vector3d gyro_tau = Vector3d::Zero(), accel_tau = Vector3d::Zero();
 };
 
-/// Compensates one sample by Dai 2011 eqs 1-4. The overload for columns gives bit-identical results.
+/// Compensates one sample by Dai 2011 eqs 1-4; `raw` is in the units of the model. The overload for columns gives bit-identical results.
 Motion compensate(const SensorModel& model, const RawSample& raw);
 
-/// Returns the raw readings that compensate to `motion`, by Newton's method. Throws Error if the polynomial cannot be inverted there.
+/// Returns the raw readings that compensate to `motion` [rad/s, m/s^2], by Newton's method. `gyro_tau` and `accel_tau` are the thermal readings minus
+/// their reference, per axis. Throws Error if the polynomial cannot be inverted there.
 RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& gyro_tau = Vector3d::Zero(),
                        const Vector3d& accel_tau = Vector3d::Zero());
 
@@ -55,15 +56,16 @@ struct MotionColumns {
   std::array<std::span<double>, 3> rate, force;
 };
 
-/// Compensates columns; `out` may use the memory of the input.
+/// Compensates columns of equal length; the columns of `out` may use the memory of the input.
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out);
 
-/// Converts columns of motion to raw readings, in place. The thermal readings are absolute and may be empty if the model has no thermal terms.
+/// Converts `columns` of motion [rad/s, m/s^2] to raw readings, in place. The columns of absolute thermal readings have the same length, or are empty
+/// if the model has no thermal terms.
 void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& gyro_temperature,
                   const std::array<std::span<const double>, 3>& accel_temperature, const MotionColumns& columns);
 
-/// Returns the covariance of a compensated sample (rate, then force) due to the estimated coefficients; the noise of the sample is not included.
-/// Throws Error if `validate` refuses the calibration.
+/// Returns the covariance of a compensated sample (rate [rad/s], then force [m/s^2]) at the readings `raw`, due to the estimated coefficients; the
+/// noise of the sample is not included. Throws Error if `validate` refuses the calibration.
 Eigen::Matrix<double, 6, 6> output_covariance(const Calibration& calibration, const RawSample& raw);
 
 /// The units of the samples for a SampleCompensator.
@@ -85,7 +87,7 @@ class SampleCompensator {
   /// temperature, and lever arms unless `leave_lever_arms` is set.
   explicit SampleCompensator(const SensorModel& model, const SampleOptions& options = {});
 
-  /// Compensates without temperatures. Throws Error if the model has thermal terms.
+  /// Compensates `gyro` and `accel`, readings of one sample in the declared units, without temperatures. Throws Error if the model has thermal terms.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel) const;
   /// Compensates with the absolute thermal readings of each axis. Those of a triad without thermal terms are not used.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel, const Vector3d& gyro_temperature, const Vector3d& accel_temperature) const {
@@ -113,8 +115,8 @@ struct CompensatedRecording {
 /// Outliers among the raw readings are kept, or replaced before compensation (outlier_filter.hpp). Thermal readings are always kept.
 enum class Outliers { keep, reject };
 
-/// Compensates a recording. Throws Error if the recording lacks a temperature that the model needs or has other units than the model, or if a reading
-/// has no finite compensation.
+/// Compensates a recording in the units of the model; `outliers` states whether outliers are replaced. Throws Error if the recording lacks a
+/// temperature that the model needs or has other units than the model, or if a reading has no finite compensation.
 CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers = Outliers::keep);
 
 /// Moves the forces of a compensated recording from each accelerometer's position (row i of `lever_arm` [m]) to the body's origin. Angular

@@ -5,7 +5,7 @@
 //   const Vector3d rate = earth_rate_enu(52 * unit::deg);  // rad/s
 //
 // Latitudes are geodetic [rad], heights above the ellipsoid [m]. Normal gravity is the closed form of the level ellipsoid; it equals GeographicLib's
-// NormalGravity within 1e-12 m/s^2 from 1 km below the ellipsoid upward. Actual gravity differs from normal gravity by up to about 1e-4 of g. Safe on
+// NormalGravity within 1e-12 m/s^2 from 1 km below the ellipsoid upward. Actual gravity differs from normal gravity by up to a few 1e-4 of g. Safe on
 // any thread.
 #pragma once
 

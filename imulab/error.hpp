@@ -69,8 +69,7 @@ void collect_problem(std::vector<std::string>& problems, const F& check) {
   }
 }
 
-/// Returns the result of `f`. An Error that `f` throws gets the prefix "PLACE: ": algorithms name values, and their callers add the file, key or
-/// flag.
+/// Returns the result of `f`. An Error that `f` throws gets the prefix "PLACE: ": algorithms name values, their callers the file, key or flag.
 template <class F>
 decltype(auto) errors_at(const std::string& place, const F& f) {
   try {

@@ -62,10 +62,10 @@ void write_recording(const std::filesystem::path& path, const Recording& recordi
 /// Writes a compensated recording as CSV, completely or not at all: t,gx,gy,gz,ax,ay,az in s, rad/s, m/s^2; a column of flags if a sample has any.
 void write_compensated_rows(const std::filesystem::path& path, const CompensatedRecording& compensated);
 
-/// Copies the bag of a recording and replaces angular_velocity [rad/s] and linear_acceleration [m/s^2] of its topic. All other bytes stay the same:
-/// other topics, headers, covariances, orientations, times, order. The file is written completely or not at all; only one chunk is in memory. Throws
-/// Error if the recording is not a bag of the kind that its name implies, if gyros and accelerometers are not in one topic of sensor_msgs/Imu, if a
-/// message has no compensated sample, or if the bag was not closed.
+/// Copies the bag of the recording `source` to `path` and replaces angular_velocity [rad/s] and linear_acceleration [m/s^2] of its topic by
+/// `compensated`. All other bytes stay the same: other topics, headers, covariances, orientations, times, order. The file is written completely or
+/// not at all; only one chunk is in memory. Throws Error if the recording is not a bag of the kind that its name implies, if gyros and accelerometers
+/// are not in one topic of sensor_msgs/Imu, if a message has no compensated sample, or if the bag was not closed.
 void write_compensated_bag(const std::filesystem::path& path, const Session& session, const RecordingSource& source,
                            const CompensatedRecording& compensated);
 
@@ -110,14 +110,14 @@ struct AidsReading {
   std::vector<std::string> warnings;  ///< data that were left out; clocks with an offset to be estimated
 };
 
-/// Reads the files of a session's aids in any format of docs/reference/recordings.md, "Aids". Their stamps are converted to the recording's clock,
-/// exactly (TimeScale::recording) or except for an offset that must be estimated (TimeScale::own). An aid that already has a record keeps it. Throws
-/// Error with file and place for data that are damaged or out of range, swapped latitude and longitude, decreasing stamps, and an aid of another
-/// time.
+/// Reads the files of a session's aids for its recording `source`, whose samples are `recording`, in any format of docs/reference/recordings.md,
+/// "Aids". Their stamps are converted to the recording's clock, exactly (TimeScale::recording) or except for an offset that must be estimated
+/// (TimeScale::own). An aid that already has a record keeps it. Throws Error with file and place for data that are damaged or out of range, swapped
+/// latitude and longitude, decreasing stamps, and an aid of another time.
 AidsReading read_aids(const Session& session, const RecordingSource& source, const Recording& recording);
 
-/// Returns GPS time (counted from 1970) minus the recording's stamps [ns] at the start of an aid. It is absent if no aid determines it because the
-/// recording or the aid has an independent clock. Reads and throws as read_aids does.
+/// Returns GPS time (counted from 1970) minus the stamps of `recording` [ns] at the start of an aid. It is absent if no aid determines it because the
+/// recording or the aid has an independent clock. Parameters and errors as for read_aids.
 std::optional<std::int64_t> gps_time_ahead(const Session& session, const RecordingSource& source, const Recording& recording);
 
 /// Writes `text` to `path`, completely or not at all.

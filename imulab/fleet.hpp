@@ -81,7 +81,7 @@ struct FleetFailure {
 
 class FleetStore {
  public:
-  /// Opens the store `file`. Throws Error if the file is not a store, has a newer version, or is damaged.
+  /// Opens the store `file` for reading or writing. Throws Error if the file is not a store, has a newer version, or is damaged.
   explicit FleetStore(const std::filesystem::path& file, fleet::Access access = fleet::Access::read);
   ~FleetStore();
   FleetStore(const FleetStore&) = delete;
@@ -91,17 +91,17 @@ class FleetStore {
   /// Returns whether a session with this hash was calibrated with this request, or failed.
   enum class Known { no, calibrated, failed };
   Known known(const FleetSession& session, const FleetRequest& request);
-  /// Adds a session of the unit `serial`, calibrated or not. Returns false if the store already has it.
+  /// Adds a session of the unit `serial` with IMU name `name`, calibrated or not. Returns false if the store already has it.
   bool add_session(const FleetSession& session, const std::string& serial, const std::string& name, const FleetOccasion& occasion);
   /// Adds a calibration of `session` (null: of a file) made by `request`. Returns false if the store already has it. Throws Error if the calibration
   /// has no uncertainties or includes a fleet's prior, or if its serial number belongs to another unit.
   bool add_calibration(const Calibration& calibration, const FleetOccasion& occasion, const FleetSession* session = nullptr,
                        const FleetRequest* request = nullptr);
-  /// Adds the text of a noise.json. Returns false if the store already has it.
+  /// Adds the text of a noise.json for the unit `serial` with IMU name `name`. Returns false if the store already has it.
   bool add_noise(const std::string& text, const std::string& serial, const std::string& name, const FleetOccasion& occasion);
-  /// Records a failure of a request. It replaces an earlier failure of the same session and request.
+  /// Records the failure of a request with its error `message`. It replaces an earlier failure of the same session and request.
   void add_failure(const FleetSession& session, const FleetRequest& request, const std::string& message);
-  /// Marks calibrations (by id) as removed: they stay in the store, but lists and statistics omit them. Returns their number.
+  /// Marks calibrations (by id) as removed for a `reason`: they stay in the store, but lists and statistics omit them. Returns their number.
   std::int64_t remove(const std::vector<std::int64_t>& calibrations, const std::string& reason);
   /// Adds everything from the store `other` that this store lacks. Returns the number of calibrations added.
   std::int64_t merge(const std::filesystem::path& other);
@@ -110,12 +110,12 @@ class FleetStore {
   std::vector<FleetUnit> units();
   /// Returns the unit with this serial number, or with this name if it has no serial number. Throws Error unless there is exactly one.
   FleetUnit unit(const std::string& serial_or_name);
-  /// Returns the calibrations of the unit with this id (0: of all units) in the order of their times.
+  /// Returns the calibrations of the unit with this id (0: of all units) in the order of their times; `with_removed`: also removed ones.
   std::vector<FleetRecord> records(std::int64_t unit = 0, bool with_removed = false);
   std::vector<FleetFailure> failures();  ///< returns the recorded failures
   /// Lists signs of wrong clocks: calibrations added before earlier ones, or measured after they were added.
   std::vector<std::string> clock_problems();
-  /// Returns the calibration file as it was stored.
+  /// Returns the file of the calibration with this id as it was stored.
   std::string calibration_file(std::int64_t calibration);
   /// Faults of the store itself, and existing session files that have changed. `progress` is called with the fraction done.
   struct Checked {
@@ -136,7 +136,7 @@ class FleetStore {
   fleet::Database& database_;
 };
 
-/// Returns a session with its hash, computed from all its files. Throws Error if a file cannot be read.
+/// Returns a session with its hash, from the name and hash of its TOML file and its recordings (name, path). Throws Error if a file cannot be read.
 FleetSession hashed_session(const std::string& file, const std::string& sha256,
                             const std::vector<std::pair<std::string, std::filesystem::path>>& files);
 
@@ -294,7 +294,8 @@ struct FleetStatistics {
   std::vector<UnitDue> due = {};              ///< one row per unit, earliest first
 };
 
-/// Returns the statistics of the calibrations in `store`; `method` selects one method, empty: all. Throws Error if there are none.
+/// Returns the statistics of the calibrations in `store`; `options`: confidence, levels and limits; `method`: one method, empty: all. Throws Error if
+/// there are none.
 FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
 
 /// The predicted coefficients of the fleet's next unit, in the accelerometers' frame, SI.

@@ -14,8 +14,8 @@
 
 namespace imulab {
 
-/// Returns the rotation R from the frame of `accel_matrix` (A1) to the accelerometers' frame: R A1 is lower triangular. Throws Error for a singular
-/// A1.
+/// Returns the rotation R from the frame of `accel_matrix` (A1, any unit) to the accelerometers' frame, so that R A1 is lower triangular. Throws
+/// Error if A1 is singular.
 Matrix3d accelerometer_frame(const Matrix3d& accel_matrix);
 
 /// Returns the calibration in the accelerometers' frame, a' = R a and w' = R w: offsets and matrices become R x, lever arms R r_i, the g-sensitivity

@@ -94,7 +94,7 @@ class Strapdown {
   /// Integrates one sample over `interval` [s]. `barometer` is the height [m] at the end of the step, for the vertical channels aided and held.
   /// Throws Error if the interval is not positive or the latitude exceeds the limit.
   void step(const Increment& sample, double interval, std::optional<double> barometer = {});
-  /// Integrates one to five samples over a total `interval` [s].
+  /// Integrates one to five `samples` over a total `interval` [s]; `barometer` as above.
   void step(std::span<const Increment> samples, double interval, std::optional<double> barometer = {});
 
   const NavigationState& state() const { return state_; }
@@ -166,14 +166,15 @@ inline constexpr double shortest_alignment = 10;
 
 /// Analytic alignment. The gyros propagate the body axes. The mean specific force of each half of the rest gives a direction of gravity, and the two
 /// directions differ by the rotation of the Earth. Sway averages out. The covariance includes noise and biases, but not the motion of the base.
-/// Throws Error within 0.1 deg of a pole, for a mean force that differs from gravity by more than 5 %, and for a heading if the forward axis is
-/// vertical; throws Unsupported if the rest is too short.
+/// `rest`: successive increments in body axes; `site`: its latitude and gravity; `sensors`: errors of gyros and accelerometers; `heading`: replaces
+/// the heading from the Earth's rate. Throws Error within 0.1 deg of a pole, for a mean force that differs from gravity by more than 5 %, and for a
+/// heading if the forward axis is vertical; throws Unsupported if the rest is too short.
 Alignment coarse_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                            const std::optional<GivenHeading>& heading = {});
 
 /// Kalman filter about the coarse attitude. The base stays at its position, so every computed horizontal displacement is an error. The size of the
-/// base's motion is estimated if the innovations require it. Biases are states that start from their covariance. Throws as coarse_alignment does, and
-/// Unsupported if no motion of the base explains the readings.
+/// base's motion is estimated if the innovations require it. Biases are states that start from their covariance. Parameters as for coarse_alignment.
+/// Throws as coarse_alignment does, and Unsupported if no motion of the base explains the readings.
 FineAlignment fine_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                              const std::optional<GivenHeading>& heading = {});
 
@@ -222,10 +223,11 @@ struct Navigated {
   bool doubtful = false;  // a warning names an error that the uncertainties do not cover
 };
 
-/// Navigates with the raw `recording`. The start is the session's initial state, or the end of the first rest after alignment on it, at the position
-/// of the initial state or else of the site. Throws Error if the session has no position, the start is outside the recording, barometer heights are
-/// missing, gaps are to be refused, or readings are implausible; throws Unsupported if there is no rest for alignment or it does not determine the
-/// heading. A recording that is moved into the call is compensated in place.
+/// Navigates with the raw `recording`, compensated by `calibration`; `session` gives start or site, and the rests. The start is the session's initial
+/// state, or the end of the first rest after alignment on it, at the position of the initial state or else of the site. Throws Error if the session
+/// has no position, the start is outside the recording, barometer heights are missing, gaps are to be refused, or readings are implausible; throws
+/// Unsupported if there is no rest for alignment or it does not determine the heading. A recording that is moved into the call is compensated in
+/// place.
 Navigated navigate(const Calibration& calibration, const Session& session, Recording recording, const NavigateOptions& options = {});
 
 /// Returns the standard deviations [rad] of roll, pitch and heading, from the covariance of an attitude in east-north-up.

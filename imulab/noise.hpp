@@ -90,8 +90,8 @@ struct DeviationPoint {
 std::vector<std::size_t> averaging_factors(std::size_t samples);
 
 /// Returns the deviation at each factor for which the record is long enough: modified and Hadamard kinds require 3 factors of N + 1 points, the
-/// others 2. `rate`: readings at equal intervals `interval_s` [s]; `factors`: averaging times in samples. Throws Error for fewer than 3 samples, a
-/// reading that is not finite, an interval that is not positive, or a factor 0.
+/// others 2. `rate`: readings (any unit) at equal intervals `interval_s` [s]; `factors`: averaging times in samples; `kind`: type of deviation.
+/// Throws Error for fewer than 3 samples, a reading that is not finite, an interval that is not positive, or a factor 0.
 std::vector<DeviationPoint> deviation(std::span<const double> rate, double interval_s, const std::vector<std::size_t>& factors,
                                       DeviationKind kind = DeviationKind::overlapping_allan);
 /// Computes bit-identical deviations in the memory of the readings, if the vector has capacity for one more number.

@@ -43,8 +43,8 @@ struct TurnPath {
 
 /// Searches all examined paths from zero angles for the shortest with a `worst` of at most 1, or for the one with the smallest `worst` in the given
 /// time. If no path up to `longest_path` reaches 1, returns the one with the smallest `worst`. `unit` provides site and IMU; its steps are ignored.
-/// `progress` is called with percent done. Results are bit-identical for any number of threads. Throws Error if the method does not estimate a
-/// required coefficient.
+/// `limits`: requirements, axes, turn rate and times. `progress` is called with percent done. Results are bit-identical for any number of threads.
+/// Throws Error if the hybrid method does not estimate a required coefficient.
 TurnPath plan_path(const Session& unit, const PathLimits& limits, const std::function<void(int)>& progress = {});
 
 }  // namespace imulab

@@ -152,8 +152,9 @@ std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vecto
 /// Returns each requirement with its worst coefficient.
 std::vector<RequirementResult> assess(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
-/// Predicts a calibration of `procedure` by `method` (one of method_names). Throws Error if the method has no prediction, if neither gravity nor the
-/// latitude is known, if the procedure lacks something that the method needs, or if the method does not estimate a required coefficient.
+/// Predicts a calibration of `procedure` by `method` (one of method_names); `options`: terms, requirements and further results. Throws Error if the
+/// method has no prediction, if neither gravity nor the latitude is known, if the procedure lacks something that the method needs, or if the method
+/// does not estimate a required coefficient.
 Prediction predict(std::string_view method, const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab

@@ -30,7 +30,7 @@ struct HandHeldOptions {
   std::string grade = "mems";
 };
 
-/// Returns a procedure for an IMU turned by hand: rests at random attitudes (uniform gravity directions and headings) with moves between them.
+/// Returns a procedure for an IMU turned by hand: rests at random attitudes (uniform gravity directions and headings, drawn by `seed`) and moves.
 Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed);
 
 struct TableProcedureOptions {
@@ -66,7 +66,7 @@ struct TableTurn {
 /// Uses two axes of a table, middle and inner: turns forward and back about each body axis, then the 16 positions of quarter turns.
 Session two_axis_procedure(const TableProcedureOptions& options);
 
-/// Turns between rests; the first rest lasts `first_rest` [s]. `options.rest` and `options.turns` are ignored.
+/// Returns turns between rests for the IMU `name`; the first rest lasts `first_rest` [s]. `options.rest` and `options.turns` are ignored.
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options);
 
 /// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, which make every coefficient observable.

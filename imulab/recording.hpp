@@ -56,8 +56,8 @@ struct Recording {
   /// Returns true if time is missing before sample i.
   bool follows_gap(std::size_t i) const;
 
-  /// Returns the samples whose nominal interval (stamp - interval_s, stamp] is in [begin_s, end_s]. A tolerance of 1 % of an interval keeps rounding
-  /// and small jitter of the stamps from moving a boundary.
+  /// Returns the samples whose nominal interval (stamp - interval_s, stamp] is in [begin_s, end_s] [s]. A tolerance of 1 % of an interval keeps
+  /// rounding and small jitter of the stamps from moving a boundary.
   Range samples_in(double begin_s, double end_s) const;
   /// Returns the number of samples in `range` with a reading at a limit.
   std::size_t saturated_in(const Range& range) const;

@@ -46,7 +46,7 @@ struct Rests {
   std::string motion = {};              ///< as in RestDetection
 };
 
-/// Returns the holds of the steps that belong to the recording, shortened at both ends by 0.1 s (short holds by a twentieth, none below 20 Hz).
+/// Returns the holds of the steps that belong to the recording, shortened at both ends by 0.1 s, but at most by 1/20, and above 20 Hz only.
 /// Without holds, returns the rests of detect_rests except those inside a declared turn. Throws Error for steps of machines: rate table, centrifuge
 /// or chamber.
 Rests rests_of(const Recording& recording, const Session& session);

@@ -62,7 +62,7 @@ struct RigErrors {
   std::vector<double> values = {};  ///< rad, s, m or relative
 };
 
-/// Draws the errors. Recordings on one rig share its table errors, but each has its own angle and timing errors.
+/// Draws the errors of the rig of `source` with `seed`. Recordings on one rig share its table errors; angle and timing errors are separate.
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed);
 
 /// The exact size of an effect beyond the sensor model (docs/theory/effects.md).
@@ -82,14 +82,15 @@ struct Truth {
   std::vector<EffectValue> effects{};           ///< values of [imu.effects]
 };
 
-/// Draws the IMU from imu.grade (or uses `given`), and gravity and latitude from the site's values and sigmas. Declared noise replaces the grade's,
-/// of which only white noise is used unless imu.noise requests all terms. The frame is the accelerometers' (lower triangular accelerometer matrix),
-/// or the rig's for a grade with ranges. Thermal terms match the recordings' thermal readings. Throws Error if a spread is not declared.
+/// Draws the IMU from imu.grade (or uses `given`), and gravity and latitude from the site's values and sigmas; `seed` determines all draws. Declared
+/// noise replaces the grade's, of which only white noise is used unless imu.noise requests all terms. The frame is the accelerometers' (lower
+/// triangular accelerometer matrix), or the rig's for a grade with ranges. Thermal terms match the recordings' thermal readings. Throws Error if a
+/// spread is not declared.
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given = {});
 
-/// Simulates the samples from 0 to the end of the last step, or those inside steps, at rate_hz (default 100). A sample is the raw value of the mean
-/// motion over its interval plus noise, rounded to the resolution and limited to the range and the source's limits (SI or counts). Without `rig` the
-/// rig is exact. The result is bit-identical for any number of threads.
+/// Simulates the samples of `source` from 0 to the end of the last step, or those inside steps, at rate_hz (default 100); `seed` determines the
+/// noise. A sample is the raw value of the mean motion over its interval plus noise, rounded to the resolution and limited to the range and the
+/// source's limits (SI or counts). Without `rig` the rig is exact. The result is bit-identical for any number of threads.
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed,
                              const RigErrors& rig = {});
 

@@ -153,8 +153,7 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
   return out;
 }
 
-/// Returns recordings with zero gyro readings for missing gyros; empty if all have gyros. Throws Error if the method needs a triad that a recording
-/// lacks.
+/// Returns recordings with zero gyro readings for missing gyros; empty if all have gyros. Throws Error if the method needs a missing triad.
 std::vector<Recording> with_both_triads(const Method& method, std::span<const Recording> recordings) {
   std::vector<Recording> out;
   for (std::size_t k = 0; k < recordings.size(); ++k) {

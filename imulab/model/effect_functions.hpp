@@ -14,8 +14,7 @@ namespace imulab::effect_functions {
 constexpr int second(int i) { return (i + 1) % 3; }
 constexpr int third(int i) { return (i + 2) % 3; }
 
-/// Slow change in a recording, two functions each: proportional to time, and a warm-up with a time constant of a quarter of the recording; both minus
-/// their mean.
+/// Slow change in a recording, two functions each, with zero mean: proportional to time, and a warm-up with a quarter of it as time constant.
 inline double slow(const EffectState& s, int function) {
   constexpr double mean_warm_up = 1 - 0.25 * (1 - 0.018315638888734179);  // mean of 1 - exp(-4 x) over 0 to 1: 1 - (1 - e^-4) / 4
   if (function / 2 != s.recording) return 0;

@@ -97,8 +97,7 @@ constexpr std::array<Grade, 5> catalogue{{
                      .turn_on = {5e-3 * g},
                      .resolution = 4.0 / 32768 * g,
                      .range = 4 * g}},
-    // Dai 2011: ranges of coefficients from table 2; stability and full scale from table 1 (with a margin for readings of a nonlinear sensor at 30 g
-    // and 400 deg/s).
+    // Dai 2011: ranges of coefficients from table 2; stability and full scale from table 1 (with a margin for nonlinear readings at full scale).
     {.name = "mems-30g",
      .gyro_bias = 0.5 * deg,
      .accel_bias = 30e-3 * g,

@@ -152,8 +152,7 @@ TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
     const Navigated n = navigate({}, session, read_recording(session, session.recordings[0]).recording);
     EXPECT_EQ(n.gaps.size(), name == "whole" ? 0u : 2u);
     EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("increments are taken as they are")));
-    // Gravity up to a late stamp affects only the height. Rows lost during acceleration cost millimeters. Half an interval of false motion at 40 m/s
-    // would be 0.4 m.
+    // Gravity up to a late stamp affects only the height. Rows lost during acceleration cost millimeters; half a false interval would be 0.4 m.
     EXPECT_LT(end_error(n, f.truth).horizontal(), 0.1) << name;
   }
 }

@@ -8,7 +8,7 @@
 
 namespace imulab::noise {
 
-/// Densities for Q^2, B^2, K^2 = 1 (model/imu_noise.hpp); the density for N^2 = 1 is 1.
+/// Densities for Q^2, B^2, K^2 = 1 (imulab/grade.hpp); the density for N^2 = 1 is 1.
 struct Densities {
   double Q = 0, B = 0, K = 0;
 };

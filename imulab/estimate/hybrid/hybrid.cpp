@@ -62,8 +62,7 @@ void check_axes(const Recording& recording, const coarse::RestStart& start) {
   if (recording.gyro_unit != "count") kernel::expect_gyro_scale(*in_motion, recording);
 }
 
-/// Uses the noise of quiet seconds. Rounded readings without noise of their own have a constant error during a rest, like the mean of such white
-/// noise.
+/// Uses the noise of quiet seconds. Rounded readings without own noise have a constant error in a rest, like the mean of such white noise.
 void use_quiet_noise(coarse::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
   std::vector<double> lengths;
   for (const Range& rest : rests) lengths.push_back(static_cast<double>(rest.size()));

@@ -237,8 +237,7 @@ TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
 }
 
 TEST(Hybrid, TurnedByHand) {
-  // The velocity is known only at rest; rests are found in the data. The units are navigation grade, then MEMS with scale errors of 1 % and gyro
-  // offsets of 1 deg/s.
+  // The velocity is known only at rest, and rests are found in the data. One unit is MEMS with errors of 1 % (scales) and 1 deg/s (gyros).
   for (const char* grade : {"navigation", "mems"}) {
     double sum = 0, m = 0;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {

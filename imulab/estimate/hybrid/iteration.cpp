@@ -264,8 +264,7 @@ struct Joint {
   }
 };
 
-/// Infers the sizes of effects and optional terms, like Effects::infer. Without effects, terms keep their expected sizes unless the data contradict
-/// one.
+/// Infers sizes of effects and optional terms, like Effects::infer. Without effects, terms keep their expected sizes unless the data contradict it.
 bool infer_sizes(Data& data, Iterate& c) {
   kernel::Effects effects = data.unmodeled.effects;
   const Index m = c.pass.effects.value.size();

@@ -25,8 +25,8 @@ struct Iterate {
 /// Starts from the coarse solution.
 Iterate first_iterate(const Data& data);
 
-/// Errors of the model of the last pass. Constants that are `undetermined` stay at the coarse solution, and its uncertainty enters the covariance of
-/// the others.
+/// Errors of the model of the last pass. Constants that are `undetermined` stay at the coarse solution; its uncertainty enters the others'
+/// covariance.
 struct Errors {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;

@@ -30,8 +30,7 @@ using MotionInformation = Eigen::MatrixXd;
 /// Information about (constants, present attitude error).
 using Knowledge = Eigen::MatrixXd;
 
-/// Parts of the rests before and after a turn by hand that belong to the turn [s]: their settling, and the first second after which the velocity is
-/// observed again.
+/// Parts of the rests before and after a turn by hand that belong to the turn [s]: settling, and the first second before the velocity is observed.
 inline constexpr int unseen_before = 1, unseen_after = 2;
 static_assert(unseen_before == in_place::settling_time && unseen_after == in_place::settling_time + 1);
 

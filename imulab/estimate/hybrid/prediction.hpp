@@ -22,8 +22,7 @@ struct Plan {
   bool effects = false;         ///< as in CalibrationOptions; not used in `advise` and the path search, which would take too long
 };
 
-/// Returns the plan of a procedure with one recording; `terms` as in CalibrationOptions. Throws Error if the latitude or the IMU's noise is not
-/// declared.
+/// Returns the plan of a procedure with one recording; `terms` as in CalibrationOptions. Throws Error if the latitude or the noise is not declared.
 Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
 
 /// A prediction with determined and undetermined coefficients as in `calibrate`; `cramer_rao` equals sigma if every coefficient is determined.

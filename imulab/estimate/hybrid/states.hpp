@@ -86,8 +86,7 @@ Eigen::Vector3d alignment_sigma();
 
 class States {
  public:
-  /// Includes the optional groups of the terms, the latitude if it is uncertain, and states for slow noise. Coefficients that are not wanted are
-  /// fixed.
+  /// Includes optional groups of the terms, the latitude if it is uncertain, and states for slow noise. Coefficients that are not wanted are fixed.
   States(const Terms& terms, const Place& place, const Noise& noise = {});
 
   Eigen::VectorXd prior;  ///< prior sigma of each constant about the coarse solution; 0: fixed there
@@ -107,8 +106,7 @@ class States {
   std::vector<Eigen::Index> corrections() const;
   /// Returns the constants of a model that was corrected by `total` since the coarse solution.
   kernel::Parameters parameters(const Eigen::VectorXd& total) const;
-  /// Returns the sigmas below which coefficients count as determined (half of the prior) and optional ones as observable (nine tenths); infinite for
-  /// other constants.
+  /// Returns the sigmas below which coefficients count as determined (half the prior), optional ones as observable (nine tenths); else infinite.
   Eigen::VectorXd needed() const;
 
  private:

@@ -40,8 +40,7 @@ ReducedEffects without_priors(const VectorXd& value, const MatrixXd& covariance)
   return {P.vectors * V.asDiagonal() * P.vectors.transpose(), P.vectors * s};
 }
 
-/// Returns true if a and b imply the same values for columns of these sizes, to a few percent of a sigma. Linear equations make this independent of
-/// priors.
+/// Returns true if a and b imply the same values for columns of these sizes, to a few percent of a sigma, independently of priors if linear.
 bool alike(const ReducedEffects& a, const ReducedEffects& b, const VectorXd& size) {
   constexpr double close = 0.02;
   if (a.eta.size() != b.eta.size()) return false;

@@ -1,5 +1,4 @@
-// The findings of a calibration: notes, warnings with their consequence, and reasons for a doubtful verdict. The rules common to all methods are
-// defined here.
+// The findings of a calibration: notes, warnings with their consequence, and reasons for a doubtful verdict; the rules common to all methods.
 #pragma once
 
 #include "imulab/calibration.hpp"

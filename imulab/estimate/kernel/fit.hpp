@@ -49,8 +49,7 @@ struct Suspect {
 struct Deviation {
   double chi2 = 0;
   int degrees_of_freedom = 0;
-  /// Returns the natural logarithm of the p-value. If the size of the residuals was itself estimated with finite `residual_degrees`, this uses the F
-  /// distribution.
+  /// Returns the natural logarithm of the p-value; by the F distribution if the size of the residuals was estimated with finite `residual_degrees`.
   double log_probability(double residual_degrees = std::numeric_limits<double>::infinity()) const;
   /// Returns the log likelihood ratio between the most probable and the expected size of the residuals.
   double evidence() const;

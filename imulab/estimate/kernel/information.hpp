@@ -55,8 +55,7 @@ struct Solution {
   double degrees_of_freedom = 0;  ///< number of rows minus the number of estimated parameters that the data determine
 };
 
-/// Returns the correction that minimizes the sum of squares of data and priors. Throws Unsupported, naming `what`, if an estimated parameter is not
-/// determined.
+/// Returns the correction that minimizes the sum of squares of data and priors. Throws Unsupported with `what` if a parameter is not determined.
 Solution solve(const Information& data, const Parameters& parameters, std::string_view what = "the data");
 
 /// Returns the logarithm of the data's probability, averaged over the parameters' priors, up to terms that depend only on the noise and on the number

@@ -1,5 +1,4 @@
-// Checks whether a calibration agrees with the declarations. A wrong unit, axis or kind of output fits as well as the right one, so only the result
-// can reveal it.
+// Checks whether a calibration agrees with the declarations. Only the result reveals a wrong unit, axis or kind of output, which fits equally well.
 #pragma once
 
 #include "imulab/calibration.hpp"

@@ -28,8 +28,7 @@ Eigen::Vector4d log_probabilities(const Grade& of, const SeenOfUnit& seen) {
           offset(seen.gyro_offset, of.gyro_bias)};
 }
 
-/// Returns true if another grade is more probable even without the quantity that favors it most, because a single quantity may be a fault of the
-/// data.
+/// Returns true if another grade is more probable even without the quantity that favors it most: a single quantity may be a fault of the data.
 bool contradicts(const SeenOfUnit& seen, std::string_view declared) {
   constexpr double clearly = 1;  // difference of the logarithm
   return std::ranges::any_of(graded_names(), [&](std::string_view other) {

@@ -107,8 +107,7 @@ double curvature(Problem problem, const Fit& fit) {
 inline constexpr double most_curvature = 1;
 
 /// Infers the sizes of effects and optional terms from a fit, and fits again. Without effects, terms keep their expected sizes unless the data
-/// contradict one. Such a contradiction is ignored if the equations are nonlinear within the uncertainties, since second-order misalignment residuals
-/// mimic terms.
+/// contradict one. That is ignored if the equations are nonlinear within the uncertainties: second-order misalignment residuals mimic terms.
 template <class Problem>
 Fit with_inferred_sizes(Problem& problem, Fit fit) {
   constexpr int most_rounds = 5;

@@ -25,8 +25,7 @@ struct Plan {
   /// Priors of optional terms. Absent: `terms` are estimated from the data alone, like terms that a user names.
   std::optional<kernel::PriorSizes> optional;
   std::optional<kernel::EffectSizes> effects;  ///< effects of the unit, estimated jointly with the terms; absent: none
-  /// Zhang's formulas for his procedure: weights from the sensors' noise alone, a separate gyro bias in turns, and rests around turns used only in
-  /// their sums.
+  /// Zhang's formulas for his procedure: weights from sensor noise alone, a separate gyro bias in turns, rests around turns used only in their sums.
   bool classical = false;
 };
 

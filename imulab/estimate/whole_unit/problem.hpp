@@ -124,8 +124,7 @@ struct Fit {
   kernel::Solution solution() const { return kernel::solve(data, parameters, "the points"); }
 };
 
-/// Iterates Gauss-Newton steps until every correction is below 1 % of its standard deviation. Throws Unsupported if the normal equations are
-/// singular.
+/// Iterates Gauss-Newton steps until every correction is below 1 % of its sigma. Throws Unsupported if the normal equations are singular.
 Fit fit(PointProblem& problem, Priors priors = Priors::offsets);
 
 }  // namespace imulab::whole_unit

@@ -1,5 +1,4 @@
-// The inputs of the error dynamics due to error sources, C_nb dw and C_nb df of Xu 2024's eqs 1 and 2: coefficients, integrated in east-north-up
-// axes, and noise.
+// The inputs of the error dynamics, C_nb dw and C_nb df of Xu 2024's eqs 1 and 2: coefficients, integrated in east-north-up axes, and noise.
 #pragma once
 
 #include "imulab/coefficient.hpp"

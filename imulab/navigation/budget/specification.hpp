@@ -1,5 +1,4 @@
-// A specification of inertial errors as in a data sheet: term by term, fixed or one sigma. Missing terms come from a grade, an airliner's system or a
-// calibration.
+// A specification of inertial errors as in a data sheet, fixed or one sigma. Missing terms come from a grade, an airliner's system or a calibration.
 #pragma once
 
 #include "imulab/navigate.hpp"

@@ -37,7 +37,7 @@ TEST(Flight, DerivativesAreThoseOfTheMotion) { expect_derivatives(flight(start, 
 TEST(Flight, DerivativesOfASwayAndOfATurningUnitAreThoseOfTheMotion) {
   FlightStart place = start;
   place.speed = 0;
-  // For the sway, h^2/6 of the third derivative is 1e-6 w^3 / 6 of its amplitude: 6e-7 rad/s for 0.01 rad at 1 Hz, 2e-6 m/s^2 for 5 cm.
+  // For the sway, h^2/6 of the third derivative is 1e-6 w^3 / 6 of its amplitude: 3e-7 rad/s for 5 mrad at 1.1 Hz, 1.4e-7 m/s for 1 cm at 0.7 Hz.
   const Sway sway{0.005, 1.1, 0.01, 0.7};
   const std::vector<Segment> segments{
       rest(5, sway), rotate({0, 0.6, 0.8}, 2, 0.5), accelerate(10, 8), rotate({1, 0, 0}, -0.4, 0.2), turn(0.5, 0.2, 2), straight(1)};

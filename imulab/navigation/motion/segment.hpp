@@ -59,16 +59,14 @@ Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate);
 /// Returns both segments; `second` begins `after` [s] after `first`. Throws Error for a rest, and for rotations of the unit about two axes.
 Segment together(const Segment& first, const Segment& second, double after);
 
-/// The carrier of the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, and its wheels exert the lateral
-/// force.
+/// The carrier of the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, with lateral force on its wheels.
 struct Carrier {
   bool banks = true;
   double bank_limit = 60 * unit::deg;  // for an aircraft
   double lateral_limit = 4;            // for a vehicle: lateral acceleration [m/s^2]
 };
 
-/// Throws Error if a segment that begins at this speed is impossible: a turn tighter than the speed allows, a rest in motion, or braking beyond
-/// standstill.
+/// Throws Error if a segment at this speed is impossible: a turn too tight for the speed, a rest in motion, or braking beyond standstill.
 void check_segment(const Segment& segment, double speed, const Carrier& carrier);
 
 /// A quantity with two time derivatives.
