@@ -111,7 +111,7 @@ struct RigErrorEstimate {
 struct EffectEstimate {
   std::string name, unit;             ///< "accel.asymmetry", "ppm"
   std::vector<double> values, sigma;  ///< one value for each column of the effect, in `unit`
-  bool significant = false;           ///< the data show the effect to be significant
+  bool significant = false;           ///< whether the effect is significant
   bool operator==(const EffectEstimate&) const = default;
 };
 

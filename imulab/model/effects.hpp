@@ -8,7 +8,7 @@
 //     for (int k = 0; k < e.columns(setting); ++k) by_c.push_back(e.phi(at, k));   // the change of force and rate of c = 1
 //
 // Even effects are centered on the sphere of attitudes at 1 g: an offset is the mean over attitudes. Effects of time are centered on the recording:
-// offsets and scales are those of its mean.
+// offsets and scales are means over it.
 #pragma once
 
 #include "imulab/coefficient.hpp"

@@ -57,8 +57,8 @@ void expect_the_filters_sigmas(const Session& session, double tolerance) {
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilter) {
-  // Both have the same blocks; sums use midpoints of 0.5 deg here, Simpson's rule there. The heading of a rest is observed in 13 s here, in 12.8 s
-  // there, because holds exclude a tenth of a second at their ends: 0.8 % of what it alone determines.
+  // Both have the same blocks. The sums use midpoints of 0.5 deg, the filter Simpson's rule. The sums observe the heading of a rest in 13 s, the
+  // filter in 12.8 s, because holds exclude a tenth of a second at their ends: the difference is 0.8 % of what the heading alone determines.
   expect_the_filters_sigmas(hybrid_procedure(15, 100), 5e-3);
 }
 
@@ -86,7 +86,7 @@ TEST(MotionInformation, ARestIsTheSumOfItsSeconds) {
   Knowledge at_once = one_by_one;
   for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, {1}));
   at_once = after(at_once, rest_information(model, C, {13}));
-  // That the heading is constant is known to sixteen digits more than the heading itself.
+  // The heading's change is known to sixteen digits more than the heading itself.
   EXPECT_LT((sigma_of(one_by_one).cwiseQuotient(sigma_of(at_once)).array() - 1).abs().maxCoeff(), 1e-3);
 }
 

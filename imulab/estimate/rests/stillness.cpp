@@ -20,8 +20,8 @@ Vector3d turned(const Recording& recording, Range range, const Vector3d& mean, c
   return recording.interval_s * (model.gyro.matrix * sum);
 }
 
-/// Returns the scaled gyro means in the middle half of each rest, which contains no end of a turn. (For white noise, the variance of the integral
-/// over half a rest minus this mean is at most that of the integral.)
+/// Returns the scaled gyro means in the middle half of each rest, which contains no end of a turn. (For white noise, subtracting
+/// this mean does not increase the variance of the integral over half a rest.)
 std::vector<Vector3d> middle_means(const Recording& recording, std::span<const RestMeans> rests, const Scaling& scaling) {
   std::vector<Vector3d> out;
   for (const RestMeans& rest : rests) {

@@ -85,7 +85,7 @@ MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, con
   return out;
 }
 
-/// Returns the declared noise, or that of the samples in the holds. A stuck axis has none; 1e-8 of the scale keeps its weights finite.
+/// Returns the declared noise, or the noise of the samples in the holds. A stuck axis has no noise; 1e-8 of the scale keeps its weights finite.
 RawNoise raw_noise(const TableProblem& problem, const SensorModel& model) {
   const auto noise = [](double declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
     if (declared > 0) return raw_density(declared, matrix);

@@ -153,7 +153,7 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
   }
 }
 
-/// The default weights reach the bound; the classical ones do not, where the table's errors differ from reading to reading.
+/// The default weights reach the bound; the classical ones do not if the table's errors differ from reading to reading.
 TEST(TurntablePrediction, ClassicalWeightsAreNoBetterThanTheBound) {
   Plan plan = zhang(20 * unit::arcsec);
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;

@@ -113,7 +113,7 @@ Plan scaled(Plan plan, Knob knob, double factor) {
   if (knob == Knob::imu || knob == Knob::all)
     for (NoiseModel* noise : {&plan.accel_noise, &plan.gyro_noise}) {
       noise->N *= factor;
-      noise->turn_on.value *= factor;  // including a fixed one, which the calibration does not know
+      noise->turn_on.value *= factor;  // includes a fixed turn-on bias, which the calibration has to estimate
     }
   plan.parts = table_plan(plan.parts.steps, plan.rig);
   return plan;

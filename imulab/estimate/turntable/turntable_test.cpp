@@ -60,7 +60,7 @@ TEST(Turntable, RoundedReadingsAreNoDifferent) {
   const Calibration rounded = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
   for (const CoefficientIndex index : c.estimated) {
     const double sigma = standard_uncertainty(c, index).value(), value = coefficient_value(c.model, index);
-    const double rounding = 8 * 0x1p-52 * std::abs(value);  // a scale factor near one is known to 1e-7
+    const double rounding = 8 * 0x1p-52 * std::abs(value);  // the sigma of a scale factor near one is 1e-7
     EXPECT_NEAR(coefficient_value(rounded.model, index), value, 1e-10 * sigma + rounding) << coefficient(index).name;
   }
 }

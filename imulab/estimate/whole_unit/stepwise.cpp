@@ -171,7 +171,7 @@ class Steps {
       const double rate = step.kind == StepKind::spin ? step.rate * up.sign : 0;
       opposed[{up.index, std::llround(rate * 1e6)}][up.sign > 0].push_back(p);
     }
-    // The second pass knows coefficients, and therefore the effect of reading noise on the misfit.
+    // The second pass has the first one's coefficients, which determine the effect of reading noise on the misfit.
     for (int pass = 0; pass < 2; ++pass) {
       std::vector<Equations> means;
       for (const auto& [key, positions] : opposed) {

@@ -23,7 +23,7 @@ struct AidedBudgetOptions {
 };
 
 /// Computes the budget. The records of `aids` must be on the clock of the motion; their values are not used. A fixed error counts as one sigma
-/// because the filter does not know it. Noise follows the sources; errors of aids have their stated sizes. The budget ends with the loss. Throws
+/// because the filter has to estimate it. Noise follows the sources; errors of aids have their stated sizes. The budget ends with the loss. Throws
 /// Error like navigate_aided and GrowingBudget, and if no aid can be lost.
 ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources& sources, const std::vector<Aid>& aids,
                          const AidedBudgetOptions& options = {});

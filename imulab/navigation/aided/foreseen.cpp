@@ -30,7 +30,7 @@ Recording ideal_readings(const motion::NominalMotion& motion) {
 
 namespace {
 
-/// Adds white noise of the sensors, whose size the passes estimate like that of the aids.
+/// Adds white noise of the sensors. The passes estimate its size and the size of the aids' noise.
 Recording with_noise(Recording r, const Problem& p) {
   constexpr std::uint64_t seed = 1;
   const RandomStream draws(seed, "foreseen sensors");

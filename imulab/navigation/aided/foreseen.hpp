@@ -16,8 +16,8 @@ namespace imulab::aided {
 Recording ideal_readings(const motion::NominalMotion& motion);
 
 /// Predicts the constants, factors and covariance of navigate_under for this motion with as many passes and an IMU with the noise of the priors;
-/// values are the declared ones. The linearization is about the motion itself. Only the noise sizes depend on the data, which are those of ideal
-/// sensors with noise and the aids' records with random errors. Throws Error like navigate_under.
+/// values are the declared ones. The linearization is about the motion itself. Only the noise sizes depend on data: simulated readings of ideal
+/// sensors with noise, and records of the aids with random errors. Throws Error like navigate_under.
 AidedNavigation foresee(const SensorPriors& priors, const Session& session, const motion::NominalMotion& motion, const std::vector<Aid>& aids,
                         int passes, const OutputTerms* terms = nullptr);
 

@@ -22,8 +22,8 @@ struct SerialCorrelation {
 /// Returns the correlation of each source with innovations, in the order of the factors.
 std::vector<SerialCorrelation> serial_correlations(const AidedNavigation& navigation);
 
-/// Multiplies `lasting` of the source with the most correlated innovations: those of others may be a consequence. Sources with a slow error of their
-/// own are not changed. Returns false if no source qualifies.
+/// Multiplies `lasting` of the source with the most correlated innovations, which may be the cause of other sources' correlation. Sources with a slow
+/// error of their own are not changed. Returns false if no source qualifies.
 bool widen_lasting(const Problem& problem, AidedNavigation& navigation);
 /// Adds a doubt if innovations are strongly correlated.
 void judge_lasting(AidedNavigation& navigation);

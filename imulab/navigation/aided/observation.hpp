@@ -1,4 +1,4 @@
-// The table of aids: the predicted reading of each kind in a given state, its derivatives by all states, and its noise. The filter knows no kind.
+// The table of aids: the predicted reading of each kind in a given state, its derivatives by all states, and its noise. No kind occurs in the filter.
 //
 //   GNSS position   z = p + C l - dt (v + C (w_eb x l))
 //   GNSS velocity   z = v + C (w_eb x l) - dt (a + C (w_eb x (w_eb x l) + w_eb' x l))

@@ -64,7 +64,7 @@ void use_factors(const AidedNavigation& out, Problem& problem);
 /// Adds the smoothed constants at mid-recording, with their covariance and their standard deviations before the data.
 void add_constants(const Problem& problem, const SmootherPass& smoothed, AidedNavigation& out);
 
-/// Adds the constants and those of `terms`, by one more pass about a trajectory with the noise of `out`.
+/// Adds the constants and the constants of `terms`, by one more pass about a trajectory with the noise of `out`.
 void add_constants_with(const OutputTerms& terms, Problem& problem, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out);
 
 /// Explains why the heading at the end is unknown; empty if it is known.
