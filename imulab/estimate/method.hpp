@@ -62,9 +62,9 @@ class MethodFunction<Result(Arguments...)> {
 struct Method {
   std::string_view name;       ///< "handheld"
   std::string_view summary;    ///< one line
-  std::string_view reference;  ///< the paper, as docs/reference/grades.md has it
-  std::string_view needs;      ///< besides a recording: of steps, site and rig
-  int equipment = 0;           ///< by which methods are offered: the least first
+  std::string_view reference;  ///< paper, as in docs/reference/grades.md
+  std::string_view needs;      ///< steps, site and rig, in addition to a recording
+  int equipment = 0;           ///< rank in offers of methods: least equipment first
 
   bool takes_accel_alone = false;  ///< accepts recordings without gyros
   bool takes_several = false;      ///< processes several recordings separately; otherwise they are joined

@@ -1,4 +1,4 @@
-// Calibration from a drive or flight: the errors of the sensors as an aided navigation finds them (docs/theory/aided.md).
+// Calibration from a drive or flight: an aided navigation estimates the errors of the sensors (docs/theory/aided.md).
 #pragma once
 
 #include "imulab/calibrate.hpp"

@@ -12,8 +12,8 @@ namespace imulab::whole_unit {
 /// starting value and are listed. Throws Unsupported if nothing can be determined, and Error if a mount, unit or direction contradicts the data.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 
-/// The standard uncertainties that the joint estimate will state of a procedure of the machines, of an ideal IMU with the declared noise
-/// (docs/theory/strapdown.md). Throws as calibrate does, and Error where the noise is not declared.
+/// Predicts the standard uncertainties of the joint estimate for a procedure on machines and an ideal IMU with the declared noise
+/// (docs/theory/strapdown.md). Throws like calibrate, and throws Error if no noise is declared.
 Prediction predict(const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab::whole_unit
