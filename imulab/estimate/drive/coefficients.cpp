@@ -1,6 +1,7 @@
 #include "imulab/estimate/drive/coefficients.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/core/decomposition.hpp"
 #include "imulab/estimate/drive/together.hpp"
 #include "imulab/estimate/drive/unmodeled.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
@@ -68,6 +69,24 @@ Index place_of(const Calibration& c, Triad triad, Term term, int axis) {
 
 constexpr std::array triads{Triad::accel, Triad::gyro};
 
+/// Returns true for an optional term or an effect that the unit has again in its next drive.
+bool is_constant_of_unit(const AidedConstant& c) {
+  if (is_effect(c.name)) return is_effect_of_unit(c.name);
+  return of_unit(c) && is_optional(coefficient(coefficient_index(c.name)).term);
+}
+
+/// Returns P_xc S^-1 P_cx as Effects::constant_part does, for x = `by_constants` times the constants at `places`.
+MatrixXd constant_part(const AidedNavigation& n, const MatrixXd& by_constants, const std::vector<Index>& places) {
+  MatrixXd sum = MatrixXd::Zero(by_constants.rows(), by_constants.rows());
+  for (std::size_t k = 0; k < n.constants.size(); ++k) {
+    const AidedConstant& c = n.constants[k];
+    if (!is_constant_of_unit(c) || !(c.prior > 0)) continue;
+    const VectorXd by_prior = by_constants * n.constants_covariance(places, static_cast<Index>(k)) / c.prior;
+    sum += by_prior * by_prior.transpose();
+  }
+  return sum;
+}
+
 }  // namespace
 
 StatedUnit calibration_of(const AidedNavigation& n) {
@@ -103,6 +122,8 @@ StatedUnit calibration_of(const AidedNavigation& n) {
   }
   stated.joint = by_constants * n.constants_covariance(places, places) * by_constants.transpose();
   out.covariance = stated.joint.topLeftCorner(coefficients, coefficients);
+  const MatrixXd constant = constant_part(n, by_constants, places).topLeftCorner(coefficients, coefficients);
+  out.constant_covariance = limited_part(constant, out.covariance);
   return stated;
 }
 
@@ -124,7 +145,7 @@ void sort_by_table(Calibration& c) {
   std::vector<Index> order(c.estimated.size());
   std::iota(order.begin(), order.end(), Index{0});
   std::ranges::sort(order, {}, [&](Index k) { return c.estimated[static_cast<std::size_t>(k)]; });
-  c.covariance = c.covariance(order, order).eval();
+  for (MatrixXd* const m : {&c.covariance, &c.constant_covariance}) *m = (*m)(order, order).eval();
   std::ranges::sort(c.estimated);
 }
 
