@@ -119,13 +119,13 @@ std::string page_text(const Page& page) {
 
 std::vector<KeyFigure> key_figures(const std::function<double(CoefficientIndex)>& sigma) {
   std::vector<KeyFigure> out;
-  for (const auto& [selector, name] : {std::pair{"accel.matrix.diagonal", "accelerometer scale"},
-                                       {"accel.matrix.off_diagonal", "accelerometer misalignment"},
-                                       {"accel.offset", "accelerometer bias"},
-                                       {"gyro.matrix.diagonal", "gyro scale"},
-                                       {"gyro.matrix.off_diagonal", "gyro misalignment"},
-                                       {"gyro.offset", "gyro bias"}})
-    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"u = " + readable_unit(worst), name});
+  for (const auto& [triad, name] : {std::pair{"accel", "accelerometer"}, {"gyro", "gyro"}}) {
+    const std::array<std::array<std::string_view, 2>, 3> kinds{
+        {{"matrix.diagonal", "scale"}, {"matrix.off_diagonal", name_of_off_diagonal(triad, sigma)}, {"offset", "bias"}}};
+    for (const auto& [term, kind] : kinds)
+      if (const std::string worst = worst_text(fmt::format("{}.{}", triad, term), sigma); !worst.empty())
+        out.push_back({"u = " + readable_unit(worst), fmt::format("{} {}", name, kind)});
+  }
   return out;
 }
 

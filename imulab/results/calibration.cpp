@@ -15,7 +15,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <algorithm>
 #include <utility>
 
 namespace imulab {
@@ -243,13 +244,16 @@ std::string worst_text(std::string_view selector, const std::function<double(Coe
   return worst < 0 ? "" : fmt::format("{} {}", text::two_digits(worst / unit.size), unit.name);
 }
 
+std::string_view name_of_off_diagonal(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma) {
+  return std::isfinite(sigma(coefficient_index(std::string(triad) + ".matrix.xy"))) ? "misalignment" : "nonorthogonality";
+}
+
 std::string worst_terms(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma) {
-  // In the accelerometers' own frame three of their elements are zero by definition: what is left is within the triad.
-  const bool own_frame = !std::isfinite(sigma(coefficient_index(std::string(triad) + ".matrix.xy")));
   std::string line;
-  for (const auto& [what, term] :
-       {std::pair{"scale", ".matrix.diagonal"}, {own_frame ? "nonorthogonality" : "misalignment", ".matrix.off_diagonal"}, {"bias", ".offset"}})
-    if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
+  const std::array<std::array<std::string_view, 2>, 3> kinds{
+      {{"scale", "matrix.diagonal"}, {name_of_off_diagonal(triad, sigma), "matrix.off_diagonal"}, {"bias", "offset"}}};
+  for (const auto& [what, term] : kinds)
+    if (const std::string worst = worst_text(fmt::format("{}.{}", triad, term), sigma); !worst.empty())
       line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
   return line;
 }

@@ -46,6 +46,9 @@ double judged_uncertainty(const Calibration& calibration, CoefficientIndex index
 /// finite where it is not known.
 std::string worst_text(std::string_view selector, const std::function<double(CoefficientIndex)>& sigma);
 
+/// Returns "nonorthogonality" if the axes are the triad's own, so that the elements above the diagonal are zero by definition; else "misalignment".
+/// `triad`: "accel" or "gyro"; `sigma`: as of worst_text.
+std::string_view name_of_off_diagonal(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma);
 /// The worst of a triad's scales, misalignments (nonorthogonality, if the axes are its own) and biases, "scale 93 ppm, misalignment 12 arcsec, bias 38 ug";
 /// empty if none is known. `triad`: "accel" or "gyro".
 std::string worst_terms(std::string_view triad, const std::function<double(CoefficientIndex)>& sigma);
