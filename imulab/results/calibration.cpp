@@ -16,7 +16,7 @@
 
 #include <algorithm>
 #include <array>
-#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace imulab {
