@@ -190,9 +190,13 @@ constexpr std::array result_formats{
 SavedResult read_result(const Field& root, std::string_view text, const std::string& file) {
   if (!root.has("format")) throw Error(fmt::format("{}: not a result; expected {}, with their \"format\"", file, expected_result));
   const std::string format = root["format"].text();
-  for (const ResultFormat& known : result_formats)
+  if (format.starts_with("imulab.calibration/")) return parse_calibration(text, file);
+  std::string names = "\"imulab.calibration/1\"";
+  for (const ResultFormat& known : result_formats) {
     if (known.name == format) return known.read(root);
-  return parse_calibration(text, file);
+    names += fmt::format(", \"{}\"", known.name);
+  }
+  root["format"].expected(names);
 }
 
 }  // namespace
