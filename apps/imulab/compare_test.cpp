@@ -260,7 +260,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"calibration.json truth.json .", "imulab: .: is a folder; expected a file"},
         Case{"newer.json calibration.json",
              "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
-        Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
+        Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", \"imulab.noise/1\""},
         Case{"calibration.json result.json", "imulab: result.json: is a comparison; expected calibrations alone, or other results alone"},
         Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected calibration.json, noise.json, or what compare"},
         Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected calibration.json"},
