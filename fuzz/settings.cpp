@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/exchange.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/noise/data_sheet.hpp"
 #include "imulab/formats/session/mission.hpp"
 #include "imulab/report/aided_page.hpp"
 #include "imulab/report/calibration_page.hpp"
@@ -90,6 +91,8 @@ void result(std::string_view bytes) {
 
 void noise(std::string_view bytes) {
   unless_refused([&] { return parse_noise(bytes, "fuzzed"); });
+  unless_refused([&] { return data_sheet_noise(parse_data_sheet(bytes)); });
+  unless_refused([&] { return data_sheet_noise(parse_data_sheet_file(bytes, "fuzzed")); });
 }
 
 void requirement(std::string_view bytes) {

@@ -33,6 +33,7 @@ struct NoiseCoefficient {
   double value = 0, standard_uncertainty = 0;
   double lower = 0, upper = 0;  ///< bounds of the 95 % interval
   bool determined = false;
+  bool bounded = false;  ///< of a data sheet: derived from its other values, as a bound
 };
 /// Returns a coefficient of which only the upper bound is known.
 inline NoiseCoefficient undetermined_below(double upper) { return {NAN, NAN, 0, upper, false}; }
@@ -61,6 +62,7 @@ struct ImuNoise {
   double interval_s = 0;
   std::string gyro_unit, accel_unit;  ///< units u: "rad/s", "m/s^2" or "count"
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
+  bool from_data_sheet = false;
 };
 
 /// Returns the sizes of each triad's terms: the RMS over the axes that determine a term, or 0 if no axis does. Markov processes are omitted because
@@ -148,14 +150,26 @@ struct NoiseAxis {
   std::string problem = {};          ///< reason for an absent fit
 };
 
+/// A value of a data sheet beside that of a log, in SI. `value` is NaN if the log does not determine it; `upper` then bounds it.
+struct SheetComparison {
+  std::string name = {};  ///< "gyro.x.N", or "gyro.x.stability": the minimum of the deviation
+  double sheet = 0, value = 0, lower = 0, upper = 0;
+  double ratio() const { return value / sheet; }
+  bool contained() const { return lower <= sheet && sheet <= upper; }
+};
+
 struct NoiseAnalysis {
+  std::string source = {};  ///< "data sheet" if no log was analyzed
   std::string recording = {};
   double begin_s = 0, end_s = 0, interval_s = 0;
   std::size_t samples = 0;
   DeviationKind kind = DeviationKind::overlapping_allan;
-  std::vector<NoiseAxis> axes = {};        ///< gyros, then accelerometers
-  std::vector<std::string> notes = {};     ///< excluded parts of the log
+  std::vector<NoiseAxis> axes = {};  ///< gyros, then accelerometers
+  std::vector<SheetComparison> sheet = {};
+  std::vector<std::string> notes = {};     ///< excluded parts of the log, or the values of a data sheet as given
   std::vector<std::string> warnings = {};  ///< findings and their consequences
+
+  bool from_data_sheet() const { return !source.empty(); }
 };
 
 struct NoiseOptions {

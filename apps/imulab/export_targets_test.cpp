@@ -157,7 +157,7 @@ TEST(ExportCommand, RefusesACalibrationThatTheDataDidNotDetermine) {
 void write_targets(const TemporaryFolder& folder) {
   const Calibration c = export_test::si_unit();
   const ImuNoise noise = export_test::some_noise();
-  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter"})
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "orb-slam3", "lio-sam", "fast-lio", "dlio"})
     folder.write(std::string(target) + ".yaml", export_test::exported(target, {c, &noise}));
 }
 
@@ -174,13 +174,46 @@ def numbers(x):
     return [x]
 for name in ("kalibr-imu", "kalibr", "euroc", "ros"):
     assert len(numbers(yaml.safe_load(open(name + ".yaml")))) >= 5, name
+for name, count in (("lio-sam", 4), ("fast-lio", 4), ("dlio", 18)):
+    assert len(numbers(yaml.safe_load(open(name + ".yaml")))) == count, name
 assert all(isinstance(x, (bool, float)) for x in yaml.safe_load(open("ros-filter.yaml"))["/**"]["ros__parameters"].values())
 )");
   const CommandResult result = run_shell(folder, "/usr/bin/python3 check.py");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
 }
 
-/// The parser of OpenVINS and VINS, where this machine has it: it needs more than a hundred packages.
+/// A parser of XML for Gazebo's, and compilers for GTSAM's and Fusion's, which get declarations in place of these libraries.
+TEST(ExportCommand, XmlParserAndCompilersTakeTheFiles) {
+  const TemporaryFolder folder;
+  const Calibration c = export_test::si_unit();
+  const ImuNoise noise = export_test::some_noise();
+  folder.write("imu.sdf", export_test::exported("gazebo", {c, &noise}));
+  folder.write("gtsam_imu.hpp", export_test::exported("gtsam", {c, &noise}));
+  folder.write("fusion_imu.h", export_test::exported("fusion", {c}));
+  folder.write("gtsam/navigation/CombinedImuFactor.h", R"(
+namespace gtsam {
+struct Matrix3 {};
+struct Vector3 { Vector3(double, double, double) {} Matrix3 asDiagonal() const { return {}; } };
+struct PreintegrationCombinedParams {
+  void setAccelerometerCovariance(const Matrix3&) {} void setGyroscopeCovariance(const Matrix3&) {}
+  void setBiasAccCovariance(const Matrix3&) {} void setBiasOmegaCovariance(const Matrix3&) {}
+};
+})");
+  folder.write("Fusion.h", R"(
+typedef union { float array[3]; struct { float x, y, z; } axis; } FusionVector;
+typedef union { float array[9]; struct { float xx, xy, xz, yx, yy, yz, zx, zy, zz; } element; } FusionMatrix;
+)");
+  folder.write("a.cpp", "#include \"gtsam_imu.hpp\"\nint main() { gtsam::PreintegrationCombinedParams p; setImuNoise(p); }\n");
+  folder.write("a.c",
+               "#include \"fusion_imu.h\"\nint main(void) { return gyroscopeMisalignment.element.xx == 0 && accelerometerOffset.axis.x == 0; }\n");
+  const CommandResult result =
+      run_shell(folder, R"(/usr/bin/python3 -c 'import xml.etree.ElementTree as e; print(len(list(e.parse("imu.sdf").iter("stddev"))))')"
+                        " && c++ -std=c++17 -I. -fsyntax-only a.cpp && cc -std=c99 -I. -fsyntax-only a.c");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(result.output, "6\n");
+}
+
+/// The parser of OpenVINS, VINS and ORB-SLAM3, where this machine has it: it needs more than a hundred packages.
 TEST(ExportCommand, OpenCvReadsTheFiles) {
   const TemporaryFolder folder;
   if (run_shell(folder, "/usr/bin/python3 -c 'import cv2'").exit_code != 0) GTEST_SKIP() << "without OpenCV";
@@ -192,6 +225,8 @@ print("%.17g" % vins.getNode("acc_n").real())
 chain = cv2.FileStorage("openvins.yaml", cv2.FILE_STORAGE_READ)
 imu = chain.getNode("imu0")
 print("%.17g" % imu.getNode("Tw").at(2).at(1).real(), imu.getNode("model").string())
+orb = cv2.FileStorage("orb-slam3.yaml", cv2.FILE_STORAGE_READ)
+assert orb.getNode("IMU.NoiseGyro").isReal() and orb.getNode("IMU.Frequency").real() == 200
 )");
   const CommandResult result = run_shell(folder, "/usr/bin/python3 check.py");
   ASSERT_EQ(result.exit_code, 0) << result.errors;

@@ -6,6 +6,7 @@
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/noise/data_sheet.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/noise_requirement.hpp"
 #include "imulab/tasks/inspect.hpp"
@@ -35,9 +36,20 @@ void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
   show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
+Answer without_log(const NoiseVerbOptions& o) {
+  if (!o.datasheet) throw Error("RECORDING is required; usage: imulab noise RECORDING..., or imulab noise --datasheet SHEET");
+  if (o.require) throw Error("--require: judges a log, and there is only a data sheet; expected a RECORDING");
+  return data_sheet_answer(o);
+}
+
 void run(const NoiseVerbOptions& o) {
   expect_free("-o", o.output, o.force);
   if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
+  if (o.recordings.empty()) return write_and_show(without_log(o), o);
+  if (o.datasheet) {
+    if (o.recordings.size() > 1) throw Error("--datasheet: compares one log; expected one RECORDING");
+    errors_of_option("datasheet", [&] { read_data_sheet(*o.datasheet); });
+  }
   std::vector<Session> sessions;  // all of them before the first is analyzed
   const std::uint64_t inspected = std::min<std::uint64_t>(o.most_bytes() / sizeof(double), most_inspected);
   const std::vector<std::string> recordings = recordings_named(o.recordings);

@@ -21,7 +21,9 @@ namespace {
 /// Every coefficient of an axis: where it is determined with uncertainty and interval, else its bound.
 std::string coefficient_rows(const std::string& name, const NoiseCoefficient& c, const char* unit) {
   std::string text;
-  if (c.determined)
+  if (c.determined && !std::isfinite(c.standard_uncertainty))  // of a data sheet
+    text = fmt::format("{},{},,{}\n", name, exact_number(c.value), unit);
+  else if (c.determined)
     text = fmt::format("{0},{1},{2},{5}\n{0}.lower,{3},,{5}\n{0}.upper,{4},,{5}\n", name, exact_number(c.value), exact_number(c.standard_uncertainty),
                        exact_number(c.lower), exact_number(c.upper), unit);
   else if (std::isfinite(c.upper) && c.upper > 0)
@@ -57,7 +59,7 @@ std::string recorded_rows(const std::optional<RecordedAs>& recorded, const char*
 }
 
 std::string noise_rows(const NoiseValues& n) {
-  std::string text = fmt::format("noise.rate,{},,Hz\n", exact_number(n.rate_hz));
+  std::string text = n.stream_rate_hz ? fmt::format("noise.rate,{},,Hz\n", exact_number(*n.stream_rate_hz)) : "";
   for (const auto& [name, value, unit] :
        {std::tuple{"noise.accel.N", &n.accel_N, "m/s^2/sqrt(Hz)"}, std::tuple{"noise.accel.K", &n.accel_K, "m/s^3/sqrt(Hz)"},
         std::tuple{"noise.gyro.N", &n.gyro_N, "rad/s/sqrt(Hz)"}, std::tuple{"noise.gyro.K", &n.gyro_K, "rad/s^2/sqrt(Hz)"}}) {

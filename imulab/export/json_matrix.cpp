@@ -46,7 +46,8 @@ MatrixJson coefficient_json(const NoiseCoefficient& c) {
   return {{"value", finite_json(c.value)},
           {"standard_uncertainty", finite_json(c.standard_uncertainty)},
           {"interval", {finite_json(c.lower), finite_json(c.upper)}},
-          {"determined", c.determined}};
+          {"determined", c.determined},
+          {"bounded", c.bounded}};
 }
 
 /// Every term of every axis, null for an axis without noise.
@@ -111,7 +112,7 @@ std::string json_matrix_text(const ExportInput& input) {
   out["standard_uncertainty"] = uncertainties_json(c);
   if (input.noise != nullptr) {
     const NoiseValues n = noise_values(input, "json-matrix");
-    out["noise"] = {{"rate_hz", n.rate_hz},
+    out["noise"] = {{"rate_hz", n.stream_rate_hz ? MatrixJson(*n.stream_rate_hz) : MatrixJson(nullptr)},
                     {"accelerometers", {{"N", noise_json(n.accel_N)}, {"K", noise_json(n.accel_K)}, {"axes", axes_json(input.noise->accel)}}},
                     {"gyros", {{"N", noise_json(n.gyro_N)}, {"K", noise_json(n.gyro_K)}, {"axes", axes_json(input.noise->gyro)}}}};
   }

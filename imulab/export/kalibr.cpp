@@ -16,7 +16,7 @@ constexpr Held kalibr_holds{.g_sensitivity = true, .accel_matrix = true, .gyro_m
 
 /// Keys of the noise, which all of Kalibr's files and those after its pattern share.
 std::string noise_keys(const std::string& indent, const NoiseValues& n, const std::string& topic) {
-  return fmt::format("{}rostopic: {}\n{}update_rate: {}  # Hz\n", indent, topic, indent, exact_number(n.rate_hz)) +
+  return fmt::format("{}rostopic: {}\n{}update_rate: {}  # Hz\n", indent, topic, indent, exact_number(n.rate_hz())) +
          noise_line(indent + "accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
          noise_line(indent + "accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)") +
          noise_line(indent + "gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") +
@@ -27,9 +27,9 @@ std::string noise_keys(const std::string& indent, const NoiseValues& n, const st
 
 std::string kalibr_imu_text(const ExportInput& input) {
   const NoiseValues n = noise_values(input, "Kalibr");
-  Sentences facts{"Holds: continuous-time noise densities, Kalibr's imu.yaml. Correct the readings with `imulab compensate` before."};
-  facts.insert(facts.end(), n.facts.begin(), n.facts.end());
-  return comment_head(input, "Kalibr (input)", facts, left_out_of_noise_files(input)) + noise_keys("", n, topic_text(input));
+  return noise_head(input, "Kalibr (input)",
+                    {"Holds: continuous-time noise densities, Kalibr's imu.yaml. Correct the readings with `imulab compensate` before."}, n) +
+         noise_keys("", n, topic_text(input));
 }
 
 std::string kalibr_text(const ExportInput& input) {
@@ -61,14 +61,7 @@ std::string kalibr_text(const ExportInput& input) {
 
 Sentences left_out_of_kalibr(const ExportInput& input) {
   Sentences out = losses(input.calibration.model, kalibr_holds);
-  const Sentences noise = noise_left_out(input, true);
-  out.insert(out.end(), noise.begin(), noise.end());
-  return out;
-}
-
-Sentences left_out_of_noise_files(const ExportInput& input) {
-  Sentences out = whole_calibration_left_out(input);
-  const Sentences noise = noise_left_out(input, true);
+  const Sentences noise = noise_left_out(input, "NK");
   out.insert(out.end(), noise.begin(), noise.end());
   return out;
 }

@@ -1,6 +1,7 @@
 #include "imulab/export/noise_values.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/export/loss.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
 
@@ -16,7 +17,13 @@ namespace {
 
 using NoiseAxes = std::array<std::optional<NoiseCoefficients>, 3>;
 
-NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which, const char* name, AxisChoice choice) {
+/// The meaning of "<=" in a comment.
+const char* bound_meaning(bool from_data_sheet) {
+  return from_data_sheet ? "; <=: not in the data sheet, bounded by what it states" : "; <=: not determined, the upper bound (95 %) is written";
+}
+
+NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which, const char* name, AxisChoice choice,
+                       bool from_data_sheet = false) {
   NoiseValue out;
   double sum = 0;
   int counted = 0;
@@ -31,7 +38,7 @@ NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients
       throw Error(
           fmt::format("noise: {} of axis {} has neither a value nor an upper bound above zero; expected a longer log at rest", name, "xyz"[i]));
     out.axes[i] = value;
-    texts[i] = fmt::format("{}{:.4g}", c.determined ? "" : "<= ", value);
+    texts[i] = fmt::format("{}{:.4g}", c.determined && !c.bounded ? "" : "<= ", value);
     sum += value;
     ++counted;
     out.value = std::max(out.value, value);
@@ -39,7 +46,7 @@ NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients
   if (counted == 0) throw Error(fmt::format("noise: {} has no axis with noise; expected a log of readings that change", name));
   if (choice == AxisChoice::mean) out.value = sum / counted;
   out.comment = fmt::format("x {}, y {}, z {}", texts[0], texts[1], texts[2]);
-  if (out.comment.find("<=") != std::string::npos) out.comment += "; <=: not determined, the upper bound (95 %) is written";
+  if (out.comment.find("<=") != std::string::npos) out.comment += bound_meaning(from_data_sheet);
   return out;
 }
 
@@ -69,10 +76,17 @@ const char* choice_fact(AxisChoice choice) {
   return choice == AxisChoice::worst ? "One number stands for three axes: the worst." : "One number stands for three axes: their mean.";
 }
 
-double stream_rate(const ExportInput& input, double interval_s) {
+std::optional<double> stream_rate(const ExportInput& input, double interval_s) {
   const double rate_hz = input.options.rate_hz ? *input.options.rate_hz : interval_s > 0 ? 1 / interval_s : 0;
-  if (!(std::isfinite(rate_hz) && rate_hz > 0)) throw Error("noise: has no sample interval; expected a rate (rate_hz)");
+  if (!(std::isfinite(rate_hz) && rate_hz > 0)) return std::nullopt;
   return input.options.rate_hz ? rate_hz : std::round(rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
+}
+
+std::string source_fact(const ImuNoise& n) {
+  if (n.from_data_sheet)
+    return "Noise: values of a DATA SHEET, not fitted to a log" + (n.recording.empty() ? "." : fmt::format(": \"{}\".", plain(n.recording)));
+  return n.recording.empty() ? "Noise: as given; no log is named to which it was fitted."
+                             : fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording));
 }
 
 /// An axis whose readings do not change at rest has no noise.
@@ -98,7 +112,7 @@ NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
   out.gyro_N = noise_value(axes_at_rest(rests.gyro, 1), &NoiseCoefficients::N, "gyros' N", choice);
   out.accel_K = assumed_value(rests.accel, "accelerometers' K", choice);
   out.gyro_K = assumed_value(rests.gyro, "gyros' K", choice);
-  out.rate_hz = stream_rate(input, rests.interval_s);
+  out.stream_rate_hz = stream_rate(input, rests.interval_s);
   out.facts.push_back(
       fmt::format("Noise: NO LOG OF IT WAS GIVEN. White noise is that of the calibration's {} rests, {:.0f} s in all.", rests.rests, rests.seconds));
   out.facts.emplace_back("Random walk and bias instability do not show in them, and are NOT MEASURED.");
@@ -134,14 +148,14 @@ const std::array<NoiseTerm, 5>& noise_terms() {
   return terms;
 }
 
-std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_random_walk) {
+std::vector<std::string> noise_left_out(const ExportInput& input, std::string_view held) {
   std::vector<std::string> out;
   if (input.noise == nullptr) return out;
   for (const bool accel : {true, false}) {
     const NoiseAxes& axes = accel ? input.noise->accel : input.noise->gyro;
     const char* const sensors = accel ? "accelerometers'" : "gyros'";
     for (const NoiseTerm& term : noise_terms()) {
-      if (term.coefficient == &NoiseCoefficients::N || (holds_random_walk && term.coefficient == &NoiseCoefficients::K)) continue;
+      if (held.find(term.name) != std::string_view::npos) continue;
       const std::string values = term_values(axes, term.coefficient);
       if (!values.empty())
         out.push_back(fmt::format("noise: {} {}, {} [{}]: {}", sensors, term.name, term.what, accel ? term.accel_unit : term.gyro_unit, values));
@@ -152,6 +166,21 @@ std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_ran
   return out;
 }
 
+namespace {
+
+Sentences all_but_noise_left_out(const ExportInput& input, std::string_view held) {
+  Sentences out = whole_calibration_left_out(input);
+  const Sentences noise = noise_left_out(input, held);
+  out.insert(out.end(), noise.begin(), noise.end());
+  return out;
+}
+
+}  // namespace
+
+Sentences left_out_of_noise_files(const ExportInput& input) { return all_but_noise_left_out(input, "NK"); }
+Sentences left_out_of_ros(const ExportInput& input) { return all_but_noise_left_out(input, "N"); }
+Sentences left_out_of_matlab(const ExportInput& input) { return all_but_noise_left_out(input, "NBK"); }
+
 NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
   if (input.noise == nullptr)
@@ -159,18 +188,52 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
                 " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
                 "-o noise.json`");
   const ImuNoise& n = *input.noise;
+  if (n.accel_unit.empty() || n.gyro_unit.empty())
+    throw Error(fmt::format("noise: has no {}; expected the noise of both triads", n.gyro_unit.empty() ? "gyros" : "accelerometers"));
   if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
   NoiseValues out;
   const AxisChoice choice = input.options.axes;
-  out.accel_N = noise_value(n.accel, &NoiseCoefficients::N, "accelerometers' N", choice);
-  out.accel_K = noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice);
-  out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice);
-  out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice);
-  out.rate_hz = stream_rate(input, n.interval_s);
-  out.facts.push_back(n.recording.empty() ? "Noise: as given; no log is named to which it was fitted."
-                                          : fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
+  out.accel_N = noise_value(n.accel, &NoiseCoefficients::N, "accelerometers' N", choice, n.from_data_sheet);
+  out.accel_K = noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice, n.from_data_sheet);
+  out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice, n.from_data_sheet);
+  out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice, n.from_data_sheet);
+  out.stream_rate_hz = stream_rate(input, n.interval_s);
+  out.facts.push_back(source_fact(n));
   out.facts.emplace_back(choice_fact(choice));
   return out;
+}
+
+NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& program) {
+  NoiseValues out = noise_values(input, program);
+  out.facts.pop_back();
+  return out;
+}
+
+double NoiseValues::rate_hz() const {
+  if (!stream_rate_hz) throw Error("noise: has no sample interval; expected a rate (--rate HZ, in Python rate_hz), or that of the data sheet");
+  return *stream_rate_hz;
+}
+
+NoiseValue bias_instability(const ExportInput& input, bool gyro) {
+  if (input.noise == nullptr) return {.comment = "NOT MEASURED without a noise log"};
+  const ImuNoise& n = *input.noise;
+  return noise_value(gyro ? n.gyro : n.accel, &NoiseCoefficients::B, gyro ? "gyros' B" : "accelerometers' B", input.options.axes, n.from_data_sheet);
+}
+
+std::array<double, 3> each_axis(const NoiseValue& value) {
+  std::array<double, 3> out = value.axes;
+  double largest = 0;
+  for (const double axis : out)
+    if (std::isfinite(axis)) largest = std::max(largest, axis);
+  for (double& axis : out)
+    if (!std::isfinite(axis)) axis = largest;
+  return out;
+}
+
+std::string noise_head(const ExportInput& input, std::string_view program, Sentences facts, const NoiseValues& noise, std::string_view mark,
+                       std::string_view held) {
+  facts.insert(facts.end(), noise.facts.begin(), noise.facts.end());
+  return in_comments(mark, comment_head(input, program, facts, all_but_noise_left_out(input, held)));
 }
 
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit) {

@@ -4,7 +4,9 @@
 #include "imulab/exchange.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::export_io {
@@ -22,14 +24,26 @@ struct NoiseValue {
 
 struct NoiseValues {
   NoiseValue accel_N, accel_K, gyro_N, gyro_K;  ///< m/s^2/sqrt(Hz), m/s^3/sqrt(Hz), rad/s/sqrt(Hz), rad/s^2/sqrt(Hz)
-  double rate_hz = 0;
-  std::vector<std::string> facts;  ///< for the head of a file: which log; then which axis
+  std::optional<double> stream_rate_hz;         ///< absent: that of a data sheet that does not give it
+  std::vector<std::string> facts;               ///< for the head of a file: which log; then which axis
+
+  /// Throws Error where the rate is absent.
+  double rate_hz() const;
 };
 
 /// Without a noise log, the white noise of the calibration's rests, and `assumed_walk` times it for the random walk, which short rests do not show.
 /// Throws Error where there is neither (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has
 /// neither value nor bound.
 NoiseValues noise_values(const ExportInput& input, const std::string& program);
+
+/// The same for a target that has numbers for each axis: the facts are without the axis chosen.
+NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& program);
+
+/// B of a triad, [m/s^2] or [rad/s]; zero without a noise log, with a comment that says so.
+NoiseValue bias_instability(const ExportInput& input, bool gyro);
+
+/// Every axis, where an axis without noise has the largest of the others.
+std::array<double, 3> each_axis(const NoiseValue& value);
 
 /// A term of the noise as a table has it: its name, what it is, and its unit for each triad.
 struct NoiseTerm {
@@ -39,8 +53,13 @@ struct NoiseTerm {
 };
 const std::array<NoiseTerm, 5>& noise_terms();
 
-/// A sentence for each term of a triad that the log determines and a target with N (and K) leaves out, with its values. Empty without noise.
-std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_random_walk);
+/// A sentence for each term of a triad that the log determines and a target leaves out, with its values. Empty without noise. `held`: letters of the
+/// terms that the target has, as in "NK".
+std::vector<std::string> noise_left_out(const ExportInput& input, std::string_view held);
+
+/// The head of a file of noise alone: `facts`, then those of the noise and all but the terms `held`, as comments that begin with `mark`.
+std::string noise_head(const ExportInput& input, std::string_view program, std::vector<std::string> facts, const NoiseValues& noise,
+                       std::string_view mark = "#", std::string_view held = "NK");
 
 /// "KEY: VALUE  # UNIT; the axes' values" as a line of YAML.
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit);

@@ -160,7 +160,7 @@ std::string openvins_text(const ExportInput& input) {
   text += noise_line("  accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
           noise_line("  accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)") +
           noise_line("  gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") + noise_line("  gyroscope_random_walk", n.gyro_K, "rad/s^2/sqrt(Hz)");
-  text += fmt::format("  rostopic: {}\n  time_offset: 0.0\n  update_rate: {}  # Hz\n  model: \"{}\"\n", topic_text(input), exact_number(n.rate_hz),
+  text += fmt::format("  rostopic: {}\n  time_offset: 0.0\n  update_rate: {}  # Hz\n  model: \"{}\"\n", topic_text(input), exact_number(n.rate_hz()),
                       input.options.imu_model);
   return text + matrix_text("  ", "Tw", v.Tw) + matrix_text("  ", "R_IMUtoGYRO", v.R_IMUtoGYRO) + matrix_text("  ", "Ta", v.Ta) +
          matrix_text("  ", "R_IMUtoACC", v.R_IMUtoACC) + matrix_text("  ", "Tg", v.Tg);
@@ -168,7 +168,7 @@ std::string openvins_text(const ExportInput& input) {
 
 Sentences left_out_of_openvins(const ExportInput& input) {
   Sentences out = losses(input.calibration.model, openvins_holds);
-  const Sentences noise = noise_left_out(input, true);
+  const Sentences noise = noise_left_out(input, "NK");
   out.insert(out.end(), noise.begin(), noise.end());
   return out;
 }

@@ -20,13 +20,24 @@ std::string ros_filter_text(const ExportInput& input);
 std::string px4_text(const ExportInput& input);
 std::string ardupilot_text(const ExportInput& input);
 std::string vectornav_text(const ExportInput& input);
+std::string gtsam_text(const ExportInput& input);
+std::string orb_slam3_text(const ExportInput& input);
+std::string lio_sam_text(const ExportInput& input);
+std::string fast_lio_text(const ExportInput& input);
+std::string gazebo_text(const ExportInput& input);
+std::string matlab_text(const ExportInput& input);
+std::string dlio_text(const ExportInput& input);
+std::string fusion_text(const ExportInput& input);
 std::string json_matrix_text(const ExportInput& input);
 std::string csv_text(const ExportInput& input);
 
 Sentences left_out_of_kalibr(const ExportInput& input);
 Sentences left_out_of_openvins(const ExportInput& input);
-Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc: noise alone
-Sentences left_out_of_ros(const ExportInput& input);          ///< also of the filters' parameters
+Sentences left_out_of_noise_files(const ExportInput& input);  ///< of files with the terms N and K alone
+Sentences left_out_of_matlab(const ExportInput& input);       ///< which also has B
+Sentences left_out_of_dlio(const ExportInput& input);
+Sentences left_out_of_fusion(const ExportInput& input);
+Sentences left_out_of_ros(const ExportInput& input);  ///< also of the filters' parameters
 Sentences left_out_of_px4(const ExportInput& input);
 Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);

@@ -91,4 +91,11 @@ std::string comment_head(const ExportInput& input, std::string_view program, con
   return text + "#\n";
 }
 
+std::string in_comments(std::string_view mark, std::string_view head) {
+  std::string out;
+  for (std::size_t end = 0; (end = head.find('\n')) != std::string_view::npos; head.remove_prefix(end + 1))
+    out += fmt::format("{}{}\n", mark, head.substr(1, end - 1));
+  return out;
+}
+
 }  // namespace imulab::export_io

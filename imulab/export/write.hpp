@@ -35,5 +35,7 @@ std::vector<std::string> not_determined(const Calibration& calibration);
 /// Lines "# ...": whose calibration for which program, then `facts` (signs, what the file holds), what the data did not determine, and what is lost.
 std::string comment_head(const ExportInput& input, std::string_view program, const std::vector<std::string>& facts,
                          const std::vector<std::string>& lost);
+/// Such a head with another mark than # at the begin of each line.
+std::string in_comments(std::string_view mark, std::string_view head);
 
 }  // namespace imulab::export_io

@@ -15,6 +15,7 @@ template <class Fields>
 void describe(Fields& f, NoiseCoefficient& c) {
   f("value", c.value, fields::or_nan), f("standard_uncertainty", c.standard_uncertainty, fields::or_infinity);  // infinite: without an upper bound
   f("lower", c.lower), f("upper", c.upper, fields::or_infinity), f("determined", c.determined);
+  if (Fields::reads || c.bounded) f("bounded", c.bounded, fields::optional);
   if (Fields::reads && !c.determined && std::isinf(c.standard_uncertainty)) c.standard_uncertainty = NAN;
   fields::check(f, !c.determined || (std::isfinite(c.value) && c.standard_uncertainty > 0), "",
                 "is determined without a value; expected value and a positive standard_uncertainty");
@@ -94,16 +95,25 @@ void describe(Fields& f, NoiseAxis& axis) {
 }
 
 template <class Fields>
+void describe(Fields& f, SheetComparison& c) {
+  f("name", c.name), f("sheet", c.sheet), f("value", c.value, fields::or_nan), f("lower", c.lower), f("upper", c.upper, fields::or_infinity);
+  fields::derived(f, "ratio", c.ratio(), fields::or_nan), fields::derived(f, "contained", c.contained());
+}
+
+template <class Fields>
 void describe(Fields& f, NoiseAnalysis& analysis) {
   using enum DeviationKind;
   fields::derived(f, "format", "imulab.noise/1");
+  f("source", analysis.source, fields::if_any);
+  fields::expect(f, analysis.source.empty() || analysis.source == "data sheet", "source", "\"data sheet\", or none for a log");
   f("recording", analysis.recording, fields::optional), f("interval_s", analysis.interval_s);
-  fields::expect(f, analysis.interval_s > 0, "interval_s", "a positive time");
+  fields::expect(f, analysis.interval_s > 0 || (analysis.from_data_sheet() && analysis.interval_s == 0), "interval_s", "a positive time");
   const auto still = [&](auto& t) { t("begin_s", analysis.begin_s), t("end_s", analysis.end_s), t("samples", analysis.samples); };
   f.table("still", still, fields::optional);
   fields::choice(f, "deviation", analysis.kind, std::array{overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total},
                  "the name of a deviation", fields::optional);
-  f("axes", analysis.axes), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
+  f("axes", analysis.axes), f("data_sheet", analysis.sheet, fields::if_any), f("notes", analysis.notes, fields::optional),
+      f("warnings", analysis.warnings, fields::optional);
 }
 
 /// Describes a coefficient of several logs.

@@ -35,6 +35,37 @@ PageVerdict noise_verdict(const NoiseAnalysis& analysis) {
   return v;
 }
 
+std::string sheet_section(const NoiseAnalysis& analysis) {
+  Table t{.head = {"axis", "term", "value", "SI", "standing"}, .rows = {}, .left = {1, 4}};
+  for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
+    t.rows.push_back({escaped(axis), term, escaped(noise_unit_text(value)), escaped(noise_unit_text(si)), standing});
+  return section("coefficients", "Coefficients", "Bounded: not in the data sheet, but at most this by what it states.", table(t)) +
+         section("given", "The data sheet as given", "", list(analysis.notes));
+}
+
+std::string comparison_section(const NoiseAnalysis& analysis) {
+  if (analysis.sheet.empty()) return "";
+  Table t{.head = {"axis and term", "data sheet", "log", "95 % interval", "unit", "ratio", "data sheet is"}, .rows = {}, .left = {4, 6}};
+  for (const auto& row : comparison_rows(analysis)) {
+    std::vector<std::string> cells(row.begin(), row.end());
+    cells[4] = escaped(noise_unit_text(cells[4]));
+    t.rows.push_back(std::move(cells));
+  }
+  return section("datasheet", "Against the data sheet", "Inside or possible: within the log's 95 % interval, or below its bound.", table(t));
+}
+
+/// A data sheet: nothing was measured or judged.
+std::string data_sheet_page(const NoiseAnalysis& analysis) {
+  Page page;
+  page.kind = "Noise";
+  page.title = analysis.recording.empty() ? "Data sheet" : analysis.recording;
+  page.subtitle = "values of a data sheet";
+  page.verdict = {
+      .tone = Tone::neutral, .word = noise_headline(analysis), .meaning = "No log was analyzed.", .because = analysis.warnings, .actions = {}};
+  page.body = sheet_section(analysis);
+  return page_text(page);
+}
+
 /// N, B and K of each triad's worst axis.
 std::vector<KeyFigure> noise_cards(const NoiseAnalysis& analysis) {
   std::vector<KeyFigure> out;
@@ -186,19 +217,20 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   std::vector<double> buffer;
   const AxisReadings readings = [&](std::size_t axis) { return recording.samples(axis, still, buffer); };
-  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + each_axis_section(analysis, readings) +
-              signal_section(analysis, recording, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + comparison_section(analysis) +
+              each_axis_section(analysis, readings) + signal_section(analysis, recording, still);
   return page_text(page);
 }
 
 std::string noise_page(const NoiseAnalysis& analysis, const Conclusion& conclusion) {
   using namespace report;
+  if (analysis.from_data_sheet()) return data_sheet_page(analysis);
   Page page = noise_page_of(analysis);
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   std::vector<std::string> missing{"Signal, and Welch's spectrum with its lines: noise.json keeps no readings; imulab noise --report draws them."};
   if (spectrum_charts(analysis).empty()) missing.emplace_back("Spectrum: the file has none.");
   page.body = section("missing", "Not on this page", "", list(missing, "missing-list")) + deviations_section(analysis) + spectra_section(analysis) +
-              coefficients_section(analysis) + each_axis_section(analysis, {});
+              coefficients_section(analysis) + comparison_section(analysis) + each_axis_section(analysis, {});
   if (!analysis.notes.empty()) page.body += section("signal", "Signal", "What was used, and what was cut.", list(analysis.notes));
   return page_text(page);
 }

@@ -2,6 +2,7 @@
 
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/noise/data_sheet.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -88,6 +89,8 @@ std::string term_row(const NoiseTermText& term, const NoiseAxis& axis) {
 
 /// Sigmas and amplitudes have the unit of B.
 constexpr std::size_t rate_term = 1;
+/// Number of terms that a data sheet has: N, B, K.
+constexpr std::size_t sheet_terms = 3;
 
 /// Rows of processes, filter, lines and steps of an axis.
 std::string other_rows(const NoiseAxis& axis) {
@@ -105,6 +108,39 @@ std::string other_rows(const NoiseAxis& axis) {
   if (axis.fit->resolution > 0)
     out += fmt::format("  {:<8} {:<14} {:>10}  {:<21} {}\n", axis.name, "readings' step", text::number(axis.fit->resolution / rate.size, 3), "",
                        rate.name);
+  return out;
+}
+
+/// "gyro N 0.228 deg/sqrt(h)" of the first axis, and the same of the accelerometers.
+std::string sheet_headline(const NoiseAnalysis& analysis) {
+  std::string out;
+  for (const auto& [triad, name] : {std::pair{"gyro.", "gyro"}, {"accel.", "accelerometer"}})
+    for (const NoiseAxis& axis : analysis.axes)
+      if (axis.fit && axis.name.starts_with(triad)) {
+        const NoiseUnit& unit = noise_terms()[0].unit(axis.unit);
+        out += fmt::format("{}{} N {} {}", out.empty() ? "" : ", ", name, text::number(axis.fit->N.value / unit.size), unit.name);
+        break;
+      }
+  return out;
+}
+
+std::string sheet_text(const NoiseAnalysis& analysis) {
+  std::string out =
+      text::wrapped("", noise_headline(analysis)) + "\n" + (analysis.recording.empty() ? "data sheet" : one_line(analysis.recording)) + "\n";
+  for (const std::string& note : analysis.notes) out += "  " + one_line(note) + "\n";
+  out += fmt::format("\n  {:<8} {:<4} {:<24} {:<30} {}\n", "axis", "term", "value", "SI", "standing");
+  for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
+    out += fmt::format("  {:<8} {:<4} {:<24} {:<30} {}\n", axis, term, value, si, standing);
+  return out + "\n" + text::wrapped("  ", "bounded: not in the data sheet, but at most this by what it states");
+}
+
+/// Empty where the log was compared with no data sheet.
+std::string comparison_text(const NoiseAnalysis& analysis) {
+  if (analysis.sheet.empty()) return "";
+  std::string out = fmt::format("\n  {:<18} {:>9} {:>9}  {:<18} {:<11} {:>7}  {}\n", "against the sheet", "sheet", "log", "95 % interval", "unit",
+                                "ratio", "sheet is");
+  for (const auto& [name, sheet, log, interval, unit, ratio, judgment] : comparison_rows(analysis))
+    out += fmt::format("  {:<18} {:>9} {:>9}  {:<18} {:<11} {:>7}  {}\n", name, sheet, log, interval, unit, ratio, judgment);
   return out;
 }
 
@@ -145,10 +181,49 @@ const std::array<NoiseTermText, 5>& noise_terms() {
 }
 
 std::string noise_headline(const NoiseAnalysis& analysis) {
+  if (analysis.from_data_sheet()) return "values of a data sheet, not fitted to a log: " + sheet_headline(analysis);
   return headline_of(analysis.axes, [](const NoiseAxis& axis) -> std::optional<std::array<const NoiseCoefficient*, 3>> {
     if (!axis.fit) return std::nullopt;
     return std::array{&axis.fit->N, &axis.fit->B, &axis.fit->K};
   });
+}
+
+std::vector<std::array<std::string, 5>> sheet_rows(const NoiseAnalysis& analysis) {
+  std::vector<std::array<std::string, 5>> out;
+  for (std::size_t i = 0; i + 2 < analysis.axes.size(); i += 3)  // triads, each x, y, z
+    for (std::size_t k = 0; k < sheet_terms; ++k) {
+      const NoiseTermText& term = noise_terms()[k];
+      const auto coefficient = [&](std::size_t axis) -> const NoiseCoefficient& { return (*analysis.axes[i + axis].fit).*term.member; };
+      const auto size = [](const NoiseCoefficient& c) { return c.determined ? c.value : c.upper; };
+      const bool equal = size(coefficient(0)) == size(coefficient(1)) && size(coefficient(0)) == size(coefficient(2));
+      for (std::size_t axis = 0; axis < (equal ? 1 : 3); ++axis) {
+        const NoiseCoefficient& c = coefficient(axis);
+        const std::string& name = analysis.axes[i + axis].name;
+        const NoiseUnit& unit = term.unit(analysis.axes[i + axis].unit);
+        const std::string at_most = c.bounded ? "<= " : "";
+        out.push_back({equal ? name.substr(0, name.find('.')) : name, term.name,
+                       fmt::format("{}{} {}", at_most, text::number(size(c) / unit.size), unit.name),
+                       fmt::format("{}{} {}", at_most, text::number(size(c), 4), unit.si), sheet_standing(c)});
+      }
+    }
+  return out;
+}
+
+std::vector<std::array<std::string, 7>> comparison_rows(const NoiseAnalysis& analysis) {
+  std::vector<std::array<std::string, 7>> out;
+  for (const SheetComparison& c : analysis.sheet) {
+    const char last = c.name.back();  // of N, B, K or stability, which has the unit of B
+    const NoiseTermText& term = noise_terms()[last == 'N' ? 0 : last == 'K' ? 2 : rate_term];
+    const NoiseUnit& unit = c.name.starts_with("gyro") ? term.gyro : term.accel;
+    const bool known = std::isfinite(c.value);
+    const auto shown = [&](double value) { return text::number(value / unit.size); };
+    out.push_back({c.name, shown(c.sheet), known ? shown(c.value) : "-", known ? shown(c.lower) + " to " + shown(c.upper) : "below " + shown(c.upper),
+                   unit.name, known ? text::number(c.ratio(), 3) : "-",
+                   c.contained()       ? (known ? "inside" : "possible")
+                   : c.sheet > c.upper ? "above"
+                                       : "below"});
+  }
+  return out;
 }
 
 std::string noise_headline(const NoiseBatch& batch) {
@@ -158,6 +233,7 @@ std::string noise_headline(const NoiseBatch& batch) {
 }
 
 std::string noise_text(const NoiseAnalysis& analysis) {
+  if (analysis.from_data_sheet()) return sheet_text(analysis);
   std::string out = one_line(analysis.recording) + "\n";
   for (const std::string& note : analysis.notes) out += text::wrapped("  ", note);
   out += "\n  axis     term     value  95 % interval         unit\n";
@@ -170,7 +246,7 @@ std::string noise_text(const NoiseAnalysis& analysis) {
   if (!others.empty()) out += "\n" + others;
   out += "\n";
   for (const NoiseTermText& term : noise_terms()) out += fmt::format("  {}  {}\n", term.name, term.meaning);
-  return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %");
+  return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %") + comparison_text(analysis);
 }
 
 std::string noise_text(const NoiseBatch& batch) {

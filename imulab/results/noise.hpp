@@ -6,6 +6,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 namespace imulab {
 
@@ -30,6 +31,11 @@ const std::array<NoiseTermText, 5>& noise_terms();
 /// What is known, in one sentence: "gyro N known to 0.2 %, B and K only bounded".
 std::string noise_headline(const NoiseAnalysis& analysis);
 std::string noise_headline(const NoiseBatch& batch);
+
+/// A data sheet's coefficients as rows: axis, or triad if its axes are equal; term; value or bound with its unit; the same in SI; standing.
+std::vector<std::array<std::string, 5>> sheet_rows(const NoiseAnalysis& analysis);
+/// A log's comparison with a data sheet as rows: axis and term; sheet, log and 95 % interval in one unit, which is next; ratio; judgment.
+std::vector<std::array<std::string, 7>> comparison_rows(const NoiseAnalysis& analysis);
 
 /// A table of coefficients in customary units, with 95 % intervals; a coefficient that is not determined has only its bound.
 std::string noise_text(const NoiseAnalysis& analysis);

@@ -2,6 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/noise/data_sheet.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stored.hpp"
 #include "imulab/noise/noise_analysis.hpp"
@@ -19,6 +20,12 @@ namespace imulab {
 namespace {
 
 NoiseOptions options_of(const NoiseVerbOptions& o) { return {.kind = deviation_named(o.deviation), .remove_temperature = o.remove_temperature}; }
+
+/// The analysis of a log beside the data sheet of the options, if they have one.
+std::shared_ptr<const NoiseAnalysis> compared(NoiseAnalysis analysis, const NoiseVerbOptions& o) {
+  if (o.datasheet) analysis.sheet = errors_of_option("datasheet", [&] { return compare_with_sheet(analysis, read_data_sheet(*o.datasheet)); });
+  return std::make_shared<const NoiseAnalysis>(std::move(analysis));
+}
 
 /// Axes without noise are an answer that the log does not give.
 std::string shortcomings(const NoiseAnalysis& analysis) {
@@ -63,7 +70,7 @@ AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& an
 AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const RecordingSource& source, const NoiseVerbOptions& o) {
   NoiseOptions options = options_of(o);
   options.accel_joined = source.accel.file || source.accel.topic || source.accel.time;
-  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options));
+  const auto analysis = compared(analyze_noise(recording, still, options), o);
   const Conclusion conclusion = conclusion_of(*analysis, o);
   if (o.report.empty()) return answer_of(analysis, conclusion, {});
   return answer_of(analysis, conclusion, [page = noise_page(*analysis, recording, still.range, conclusion)] { return page; });
@@ -74,14 +81,16 @@ AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRang
 Verb& declare(Verb& command, NoiseVerbOptions& o) {
   Verb& verb = command.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
   verb.option("RECORDING", o.recordings,
-              "a log at rest, or a session with one, - for either on standard input; several: mean, spread and worst of them")
-      .required()
+              "a log at rest, or a session with one, - for either on standard input; several: mean, spread and worst of them; none with --datasheet")
       .reads();
   verb.option("--recording FILE", o.recording, "which of a session's recordings, where it has several");
   verb.option(
       "--require LIMITS", o.require,
       "what the noise may be, the worst axis: \"gyro.N <= 0.1 deg/sqrt(h), accel.B <= 20 ug\", also gyro.x.N; N, B, K, Q, R; exit code 1 where "
       "the log does not show it");
+  verb.option("--datasheet SHEET", o.datasheet,
+              "values of a data sheet, or a TOML file with them in [noise]: \"gyro.N = 0.0038 deg/s/sqrt(Hz), gyro.B = 10 deg/h, accel.N = 70 "
+              "ug/sqrt(Hz)\"; compared with the log, or without a log written as its noise");
   verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
@@ -98,6 +107,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
   json_option(verb, o.json);
   report_option(verb, o.report);
   verb.example("imulab noise night.csv -o noise.json");
+  verb.example("imulab noise --datasheet \"gyro.N = 0.0038 deg/s/sqrt(Hz), accel.N = 70 ug/sqrt(Hz)\" -o noise.json");
   verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
   verb.example("zcat night.csv.gz | imulab noise -");
   verb.example("imulab noise night.csv --set gyro.unit=deg/s");
@@ -113,7 +123,7 @@ AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& 
   if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
   const NoiseOptions options = options_of(o);
   const auto still = std::make_shared<const StillPart>(still_part(recording, session));
-  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(still->recording, *still, options));
+  const auto analysis = compared(analyze_noise(still->recording, *still, options), o);
   const Conclusion conclusion = conclusion_of(*analysis, o);
   return answer_of(analysis, conclusion, [still, analysis, conclusion] { return noise_page(*analysis, still->recording, still->range, conclusion); });
 }
@@ -131,6 +141,17 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
   for (const std::string& text : reading.warnings) tell(text);
   const StillPart still = still_part(std::move(reading.recording), session);
   return analyzed(still.recording, still, source, o);
+}
+
+AnswerOf<NoiseAnalysis> data_sheet_answer(const NoiseVerbOptions& o) {
+  const auto analysis =
+      std::make_shared<const NoiseAnalysis>(errors_of_option("datasheet", [&] { return data_sheet_noise(read_data_sheet(*o.datasheet)); }));
+  const Conclusion conclusion{Verdict::none, noise_headline(*analysis)};
+  return {{.json = [analysis] { return noise_json(*analysis); },
+           .table = [analysis](bool) { return noise_text(*analysis); },
+           .page = [analysis, conclusion] { return noise_page(*analysis, conclusion); },
+           .conclusion = conclusion},
+          analysis};
 }
 
 AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o) {

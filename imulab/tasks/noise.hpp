@@ -16,8 +16,9 @@ namespace imulab {
 struct NoiseVerbOptions : ShowOptions {
   std::vector<std::string> recordings, declarations, topics;
   std::string recording, deviation = "overlapping-allan";
-  std::optional<std::string> require;  ///< limits on terms (results/noise_requirement.hpp)
-  double in_memory_mb = 336;           ///< six million rows of seven numbers: the analysis then takes about a gigabyte
+  std::optional<std::string> require;    ///< limits on terms (results/noise_requirement.hpp)
+  std::optional<std::string> datasheet;  ///< values or their file (formats/noise/data_sheet.hpp)
+  double in_memory_mb = 336;             ///< six million rows of seven numbers: the analysis then takes about a gigabyte
   bool remove_temperature = false;
 
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(1e6 * in_memory_mb); }
@@ -33,6 +34,8 @@ AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& 
 /// A recording of a session's files, whose columns go through temporary files where they are longer than the options allow. The page, where --report
 /// asks for it, is made at once, since the columns are not kept. `tell` gets the warnings of reading before the analysis begins.
 AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell);
+/// The data sheet of the options, without a log.
+AnswerOf<NoiseAnalysis> data_sheet_answer(const NoiseVerbOptions& o);
 /// Several logs together, each with the name of its file.
 AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o);
 

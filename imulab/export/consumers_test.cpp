@@ -1,0 +1,252 @@
+// The noise that consumers make of their files: each one's equation, as in its source, adds N^2 T to the variance of angle and velocity over a time
+// T, and K^2 T to that of a bias. The calibration that DLIO and Fusion apply is that of `compensate`, as far as they hold it.
+#include "imulab/error.hpp"
+#include "imulab/export/consumer_model.hpp"
+#include "imulab/export/loss.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/export_unit.hpp"
+#include <cmath>
+#include <complex>
+#include <regex>
+#include <yaml-cpp/yaml.h>
+
+namespace imulab::export_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double rate_hz = 200, dt = 1 / rate_hz;  // of some_noise()
+constexpr int steps = 2000;
+constexpr double T = steps * dt;
+
+/// The worst axes of some_noise(); the gyros' K is a bound.
+constexpr double gyro_N = 1.5e-4, gyro_K = 4e-6, accel_N = 1.5e-3, accel_K = 7.5e-5;
+
+std::string noise_file(const char* target) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  return exported(target, {c, &noise});
+}
+
+YAML::Node noise_yaml(const char* target) {
+  std::string text = noise_file(target);
+  if (text.starts_with("%YAML:1.0")) text[0] = '#';
+  return YAML::Load(text);
+}
+
+std::vector<double> numbers_after(const std::string& text, const std::string& word, std::size_t count) {
+  static const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+]?[0-9]+)?)");
+  const std::size_t at = text.find(word);
+  EXPECT_NE(at, std::string::npos) << word;
+  const std::string rest = text.substr(at + word.size());
+  std::vector<double> out;
+  for (std::sregex_iterator i(rest.begin(), rest.end(), number), end; i != end && out.size() < count; ++i) out.push_back(std::stod(i->str()));
+  EXPECT_EQ(out.size(), count) << word;
+  return out;
+}
+
+/// Variances that a filter states after T.
+struct Stated {
+  double velocity = 0, angle = 0, accel_bias = 0, gyro_bias = 0;
+};
+void expect_right(const Stated& stated, const char* target, double tolerance) {
+  EXPECT_NEAR(stated.velocity / (accel_N * accel_N * T), 1, tolerance) << target;
+  EXPECT_NEAR(stated.angle / (gyro_N * gyro_N * T), 1, tolerance) << target;
+  EXPECT_NEAR(stated.accel_bias / (accel_K * accel_K * T), 1, tolerance) << target;
+  EXPECT_NEAR(stated.gyro_bias / (gyro_K * gyro_K * T), 1, tolerance) << target;
+}
+
+/// gtsam 4.2, ImuFactor.cpp: B (accelerometerCovariance / dt) B^T with B = dt for the velocity; CombinedImuFactor.cpp: biasAccCovariance dt.
+Stated stated_by_gtsam(double acc, double gyro, double bias_acc, double bias_omega) {
+  Stated out;
+  for (int i = 0; i < steps; ++i) {
+    out.velocity += dt * (acc / dt) * dt, out.angle += dt * (gyro / dt) * dt;
+    out.accel_bias += bias_acc * dt, out.gyro_bias += bias_omega * dt;
+  }
+  return out;
+}
+
+TEST(ExportConsumers, GtsamHasEveryAxis) {
+  const std::string text = noise_file("gtsam");
+  const ImuNoise noise = some_noise();
+  const auto acc = numbers_after(text, "params.setAccelerometerCovariance(gtsam::Vector3(", 3),
+             gyro = numbers_after(text, "params.setGyroscopeCovariance(gtsam::Vector3(", 3),
+             bias_acc = numbers_after(text, "params.setBiasAccCovariance(gtsam::Vector3(", 3),
+             bias_omega = numbers_after(text, "params.setBiasOmegaCovariance(gtsam::Vector3(", 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Stated stated = stated_by_gtsam(acc[i], gyro[i], bias_acc[i], bias_omega[i]);
+    EXPECT_NEAR(stated.velocity / (std::pow(noise.accel[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(stated.angle / (std::pow(noise.gyro[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(stated.accel_bias / (std::pow(noise.accel[i]->K.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(stated.gyro_bias / (std::pow(noise.gyro[i]->K.determined ? noise.gyro[i]->K.value : noise.gyro[i]->K.upper, 2) * T), 1, 1e-10);
+  }
+  EXPECT_THAT(text, HasSubstr("// Holds: noise in CONTINUOUS time"));
+}
+
+/// LIO-SAM 0be1fbe, imuPreintegration.cpp: floats; squares into GTSAM; a BetweenFactor of sqrt(T) imuAccBiasN.
+TEST(ExportConsumers, LioSam) {
+  const YAML::Node y = noise_yaml("lio-sam")["lio_sam"];
+  const auto value = [&](const char* key) { return static_cast<double>(y[key].as<float>()); };
+  Stated stated = stated_by_gtsam(std::pow(value("imuAccNoise"), 2), std::pow(value("imuGyrNoise"), 2), 0, 0);
+  stated.accel_bias = std::pow(std::sqrt(T) * value("imuAccBiasN"), 2), stated.gyro_bias = std::pow(std::sqrt(T) * value("imuGyrBiasN"), 2);
+  expect_right(stated, "lio-sam", 1e-6);
+}
+
+/// ORB-SLAM3 1.0: Tracking.cc, IMU::Calib(Tbc, Ng sf, Na sf, Ngw / sf, Naw / sf) with sf = sqrt(IMU.Frequency); ImuTypes.cc, B Nga B^T with B = dt,
+/// and NgaWalk added at every sample. Floats.
+TEST(ExportConsumers, OrbSlam3) {
+  const YAML::Node y = noise_yaml("orb-slam3");
+  const auto value = [&](const char* key) { return y[key].as<float>(); };
+  const float sf = std::sqrt(value("IMU.Frequency"));
+  const double ng = value("IMU.NoiseGyro") * sf, na = value("IMU.NoiseAcc") * sf, ngw = value("IMU.GyroWalk") / sf, naw = value("IMU.AccWalk") / sf;
+  Stated stated;
+  for (int i = 0; i < steps; ++i) {
+    stated.velocity += dt * na * na * dt, stated.angle += dt * ng * ng * dt;
+    stated.accel_bias += naw * naw, stated.gyro_bias += ngw * ngw;
+  }
+  expect_right(stated, "orb-slam3", 1e-6);
+}
+
+/// FAST_LIO 7cc4175: esekfom.hpp, P += (dt f_w) Q (dt f_w)^T with acc_cov, gyr_cov, b_acc_cov and b_gyr_cov on Q's diagonal.
+TEST(ExportConsumers, FastLio) {
+  const YAML::Node y = noise_yaml("fast-lio")["mapping"];
+  const auto value = [&](const char* key) { return y[key].as<double>(); };
+  Stated stated;
+  for (int i = 0; i < steps; ++i) {
+    stated.velocity += dt * value("acc_cov") * dt, stated.angle += dt * value("gyr_cov") * dt;
+    stated.accel_bias += dt * value("b_acc_cov") * dt, stated.gyro_bias += dt * value("b_gyr_cov") * dt;
+  }
+  expect_right(stated, "fast-lio", 1e-10);
+  EXPECT_THAT(noise_file("fast-lio"), HasSubstr("DISCRETE values at 200 Hz"));
+}
+
+/// gz-sensors, GaussianNoiseModel.cc: b = exp(-dt / tau) b + N(0, sqrt(-s^2 tau / 2 expm1(-2 dt / tau))).
+TEST(ExportConsumers, GazeboSimulatesTheNoise) {
+  const std::string text = noise_file("gazebo");
+  const ImuNoise noise = some_noise();
+  const std::size_t gyros = text.find("<angular_velocity>"), accelerometers = text.find("<linear_acceleration>");
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const bool gyro : {true, false}) {
+      const std::string axis = text.substr(text.find(fmt::format("<{}>", "xyz"[i]), gyro ? gyros : accelerometers));
+      const double white = numbers_after(axis, "<stddev>", 1)[0], s = numbers_after(axis, "<dynamic_bias_stddev>", 1)[0],
+                   tau = numbers_after(axis, "<dynamic_bias_correlation_time>", 1)[0];
+      double bias = 0;
+      for (int k = 0; k < steps; ++k) bias = std::exp(-2 * dt / tau) * bias - s * s * tau / 2 * std::expm1(-2 * dt / tau);
+      const NoiseCoefficients& truth = gyro ? *noise.gyro[i] : *noise.accel[i];
+      EXPECT_NEAR(white * white * dt / std::pow(truth.N.value, 2), 1, 1e-10);
+      EXPECT_NEAR(bias / (std::pow(truth.K.determined ? truth.K.value : truth.K.upper, 2) * T), 1, 2e-4) << "T / tau";
+    }
+  EXPECT_EQ(text.find("--", 4), text.find("-->")) << "XML has no -- in a comment";
+}
+
+/// imuSensor, single-sided: a sample has NoiseDensity sqrt(Fs), a step of the walk RandomWalk / sqrt(Fs); the bias instability is white noise through
+/// Kasdin's filter 1 / (1 + a_1 z^-1 + ...), a_k = (k - 3/2) a_(k-1) / k.
+TEST(ExportConsumers, MatlabSimulatesTheNoise) {
+  const Calibration c = si_unit();
+  ImuNoise noise = some_noise();
+  for (std::size_t i = 0; i < 3; ++i) noise.gyro[i]->B = determined(3e-5), noise.accel[i]->B = determined(4e-4);
+  const std::string text = exported("matlab", {c, &noise});
+  EXPECT_THAT(text, HasSubstr("imuSensor('accel-gyro', 'SampleRate', 200.0);"));
+  EXPECT_THAT(export_target("matlab").left_out({c, &noise}), testing::Each(testing::Not(HasSubstr("noise:")))) << "it has N, B and K";
+  const std::string gyro = text.substr(text.find("imu.Gyroscope"));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double white = numbers_after(gyro, "'NoiseDensity', [", 3)[i] * std::sqrt(rate_hz),
+                 step = numbers_after(gyro, "'RandomWalk', [", 3)[i] / std::sqrt(rate_hz);
+    EXPECT_NEAR(white * white * dt / std::pow(noise.gyro[i]->N.value, 2), 1, 1e-10);
+    EXPECT_NEAR(step * step * steps / (std::pow(noise.gyro[i]->K.determined ? noise.gyro[i]->K.value : noise.gyro[i]->K.upper, 2) * T), 1, 1e-10);
+  }
+  const double B = numbers_after(gyro, "'BiasInstability', [", 3)[0];
+  EXPECT_THAT(gyro, HasSubstr("fractalcoef(2000)"));
+  for (const double hz : {0.5, 1.0, 5.0}) {
+    std::complex<double> sum = 1;
+    double a = 1;
+    for (int k = 1; k <= 2000; ++k) a *= (k - 1.5) / k, sum += a * std::polar(1.0, -2 * M_PI * hz * dt * k);
+    EXPECT_NEAR(B * B * dt / std::norm(sum) / (std::pow(3e-5, 2) / (2 * M_PI * hz)), 1, 0.05) << hz;  // ripple of the cut filter
+  }
+}
+
+TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
+  const Calibration c = si_unit();
+  ImuNoise noise = some_noise();
+  noise.from_data_sheet = true;
+  noise.recording = "ICM-42688-P";
+  for (std::size_t i = 0; i < 3; ++i) {
+    noise.gyro[i]->K = undetermined_below(4e-6), noise.gyro[i]->K.bounded = true;
+    noise.gyro[i]->B = {3e-5, std::numeric_limits<double>::infinity(), 0, 3e-5, true, true};
+  }
+  for (const ExportTarget& target : export_targets()) {
+    if (!target.needs_noise) continue;
+    const std::string text = target.text({c, &noise});
+    EXPECT_THAT(text, HasSubstr("Noise: values of a DATA SHEET, not fitted to a log: \"ICM-42688-P\".")) << target.name;
+  }
+  EXPECT_THAT(exported("lio-sam", {c, &noise}), HasSubstr("y <= 4e-06, z <= 4e-06; <=: not in the data sheet, bounded by what it states"));
+  EXPECT_THAT(exported("matlab", {c, &noise}), HasSubstr("x <= 3e-05"));
+  EXPECT_THAT(exported("csv", {c, &noise}), testing::Not(HasSubstr("inf.")));
+  noise.interval_s = 0;  // most sheets have no rate
+  for (const char* target : {"gtsam", "lio-sam", "json-matrix", "csv"}) EXPECT_NO_THROW(exported(target, {c, &noise})) << target;
+  EXPECT_THAT([&] { exported("fast-lio", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("expected a rate (--rate HZ")));
+  noise.accel_unit.clear();
+  EXPECT_THAT([&] { exported("gtsam", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("noise: has no accelerometers")));
+}
+
+/// A calibration without the terms that the target does not hold.
+Calibration held_unit(bool gyro_matrix) {
+  Calibration c = si_unit(4);
+  const Vector3d b_g = bias_of(c.model.gyro);
+  if (!gyro_matrix) c.model.gyro.matrix.setIdentity(), c.model.gyro.offset = -b_g;
+  c.model.g_sensitivity.setZero();
+  return c;
+}
+
+/// odom.cc: (sm a_m) - bias and w_m - bias, floats.
+TEST(ExportConsumers, DlioAppliesTheCalibration) {
+  const Calibration c = held_unit(false);
+  const YAML::Node y = YAML::Load(exported("dlio", {c}))["dlio"], imu = y["imu"]["intrinsics"];
+  EXPECT_THAT(export_target("dlio").left_out({c}), testing::IsEmpty());
+  EXPECT_FALSE(y["odom"]["imu"]["calibration"]["accel"].as<bool>());
+  Eigen::Matrix3f sm;
+  for (std::size_t i = 0; i < 9; ++i) sm(static_cast<int>(i / 3), static_cast<int>(i % 3)) = imu["accel"]["sm"][i].as<float>();
+  const auto vector = [](const YAML::Node& n) { return Eigen::Vector3f(n[0].as<float>(), n[1].as<float>(), n[2].as<float>()); };
+  const RandomStream random(2, "dlio");
+  Worst worst;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const Reading r = random_reading(c.model, random, i);
+    const Eigen::Vector3f a = sm * r.raw.accel.cast<float>() - vector(imu["accel"]["bias"]),
+                          w = r.raw.gyro.cast<float>() - vector(imu["gyro"]["bias"]);
+    worst.add({.rate = w.cast<double>(), .force = a.cast<double>()}, r.compensated);
+  }
+  EXPECT_LT(std::max(worst.force, worst.rate), 1e-6) << "single precision";
+  EXPECT_THAT(export_target("dlio").left_out({si_unit()}), testing::Contains(HasSubstr("gyros")));
+}
+
+/// FusionModel.h: misalignment (sensitivity o (uncalibrated - offset)), floats.
+TEST(ExportConsumers, FusionAppliesTheCalibration) {
+  const Calibration c = held_unit(true);
+  const std::string text = exported("fusion", {c});
+  EXPECT_THAT(export_target("fusion").left_out({c}), testing::IsEmpty());
+  const auto corrected = [&](const std::string& triad, const Vector3d& raw) {
+    const auto m = numbers_after(text, triad + "Misalignment = {", 9), s = numbers_after(text, triad + "Sensitivity = {", 3),
+               o = numbers_after(text, triad + "Offset = {", 3);
+    Eigen::Vector3f out = Eigen::Vector3f::Zero();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const auto k = static_cast<std::size_t>(j);
+        out[i] += static_cast<float>(m[static_cast<std::size_t>(3 * i) + k]) *
+                  ((static_cast<float>(raw[j]) - static_cast<float>(o[k])) * static_cast<float>(s[k]));
+      }
+    return Vector3d(out.cast<double>());
+  };
+  const RandomStream random(2, "fusion");
+  Worst worst;
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    const Reading r = random_reading(c.model, random, i);
+    worst.add({.rate = corrected("gyroscope", r.raw.gyro) * unit::deg, .force = corrected("accelerometer", r.raw.accel) * unit::g}, r.compensated);
+  }
+  EXPECT_LT(std::max(worst.force, worst.rate), 1e-6) << "single precision";
+}
+
+}  // namespace
+}  // namespace imulab::export_test
