@@ -176,6 +176,7 @@ TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   for (std::size_t i = 0; i < 3; ++i) {
     noise.gyro[i]->K = undetermined_below(4e-6), noise.gyro[i]->K.bounded = true;
     noise.gyro[i]->B = {3e-5, std::numeric_limits<double>::infinity(), 0, 3e-5, true, true};
+    noise.accel[i]->N = {1e-3, std::numeric_limits<double>::infinity(), 0, std::numeric_limits<double>::infinity(), true};
   }
   for (const ExportTarget& target : export_targets()) {
     if (!target.needs_noise) continue;
@@ -184,6 +185,7 @@ TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   }
   EXPECT_THAT(exported("lio-sam", {c, &noise}), HasSubstr("y <= 4e-06, z <= 4e-06; <=: not in the data sheet, bounded by what it states"));
   EXPECT_THAT(exported("matlab", {c, &noise}), HasSubstr("x <= 3e-05"));
+  EXPECT_THAT(exported("matlab", {c, &noise}), HasSubstr("'BiasInstability', [0.0, 0.0, 0.0], ... % m/s^2: NOT MEASURED"));
   EXPECT_THAT(exported("csv", {c, &noise}), testing::Not(HasSubstr("inf.")));
   noise.interval_s = 0;  // most sheets have no rate
   for (const char* target : {"gtsam", "lio-sam", "json-matrix", "csv"}) EXPECT_NO_THROW(exported(target, {c, &noise})) << target;

@@ -217,6 +217,9 @@ double NoiseValues::rate_hz() const {
 NoiseValue bias_instability(const ExportInput& input, bool gyro) {
   if (input.noise == nullptr) return {.comment = "NOT MEASURED without a noise log"};
   const ImuNoise& n = *input.noise;
+  for (const auto& axis : gyro ? n.gyro : n.accel)
+    if (const NoiseCoefficient* B = axis ? &axis->B : nullptr; B != nullptr && !B->determined && !(std::isfinite(B->upper) && B->upper > 0))
+      return {.comment = "NOT MEASURED: the noise log has neither a value nor a bound"};
   return noise_value(gyro ? n.gyro : n.accel, &NoiseCoefficients::B, gyro ? "gyros' B" : "accelerometers' B", input.options.axes, n.from_data_sheet);
 }
 

@@ -39,7 +39,7 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program);
 /// The same for a target that has numbers for each axis: the facts are without the axis chosen.
 NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& program);
 
-/// B of a triad, [m/s^2] or [rad/s]; zero without a noise log, with a comment that says so.
+/// B of a triad, [m/s^2] or [rad/s]; zero where nothing is known of it, with a comment that says so.
 NoiseValue bias_instability(const ExportInput& input, bool gyro);
 
 /// Every axis, where an axis without noise has the largest of the others.

@@ -151,17 +151,18 @@ TEST(ExportNoise, OfNoLogNamesNone) {
 }
 
 /// The text that a program reads: all but comments.
-std::string without_comments(const std::string& text) {
+std::string without_comments(std::string text) {
+  if (text.starts_with("<!--")) text.erase(0, text.find("-->"));
   std::istringstream lines(text);
   std::string out;
   for (std::string line; std::getline(lines, line);)
-    if (!line.starts_with('#')) out += line + "\n";
+    if (!line.starts_with('#') && !line.starts_with("//") && !(line.starts_with('%') && !line.starts_with("%YAML"))) out += line + "\n";
   return out;
 }
 
 TEST(ExportRefusal, NoNameBreaksOutOfAComment) {
   const std::string hostile =
-      "a\nimu0: {model: x}\r\nb \"*/ # : ' \u2028 \x85 \x1b[31m $VNWRG,25,0\n1\t1\tCAL_ACC0_XOFF\t9\t9\n" + std::string(100000, 'x');
+      "a\n--> <x> imu0: {model: x}\r\nb \"*/ # : ' \u2028 \x85 \x1b[31m $VNWRG,25,0\n1\t1\tCAL_ACC0_XOFF\t9\t9\n" + std::string(100000, 'x');
   const ImuNoise good_noise = some_noise();
   ImuNoise noise = some_noise();
   noise.recording = hostile;
@@ -192,7 +193,7 @@ TEST(ExportTargets, EveryFileSaysWhatItHoldsAtItsHead) {
     if (target.name == "c-header") continue;
     for (const std::string& lost : target.left_out({c, &noise})) EXPECT_THAT(text, HasSubstr(lost)) << target.name;
     if (target.name == "json-matrix") continue;
-    EXPECT_THAT(text, HasSubstr("# Calibration of \"unit\", method truth, 2026-11-20T12:00:00Z, for ")) << target.name;
+    EXPECT_THAT(text, HasSubstr(" Calibration of \"unit\", method truth, 2026-11-20T12:00:00Z, for ")) << target.name;
   }
 }
 

@@ -19,7 +19,9 @@ const double root_3 = std::sqrt(3.0);
 
 std::string sheet_axis_name(bool gyro, std::size_t axis) { return fmt::format("{}.{}", gyro ? "gyro" : "accel", "xyz"[axis]); }
 
-NoiseCoefficient printed_coefficient(double value, SheetKind kind) { return {value, unlimited, 0, kind == SheetKind::maximum ? value : unlimited, true}; }
+NoiseCoefficient printed_coefficient(double value, SheetKind kind) {
+  return {value, unlimited, 0, kind == SheetKind::maximum ? value : unlimited, true};
+}
 NoiseCoefficient bounded_coefficient(double upper) {
   NoiseCoefficient out = undetermined_below(upper);
   out.bounded = true;
@@ -54,7 +56,8 @@ class SheetAxis {
       std::erase_if(given, [](const SheetEntry* entry) { return !entry->axis; });  // an axis's own value replaces that of its triad
     const std::string triad = gyro_ ? "gyro" : "accel";
     if (given.empty())
-      throw Error(fmt::format("{0}: has no white noise; expected {0}.N, {0}.psd, or {0}.rms with {0}.bandwidth", sheet_axis_name(gyro_, axis_)));
+      throw Error(
+          fmt::format("{0}: has no white noise; expected {1}.N, {1}.psd, or {1}.rms with {1}.bandwidth", sheet_axis_name(gyro_, axis_), triad));
     if (given.size() > 1)
       throw Error(fmt::format("{}: gives the white noise twice: \"{}\" and \"{}\"", sheet_axis_name(gyro_, axis_), given[0]->text, given[1]->text));
     const SheetEntry& entry = *given.front();

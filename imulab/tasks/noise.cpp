@@ -107,7 +107,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
   json_option(verb, o.json);
   report_option(verb, o.report);
   verb.example("imulab noise night.csv -o noise.json");
-  verb.example("imulab noise --datasheet \"gyro.N = 0.0038 deg/s/sqrt(Hz), accel.N = 70 ug/sqrt(Hz)\" -o noise.json");
+  verb.example("imulab noise --datasheet \"gyro.N = 0.0038 deg/s/sqrt(Hz)\" -o noise.json");
   verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
   verb.example("zcat night.csv.gz | imulab noise -");
   verb.example("imulab noise night.csv --set gyro.unit=deg/s");

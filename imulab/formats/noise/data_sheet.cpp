@@ -209,11 +209,11 @@ DataSheet parse_data_sheet_file(std::string_view toml, const std::string& file) 
     with_text(f, "rate", [&](const std::string& value) { set_rate(out, value); });
     with_text(f, "kind", [&](const std::string& value) { set_kind(out, value); });
     with_text(f, "name", [&](const std::string& value) { out.name = value; });
-    for (const std::string triad : {"gyro", "accel"})
+    for (const char* triad : {"gyro", "accel"})
       f.table(triad, fields::Presence::optional, [&](text::TomlFields& t) {
         read_axis(t, out, triad);
-        for (const std::string axis : {"x", "y", "z"})
-          t.table(axis, fields::Presence::optional, [&](text::TomlFields& one) { read_axis(one, out, triad + "." + axis); });
+        for (const char* axis : {"x", "y", "z"})
+          t.table(axis, fields::Presence::optional, [&](text::TomlFields& one) { read_axis(one, out, fmt::format("{}.{}", triad, axis)); });
       });
   });
   root.done();

@@ -25,7 +25,7 @@ constexpr double deg_root_h = 2.9088820866572159e-4;  // deg/sqrt(h)
 constexpr double micro_g = 9.80665e-6, milli_g = 9.80665e-3;
 constexpr double mps_root_h = 1.6666666666666667e-2;  // m/s/sqrt(h)
 constexpr double fps_root_h = 5.08e-3;                // ft/s/sqrt(h)
-constexpr double floor_of_B = 0.66428267;             // sqrt(2 ln 2 / pi)
+constexpr double floor_of_B = 0.6642824702679601;     // sqrt(2 ln 2 / pi)
 
 /// Expected values in SI; 0: the sheet does not print it. B from a printed stability is that over 0.664.
 struct Printed {
