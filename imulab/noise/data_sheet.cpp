@@ -101,8 +101,11 @@ bool has_triad(const DataSheet& sheet, bool gyro) {
   return std::any_of(sheet.entries.begin(), sheet.entries.end(), [&](const SheetEntry& entry) { return entry.gyro == gyro; });
 }
 
-/// The minimum of the Allan deviation; only its upper bound if the log ends before the deviation rises.
+/// The minimum of the Allan deviation: that of B, if the log determines it, since the least of a few scattered points is too low. Else the least point,
+/// and only its upper bound if the log ends before the deviation rises.
 SheetComparison measured_stability(const NoiseAxis& axis, double sheet) {
+  if (const NoiseCoefficient& B = axis.fit->B; B.determined)
+    return {axis.name + ".stability", sheet, flicker_floor * B.value, flicker_floor * B.lower, flicker_floor * B.upper};
   const auto smaller = [](const DeviationPoint& a, const DeviationPoint& b) { return a.deviation < b.deviation; };
   const auto least = std::min_element(axis.deviation.begin(), axis.deviation.end(), smaller);
   if (least + 1 == axis.deviation.end()) return {axis.name + ".stability", sheet, NAN, 0, least->upper_95};

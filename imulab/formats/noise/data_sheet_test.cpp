@@ -286,5 +286,19 @@ TEST(DataSheet, ALogIsComparedWithItsValues) {
   EXPECT_THAT([&] { compare_with_sheet(log, sheet); }, ThrowsMessage<Error>(HasSubstr("in counts")));
 }
 
+TEST(DataSheet, TheStabilityOfALogIsThatOfItsB) {
+  NoiseAnalysis log;
+  NoiseAxis& axis = log.axes.emplace_back();
+  axis.name = "gyro.x", axis.unit = "rad/s";
+  axis.fit.emplace();
+  axis.fit->B = {1e-5, 1e-6, 0.8e-5, 1.2e-5, true};
+  axis.deviation.resize(3);  // the least of few scattered points may be far below
+  const std::vector<SheetComparison> rows = compare_with_sheet(log, parse_data_sheet("gyro.N = 1e-5 rad/s/sqrt(Hz), gyro.stability = 0.5e-5 rad/s"));
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(rows[1].value, floor_of_B * 1e-5, 1e-12);
+  EXPECT_NEAR(rows[1].lower, floor_of_B * 0.8e-5, 1e-12);
+  EXPECT_NEAR(rows[1].upper, floor_of_B * 1.2e-5, 1e-12);
+}
+
 }  // namespace
 }  // namespace imulab
