@@ -47,13 +47,20 @@ TEST(NoiseSheetCommand, DeclaresTheNoiseOfASession) {
   EXPECT_EQ(predicted.exit_code, 0) << predicted.errors;
 }
 
+TEST(NoiseSheetCommand, ComparesTwoSheets) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "noise --datasheet 'gyro.N = 2 mdps/√Hz' -o a.json").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "noise --datasheet 'gyro.N <= 3 mdps/√Hz' -o b.json").exit_code, 0);
+  EXPECT_THAT(run_imulab(folder, "compare a.json b.json").output, testing::ContainsRegex("gyro.x.N +deg/sqrt\\(h\\) +0.12 +0.18 +x 1.5"));
+}
+
 TEST(NoiseSheetCommand, ComparesALog) {
   const TemporaryFolder folder;
   write_still_log(folder, 20000, still_readings);
   // The log's N: 5.774e-5 rad/s/sqrt(Hz) = 0.1985 deg/sqrt(h), to 0.5 %.
   const CommandResult result = run_imulab(folder, "noise session.toml --datasheet 'gyro.N = 0.198 deg/sqrt(h), accel.N = 100 ug/sqrt(Hz)' -o n.json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, testing::ContainsRegex("gyro.x.N +0.198 +0.(19|20)[0-9]+ .* deg/sqrt\\(h\\) +0.98[0-9]* +inside"));
+  EXPECT_THAT(result.output, testing::ContainsRegex("gyro.x.N +0.198 +0.(19|20)[0-9]* .* deg/sqrt\\(h\\) +0.98[0-9]* +inside"));
   EXPECT_THAT(result.output, testing::ContainsRegex("accel.x.N +100 +5[0-9.]+ .* ug/sqrt\\(Hz\\) +0.[0-9]+ +above"));
   const nlohmann::json rows = nlohmann::json::parse(read_text(folder / "n.json")).at("data_sheet");
   ASSERT_EQ(rows.size(), 6u);

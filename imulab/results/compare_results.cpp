@@ -133,7 +133,8 @@ void add_result(ResultComparison& out, FigureRows& rows, std::size_t k, const No
       const NoiseCoefficient& c = (*axis.fit).*term.member;
       const NoiseUnit& of = term.unit(axis.unit);
       rows.add(k, fmt::format("{}.{}", axis.name, term.name), of.name, c.determined ? c.value / of.size : unknown_figure,
-               c.determined ? c.standard_uncertainty / of.size : unknown_figure, c.determined ? unknown_figure : c.upper / of.size);
+               c.determined && std::isfinite(c.standard_uncertainty) ? c.standard_uncertainty / of.size : unknown_figure,
+               c.determined ? unknown_figure : c.upper / of.size);
     }
   }
   out.x_label = "averaging time [s]", out.logarithmic = true;

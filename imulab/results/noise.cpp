@@ -137,10 +137,10 @@ std::string sheet_text(const NoiseAnalysis& analysis) {
 /// Empty where the log was compared with no data sheet.
 std::string comparison_text(const NoiseAnalysis& analysis) {
   if (analysis.sheet.empty()) return "";
-  std::string out = fmt::format("\n  {:<18} {:>9} {:>9}  {:<18} {:<11} {:>7}  {}\n", "against the sheet", "sheet", "log", "95 % interval", "unit",
-                                "ratio", "sheet is");
+  constexpr const char* row = "  {:<17} {:>7} {:>7}  {:<16} {:<11} {:>5} {}\n";
+  std::string out = "\n" + fmt::format(row, "against the sheet", "sheet", "log", "95 % interval", "unit", "ratio", "sheet is");
   for (const auto& [name, sheet, log, interval, unit, ratio, judgment] : comparison_rows(analysis))
-    out += fmt::format("  {:<18} {:>9} {:>9}  {:<18} {:<11} {:>7}  {}\n", name, sheet, log, interval, unit, ratio, judgment);
+    out += fmt::format(row, name, sheet, log, interval, unit, ratio, judgment);
   return out;
 }
 
