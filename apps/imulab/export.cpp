@@ -37,7 +37,7 @@ struct ExportedFile {
 
 /// One target's file, after its warnings.
 ExportedFile exported(const ExportTarget& target, const ExportInput& input, const ExportVerbOptions& o, const std::string& output) {
-  const std::string name = input_name(o.calibration), place = o.is_of_all() ? fmt::format("{}: {}", name, target.name) : name;
+  const std::string name = input_name(o.calibration == "none" ? o.noise : o.calibration), place = o.is_of_all() ? fmt::format("{}: {}", name, target.name) : name;
   const bool hashed = target.name == "c-header" && !is_stream(o.calibration);
   ExportedText out = errors_at(name, [&] { return exported_text(target, input, o, hashed ? file_sum(o.calibration).sha256 : ""); });
   for (const std::string& assumed : out.assumed) warn(name + ": " + assumed);

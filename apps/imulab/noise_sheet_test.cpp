@@ -31,7 +31,7 @@ TEST(NoiseSheetCommand, WritesAndExportsItWithoutALog) {
   EXPECT_EQ(exported.exit_code, 0) << exported.errors;
   EXPECT_THAT(exported.output, HasSubstr("# Noise: values of a DATA SHEET, not fitted to a log."));
   const CommandResult kalibr = run_imulab(folder, "export none --noise noise.json --to kalibr-imu");
-  EXPECT_THAT(kalibr.errors, HasSubstr("expected a rate (--rate HZ"));
+  EXPECT_THAT(kalibr.errors, HasSubstr("expected a rate: --rate HZ"));
   EXPECT_EQ(run_imulab(folder, "export none --noise noise.json --to kalibr-imu --rate 200").exit_code, 0);
 }
 

@@ -4,6 +4,7 @@
 #include "imulab/export/loss.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/noise/data_sheet.hpp"
 
 #include <fmt/format.h>
 
@@ -18,8 +19,10 @@ namespace {
 using NoiseAxes = std::array<std::optional<NoiseCoefficients>, 3>;
 
 /// The meaning of "<=" in a comment.
-const char* bound_meaning(bool from_data_sheet) {
-  return from_data_sheet ? "; <=: not in the data sheet, bounded by what it states" : "; <=: not determined, the upper bound (95 %) is written";
+const char* bound_meaning(const NoiseAxes& axes, bool from_data_sheet) {
+  if (!from_data_sheet) return "; <=: not determined, the upper bound (95 %) is written";
+  const bool assumed = std::ranges::any_of(axes, [](const auto& axis) { return axis && has_assumed_bounds(*axis); });
+  return assumed ? "; <=: not in the data sheet, ASSUMED: the sheet has no bias instability" : "; <=: not in the data sheet, bounded by what it states";
 }
 
 NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which, const char* name, AxisChoice choice,
@@ -46,7 +49,7 @@ NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients
   if (counted == 0) throw Error(fmt::format("noise: {} has no axis with noise; expected a log of readings that change", name));
   if (choice == AxisChoice::mean) out.value = sum / counted;
   out.comment = fmt::format("x {}, y {}, z {}", texts[0], texts[1], texts[2]);
-  if (out.comment.find("<=") != std::string::npos) out.comment += bound_meaning(from_data_sheet);
+  if (out.comment.find("<=") != std::string::npos) out.comment += bound_meaning(axes, from_data_sheet);
   return out;
 }
 
@@ -210,7 +213,8 @@ NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& pr
 }
 
 double NoiseValues::rate_hz() const {
-  if (!stream_rate_hz) throw Error("noise: has no sample interval; expected a rate (--rate HZ, in Python rate_hz), or that of the data sheet");
+  if (!stream_rate_hz)
+    throw Error("noise: has no sample interval; expected a rate: --rate HZ, in Python rate_hz, or rate = 200 Hz among the values of the data sheet");
   return *stream_rate_hz;
 }
 

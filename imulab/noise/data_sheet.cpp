@@ -48,18 +48,22 @@ class SheetAxis {
   const SheetEntry* find(SheetQuantity quantity) const { return sheet_.find(gyro_, axis_, quantity); }
   SheetKind kind_of(const SheetEntry& entry) const { return entry.kind == SheetKind::undeclared ? sheet_.kind : entry.kind; }
 
+  /// Returns true if the sheet has values of the whole triad alone.
+  bool of_triad() const {
+    return std::ranges::none_of(sheet_.entries, [&](const SheetEntry& entry) { return entry.gyro == gyro_ && entry.axis; });
+  }
+
   NoiseCoefficient white() const {
     std::vector<const SheetEntry*> given;
     for (const SheetQuantity quantity : {SheetQuantity::N, SheetQuantity::psd, SheetQuantity::rms})
       if (const SheetEntry* const entry = find(quantity)) given.push_back(entry);
     if (std::any_of(given.begin(), given.end(), [](const SheetEntry* entry) { return entry->axis.has_value(); }))
       std::erase_if(given, [](const SheetEntry* entry) { return !entry->axis; });  // an axis's own value replaces that of its triad
-    const std::string triad = gyro_ ? "gyro" : "accel";
-    if (given.empty())
-      throw Error(
-          fmt::format("{0}: has no white noise; expected {1}.N, {1}.psd, or {1}.rms with {1}.bandwidth", sheet_axis_name(gyro_, axis_), triad));
+    const std::string triad = gyro_ ? "gyro" : "accel", owner = of_triad() ? triad : sheet_axis_name(gyro_, axis_);
+    if (given.empty()) throw Error(fmt::format("{0}: has no white noise; expected {1}.N, {1}.psd, or {1}.rms with {1}.bandwidth", owner, triad));
     if (given.size() > 1)
-      throw Error(fmt::format("{}: gives the white noise twice: \"{}\" and \"{}\"", sheet_axis_name(gyro_, axis_), given[0]->text, given[1]->text));
+      throw Error(fmt::format("{}: gives the white noise twice: \"{}\" and \"{}\"; expected one of them, the density if there is one", owner,
+                              given[0]->text, given[1]->text));
     const SheetEntry& entry = *given.front();
     const double N = entry.quantity == SheetQuantity::N     ? entry.value
                      : entry.quantity == SheetQuantity::psd ? std::sqrt(entry.value)
@@ -101,8 +105,8 @@ bool has_triad(const DataSheet& sheet, bool gyro) {
   return std::any_of(sheet.entries.begin(), sheet.entries.end(), [&](const SheetEntry& entry) { return entry.gyro == gyro; });
 }
 
-/// The minimum of the Allan deviation: that of B, if the log determines it, since the least of a few scattered points is too low. Else the least point,
-/// and only its upper bound if the log ends before the deviation rises.
+/// The minimum of the Allan deviation: that of B, if the log determines it, since the least of a few scattered points is too low. Else the least
+/// point, and only its upper bound if the log ends before the deviation rises.
 SheetComparison measured_stability(const NoiseAxis& axis, double sheet) {
   if (const NoiseCoefficient& B = axis.fit->B; B.determined)
     return {axis.name + ".stability", sheet, flicker_floor * B.value, flicker_floor * B.lower, flicker_floor * B.upper};
@@ -156,6 +160,13 @@ std::vector<SheetComparison> compare_with_sheet(const NoiseAnalysis& log, const 
   return out;
 }
 
-std::string sheet_standing(const NoiseCoefficient& c) { return c.bounded ? "bounded" : std::isfinite(c.upper) ? "maximum" : "typical"; }
+bool has_assumed_bounds(const NoiseCoefficients& axis) {
+  return axis.B.bounded && axis.K.bounded && !axis.B.determined;  // B of a printed stability is determined
+}
+
+std::string sheet_standing(const NoiseCoefficients& axis, const NoiseCoefficient& c) {
+  if (c.bounded) return has_assumed_bounds(axis) ? "assumed" : "bounded";
+  return std::isfinite(c.upper) ? "maximum" : "typical";
+}
 
 }  // namespace imulab

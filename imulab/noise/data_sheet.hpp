@@ -14,6 +14,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -50,7 +51,14 @@ NoiseAnalysis data_sheet_noise(const DataSheet& sheet);
 /// Returns each printed value beside that of the log. The log's stability is the minimum of its Allan deviation. Throws Error for a log in counts.
 std::vector<SheetComparison> compare_with_sheet(const NoiseAnalysis& log, const DataSheet& sheet);
 
-/// "typical", "maximum" or "bounded", of a coefficient of a data sheet.
-std::string sheet_standing(const NoiseCoefficient& coefficient);
+/// Returns true if the bounds of B and K are assumed because the data sheet prints nothing but N of this axis.
+bool has_assumed_bounds(const NoiseCoefficients& axis);
+/// Returns "typical", "maximum", "bounded" or "assumed", of a coefficient of an axis of a data sheet.
+std::string sheet_standing(const NoiseCoefficients& axis, const NoiseCoefficient& coefficient);
+/// The meaning of "bounded" and "assumed".
+inline constexpr std::string_view sheet_legend =
+    "bounded: not in the data sheet, but at most this by its other values; assumed: the sheet has N alone, and white noise is taken to dominate up "
+    "to "
+    "8.7 s";
 
 }  // namespace imulab

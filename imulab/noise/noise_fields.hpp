@@ -4,10 +4,18 @@
 #include "imulab/core/fields.hpp"
 #include "imulab/noise.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 namespace imulab {
+
+/// Returns true for "gyro.x" to "accel.z".
+inline bool is_axis_name(std::string_view name) {
+  constexpr std::array<std::string_view, 6> names{"gyro.x", "gyro.y", "gyro.z", "accel.x", "accel.y", "accel.z"};
+  return std::ranges::find(names, name) != names.end();
+}
 
 inline std::string_view to_string(DeviationKind kind) { return deviation_names[static_cast<std::size_t>(kind)]; }
 
@@ -75,9 +83,7 @@ template <class Fields>
 void describe(Fields& f, NoiseAxis& axis) {
   using P = DeviationPoint;
   f("name", axis.name);
-  const std::size_t letter = axis.name.empty() ? 3 : std::string_view("xyz").find(axis.name.back());
-  const bool gyro = axis.name.starts_with("gyro."), named = (gyro || axis.name.starts_with("accel.")) && axis.name.size() == (gyro ? 6u : 7u);
-  fields::expect(f, named && letter < 3, "name", "gyro.x to accel.z");
+  fields::expect(f, is_axis_name(axis.name), "name", "gyro.x to accel.z");
   f("unit", axis.unit);
   const auto column = [&](const char* key, auto member) {
     const bool first = key == std::string_view("tau");
@@ -96,7 +102,11 @@ void describe(Fields& f, NoiseAxis& axis) {
 
 template <class Fields>
 void describe(Fields& f, SheetComparison& c) {
-  f("name", c.name), f("sheet", c.sheet), f("value", c.value, fields::or_nan), f("lower", c.lower), f("upper", c.upper, fields::or_infinity);
+  f("name", c.name);
+  constexpr std::array<std::string_view, 4> terms{"N", "B", "K", "stability"};
+  const std::string_view name = c.name, axis = name.substr(0, name.rfind('.')), term = name.substr(std::min(axis.size() + 1, name.size()));
+  fields::expect(f, is_axis_name(axis) && std::ranges::find(terms, term) != terms.end(), "name", "an axis and a term, as in gyro.x.N");
+  f("sheet", c.sheet), f("value", c.value, fields::or_nan), f("lower", c.lower), f("upper", c.upper, fields::or_infinity);
   fields::derived(f, "ratio", c.ratio(), fields::or_nan), fields::derived(f, "contained", c.contained());
 }
 
@@ -112,8 +122,10 @@ void describe(Fields& f, NoiseAnalysis& analysis) {
   f.table("still", still, fields::optional);
   fields::choice(f, "deviation", analysis.kind, std::array{overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total},
                  "the name of a deviation", fields::optional);
-  f("axes", analysis.axes), f("data_sheet", analysis.sheet, fields::if_any), f("notes", analysis.notes, fields::optional),
-      f("warnings", analysis.warnings, fields::optional);
+  f("axes", analysis.axes);
+  fields::expect(f, !analysis.from_data_sheet() || std::ranges::all_of(analysis.axes, [](const NoiseAxis& axis) { return axis.fit.has_value(); }),
+                 "axes", "coefficients of every axis of a data sheet");
+  f("data_sheet", analysis.sheet, fields::if_any), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
 }
 
 /// Describes a coefficient of several logs.

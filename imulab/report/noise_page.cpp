@@ -1,5 +1,6 @@
 #include "imulab/report/noise_page.hpp"
 
+#include "imulab/noise/data_sheet.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/noise_figures.hpp"
@@ -39,7 +40,7 @@ std::string sheet_section(const NoiseAnalysis& analysis) {
   Table t{.head = {"axis", "term", "value", "SI", "standing"}, .rows = {}, .left = {1, 4}};
   for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
     t.rows.push_back({escaped(axis), term, escaped(noise_unit_text(value)), escaped(noise_unit_text(si)), standing});
-  return section("coefficients", "Coefficients", "Bounded: not in the data sheet, but at most this by what it states.", table(t)) +
+  return section("coefficients", "Coefficients", fmt::format("{}.", sheet_legend), table(t)) +
          section("given", "The data sheet as given", "", list(analysis.notes));
 }
 

@@ -111,16 +111,17 @@ std::string other_rows(const NoiseAxis& axis) {
   return out;
 }
 
-/// "gyro N 0.228 deg/sqrt(h)" of the first axis, and the same of the accelerometers.
+/// "gyro N 0.228 deg/sqrt(h)" of the worst axis, and the same of the accelerometers.
 std::string sheet_headline(const NoiseAnalysis& analysis) {
   std::string out;
-  for (const auto& [triad, name] : {std::pair{"gyro.", "gyro"}, {"accel.", "accelerometer"}})
+  for (const auto& [triad, name] : {std::pair{"gyro.", "gyro"}, {"accel.", "accelerometer"}}) {
+    const NoiseAxis* worst = nullptr;
     for (const NoiseAxis& axis : analysis.axes)
-      if (axis.fit && axis.name.starts_with(triad)) {
-        const NoiseUnit& unit = noise_terms()[0].unit(axis.unit);
-        out += fmt::format("{}{} N {} {}", out.empty() ? "" : ", ", name, text::number(axis.fit->N.value / unit.size), unit.name);
-        break;
-      }
+      if (axis.name.starts_with(triad) && (worst == nullptr || axis.fit->N.value > worst->fit->N.value)) worst = &axis;
+    if (worst == nullptr) continue;
+    const NoiseUnit& unit = noise_terms()[0].unit(worst->unit);
+    out += fmt::format("{}{} N {} {}", out.empty() ? "" : ", ", name, text::number(worst->fit->N.value / unit.size), unit.name);
+  }
   return out;
 }
 
@@ -131,7 +132,7 @@ std::string sheet_text(const NoiseAnalysis& analysis) {
   out += fmt::format("\n  {:<8} {:<4} {:<24} {:<30} {}\n", "axis", "term", "value", "SI", "standing");
   for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
     out += fmt::format("  {:<8} {:<4} {:<24} {:<30} {}\n", axis, term, value, si, standing);
-  return out + "\n" + text::wrapped("  ", "bounded: not in the data sheet, but at most this by what it states");
+  return out + "\n" + text::wrapped("  ", std::string(sheet_legend));
 }
 
 /// Empty where the log was compared with no data sheet.
@@ -203,7 +204,7 @@ std::vector<std::array<std::string, 5>> sheet_rows(const NoiseAnalysis& analysis
         const std::string at_most = c.bounded ? "<= " : "";
         out.push_back({equal ? name.substr(0, name.find('.')) : name, term.name,
                        fmt::format("{}{} {}", at_most, text::number(size(c) / unit.size), unit.name),
-                       fmt::format("{}{} {}", at_most, text::number(size(c), 4), unit.si), sheet_standing(c)});
+                       fmt::format("{}{} {}", at_most, text::number(size(c), 4), unit.si), sheet_standing(*analysis.axes[i + axis].fit, c)});
       }
     }
   return out;

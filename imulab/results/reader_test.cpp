@@ -209,6 +209,11 @@ TEST(SavedResult, WhatIsNoResultIsNamed) {
               HasSubstr("x.json: time_s: expected 2 numbers"));
   EXPECT_THAT(error("{\"format\": \"imulab.budget/1\", \"total\": {}, \"sources\": {}, \"time_s\": 1, \"vertical\": \"free\"}"),
               HasSubstr("x.json: total.position_m: is missing"));
+  const std::string sheet = R"({"format": "imulab.noise/1", "source": "data sheet", "interval_s": 0, )";
+  EXPECT_THAT(error(sheet + R"("axes": [{"name": "gyro.x", "unit": "rad/s"}]})"),
+              HasSubstr("x.json: axes: expected coefficients of every axis of a data sheet"));
+  EXPECT_THAT(error(sheet + R"("axes": [], "data_sheet": [{"name": "", "sheet": 1, "value": 1, "lower": 0, "upper": 2}]})"),
+              HasSubstr("x.json: data_sheet[0].name: expected an axis and a term, as in gyro.x.N"));
   EXPECT_THAT(error(std::string(200'000, '[')), HasSubstr("x.json: nested too deeply"));
 }
 

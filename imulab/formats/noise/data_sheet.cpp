@@ -223,6 +223,7 @@ DataSheet parse_data_sheet_file(std::string_view toml, const std::string& file) 
 
 DataSheet read_data_sheet(const std::string& text_or_file) {
   if (text_or_file.find_first_of("=<") != std::string::npos || text_or_file.find("≤") != std::string::npos) return parse_data_sheet(text_or_file);
+  if (trimmed(text_or_file, sheet_blanks).empty()) return parse_data_sheet("");  // which says what is expected
   const MappedFile file(text_or_file, Content::settings);
   DataSheet out = parse_data_sheet_file(file.text(), input_name(text_or_file));
   if (out.name.empty()) out.name = input_name(text_or_file);

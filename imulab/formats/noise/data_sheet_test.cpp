@@ -167,12 +167,19 @@ TEST(DataSheet, BoundsAreReachedByTheDeviationThatTheSheetPrints) {
 TEST(DataSheet, AMaximumIsItsOwnBoundAndATypicalValueHasNone) {
   for (const char* text : {"gyro.N <= 0.1 deg/sqrt(h)", "gyro.N = <0.1 deg/sqrt(h)", "gyro.N ≤ 0.1 deg/sqrt(h)", "gyro.N = 0.1 deg/sqrt(h) max",
                            "kind = maximum, gyro.N = 0.1 deg/sqrt(h)", "gyro.N = 0.1 deg/sqrt(h); kind = maximum"}) {
-    const NoiseCoefficient N = data_sheet_noise(parse_data_sheet(text)).axes[0].fit->N;
-    EXPECT_EQ(N.upper, N.value) << text;
-    EXPECT_EQ(sheet_standing(N), "maximum") << text;
+    const NoiseFit x = *data_sheet_noise(parse_data_sheet(text)).axes[0].fit;
+    EXPECT_EQ(x.N.upper, x.N.value) << text;
+    EXPECT_EQ(sheet_standing(x, x.N), "maximum") << text;
+    EXPECT_EQ(sheet_standing(x, x.K), "assumed") << text;
   }
-  for (const char* text : {"gyro.N = 0.1 deg/sqrt(h)", "gyro.N = 0.1 deg/sqrt(h) typ", "kind = maximum, gyro.N = 0.1 deg/sqrt(h) typical"})
-    EXPECT_EQ(sheet_standing(data_sheet_noise(parse_data_sheet(text)).axes[0].fit->N), "typical") << text;
+  for (const char* text : {"gyro.N = 0.1 deg/sqrt(h)", "gyro.N = 0.1 deg/sqrt(h) typ", "kind = maximum, gyro.N = 0.1 deg/sqrt(h) typical"}) {
+    const NoiseFit x = *data_sheet_noise(parse_data_sheet(text)).axes[0].fit;
+    EXPECT_EQ(sheet_standing(x, x.N), "typical") << text;
+  }
+  for (const char* more : {"gyro.stability = 1 deg/h", "gyro.B = 1 deg/h", "gyro.K = 1 deg/h/sqrt(h)"}) {
+    const NoiseFit x = *data_sheet_noise(parse_data_sheet(std::string("gyro.N = 0.1 deg/sqrt(h), ") + more)).axes[0].fit;
+    EXPECT_EQ(sheet_standing(x, x.K.bounded ? x.K : x.B), "bounded") << more;
+  }
 }
 
 TEST(DataSheet, AnAxisReplacesItsTriad) {
@@ -192,7 +199,7 @@ TEST(DataSheet, AFileHasTheSameKeys) {
   EXPECT_EQ(noise.recording, "ICM-42688-P, rev. 1.7");
   EXPECT_DOUBLE_EQ(noise.interval_s, 1e-3);
   EXPECT_NEAR(noise.axes[0].fit->N.value / (3.2 * mdps), 1, 1e-12);
-  EXPECT_EQ(sheet_standing(noise.axes[0].fit->N), "maximum");
+  EXPECT_EQ(sheet_standing(*noise.axes[0].fit, noise.axes[0].fit->N), "maximum");
   EXPECT_NEAR(noise.axes[1].fit->N.value / (2.8 * mdps), 1, 1e-12);
   EXPECT_NEAR(noise.axes[5].fit->N.value / (70 * micro_g), 1, 1e-12);
   const auto message = [](const std::string& text) { return [text] { parse_data_sheet_file(text, "sheet.toml"); }; };
@@ -246,8 +253,9 @@ TEST(DataSheet, BadInputIsNamed) {
            {"kind = typical", "has no value"},
            {"kind = usual, gyro.N = 1 deg/sqrt(h)", "kind: \"usual\" is not allowed; expected typical or maximum"},
            {"gyro.N = 1 deg/sqrt(h), gyro.N = 2 deg/sqrt(h)", "gyro.N: is given twice: \"gyro.N = 1 deg/sqrt(h)\""},
-           {"gyro.B = 1 deg/h", "gyro.x: has no white noise; expected gyro.N, gyro.psd, or gyro.rms with gyro.bandwidth"},
-           {"gyro.N = 1 deg/sqrt(h), gyro.psd = 1 (deg/s)^2/Hz", "gyro.x: gives the white noise twice"},
+           {"gyro.B = 1 deg/h", "gyro: has no white noise; expected gyro.N, gyro.psd, or gyro.rms with gyro.bandwidth"},
+           {"gyro.N = 1 deg/sqrt(h), gyro.psd = 1 (deg/s)^2/Hz", "gyro: gives the white noise twice"},
+           {"gyro.x.N = 1 deg/sqrt(h)", "gyro.y: has no white noise"},
            {"gyro.rms = 1 deg/s", "needs one bandwidth; expected gyro.bandwidth (-3 dB, first order) or noise_bandwidth"},
            {"gyro.rms = 1 deg/s, gyro.bandwidth = 5 Hz, gyro.noise_bandwidth = 5 Hz", "needs one bandwidth"},
            {"rate = 5 m, gyro.N = 1 deg/sqrt(h)", "rate: \"m\" is not a unit of rate"},
