@@ -76,7 +76,9 @@ std::pair<Outcome, std::shared_ptr<Session>> planned(const py::dict& keywords, b
 }
 
 Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recording, const py::dict& keywords) {
-  return {run(py::none(), [=, o = options_from<NoiseVerbOptions>(keywords)](const auto&) { return noise_answer(*recording, *session, o); })};
+  return {run(py::none(), [=, o = options_from<NoiseVerbOptions>(keywords)](const auto&) {
+    return recording == nullptr ? data_sheet_answer(o) : noise_answer(*recording, *session, o);
+  })};
 }
 
 Array deviation_of(const Array& rate, double interval_s, const std::string& kind, const std::optional<std::vector<std::size_t>>& factors) {

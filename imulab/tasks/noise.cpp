@@ -144,6 +144,7 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
 }
 
 AnswerOf<NoiseAnalysis> data_sheet_answer(const NoiseVerbOptions& o) {
+  if (o.require) throw OptionError("require", "judges a log, and there is only a data sheet; expected a recording");
   const auto analysis =
       std::make_shared<const NoiseAnalysis>(errors_of_option("datasheet", [&] { return data_sheet_noise(read_data_sheet(*o.datasheet)); }));
   const Conclusion conclusion{Verdict::none, noise_headline(*analysis)};

@@ -251,8 +251,12 @@ def plan(
 
 
 @_options("noise")
-def noise(data: Data, *, recording: str = "", **options: Any) -> Noise:
-    """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording."""
+def noise(data: Data | None = None, *, recording: str = "", **options: Any) -> Noise:
+    """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording; without one those of `datasheet`."""
+    if data is None:
+        if options.get("datasheet") is None:
+            raise TypeError("data: expected a recording or a session; without them datasheet=")
+        return Noise(_told(_imulab.noise(None, None, options)))
     session, found = _one_recording(data, None, recording, needs_gravity=False)
     return Noise(_told(_imulab.noise(session._session, found._recording, options)))
 

@@ -1,6 +1,7 @@
 """The keywords of a function are the options of the command's verb: one table has both."""
 
 import inspect
+import math
 import os
 import re
 import subprocess
@@ -75,3 +76,14 @@ def test_a_wrong_value_is_named_with_its_keyword(by_hand):
     with pytest.raises(imulab.Error, match="contradict each other"):
         imulab.navigate(None, by_hand, gaps="integrate", refuse_gaps=True)
     imulab.predict(procedure, method="static", require="")  # the same as none
+
+
+def test_noise_of_a_data_sheet_needs_no_recording():
+    noise = imulab.noise(datasheet="gyro.N = 0.0038 deg/s/sqrt(Hz), gyro.stability = 10 deg/h")
+    N = noise.axis("gyro.z")["coefficients"]["N"]
+    assert N["value"] == pytest.approx(0.0038 * math.pi / 180, rel=1e-12)
+    assert noise["source"] == "data sheet" and "gyro N 0.228 deg/sqrt(h)" in str(noise)
+    with pytest.raises(TypeError, match="expected a recording or a session; without them datasheet="):
+        imulab.noise()
+    with pytest.raises(imulab.Error, match="require: judges a log"):
+        imulab.noise(datasheet="gyro.N = 1 deg/sqrt(h)", require="gyro.N <= 1 deg/sqrt(h)")
