@@ -29,6 +29,8 @@ struct ExportOptions {
   AxisChoice axes = AxisChoice::worst;
   /// vins: exports the white noise that makes the covariance in its code correct, not the standard deviation of a sample.
   bool variance_matched = false;
+  bool bound = false;                ///< exports N and K of the noise's bound
+  std::optional<double> inflate{};   ///< factor of noise that is not a bound
   std::string imu_model = "kalibr";  ///< openvins: "kalibr" or "rpng"
   std::optional<double> rate_hz;     ///< sampling rate [Hz] of the data stream; absent: rate of the noise log
   int instance = 0;                  ///< px4, ardupilot: index of the autopilot's IMU, from 0
@@ -45,7 +47,7 @@ struct ExportInput {
 /// An export target. docs/reference/extending.md explains how to add one.
 struct ExportTarget {
   /// Options that only some targets use, as bits.
-  enum Takes : unsigned { noise = 1, variance_matched = 2, imu_model = 4, topic = 8, instance = 16 };
+  enum Takes : unsigned { noise = 1, variance_matched = 2, imu_model = 4, topic = 8, instance = 16, bound = 32 };
 
   std::string_view name;     ///< name in `imulab export --to`
   std::string_view summary;  ///< purpose in one line, for help
@@ -57,7 +59,7 @@ struct ExportTarget {
   /// Lists numbers that the target refuses or ignores; null if it accepts all.
   std::vector<std::string> (*warnings)(const ExportInput& input) = nullptr;
   bool needs_noise = false;
-  unsigned takes = 0;  ///< combination of `Takes`; `noise` includes `axes` and `rate_hz`
+  unsigned takes = 0;  ///< combination of `Takes`; `noise` includes `axes` and `rate_hz`; `bound`: requires noise with bounds
 };
 
 const std::vector<ExportTarget>& export_targets();  ///< returns all targets

@@ -43,10 +43,45 @@ struct MarkovTerm {
   NoiseCoefficient sigma, time;
 };
 
+/// Options of a bound.
+struct BoundOptions {
+  double horizon_s = 600;    ///< longest time for which a filter runs without aids
+  double confidence = 0.95;  ///< that the spectrum at a frequency is below the largest that is assumed
+};
+
+/// The largest two-sided density [u^2/Hz] that a log permits at a frequency.
+struct UpperDensity {
+  double hz = 0, density = 0;
+};
+
+/// A first-order Gauss-Markov process of a bound: standard deviation [u], correlation time [s].
+struct BoundProcess {
+  double sigma = 0, time = 0;
+};
+
+/// The cost of a bound: its Allan deviation at a time over that of the fitted coefficients.
+struct BoundCoast {
+  double time_s = 0, ratio = 1;
+};
+
+/// A noise model for a filter whose spectrum is nowhere below the largest that the log permits, from 1 / (10 horizon) to half the rate
+/// (docs/theory/noise.md). Units as NoiseModel.
+struct NoiseBound {
+  double N = 0;
+  std::vector<BoundProcess> markov = {};  ///< at most two, in the order of decreasing times
+  double K = 0;
+  double start_sigma = 0;  ///< standard deviation at the start of the walk, or of a constant bias, without that of switch-on
+  double confidence = 0.95, horizon_s = 600;
+  double tightness = 1;  ///< mean of the model's density over the bound's, over the logarithm of the frequency
+  std::vector<BoundCoast> coast = {};
+  std::vector<UpperDensity> upper = {};
+};
+
 /// The noise coefficients of one axis.
 struct NoiseCoefficients {
   NoiseCoefficient Q, N, B, K, R;
   std::vector<MarkovTerm> markov = {};  ///< in the order of decreasing correlation time
+  std::optional<NoiseBound> bound = {};
 };
 
 /// The contribution of each term to the Allan variance at one averaging time [u^2] (IEEE Std 952). A term that is not determined contributes nothing.
@@ -64,6 +99,9 @@ struct ImuNoise {
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
   bool from_data_sheet = false;
 };
+
+/// True if every axis with noise has a bound.
+bool has_bounds(const ImuNoise& noise);
 
 /// Returns the sizes of each triad's terms: the RMS over the axes that determine a term, or 0 if no axis does. Markov processes are omitted because
 /// NoiseModel has none. Throws Error for readings in counts, or if no axis determines N.
@@ -136,11 +174,28 @@ struct NoiseFit : NoiseCoefficients {
   bool accepted() const { return misfits.empty(); }  ///< true if the model fits the spectrum
 };
 
+/// The terms of a model in addition to white noise and a ramp.
+struct NoiseModelTerms {
+  bool Q = false, B = false, K = false;
+  int processes = 0;  ///< first-order Gauss-Markov processes, at most two
+};
+
+/// "N, B, K" or "N, M1, M2" of the terms. Throws Error for another text.
+NoiseModelTerms parse_noise_terms(std::string_view text);
+std::string to_string(const NoiseModelTerms& terms);
+
+struct NoiseFitOptions {
+  std::optional<double> step = {};            ///< of rounded readings, 0 if they are not rounded; absent: estimated from the readings
+  std::optional<NoiseModelTerms> model = {};  ///< absent: Q, B, K, and processes as the spectrum requires
+  std::optional<BoundOptions> bound = {};
+};
+
 /// Fits the noise terms to readings `rate` at intervals `interval_s` [s]. Q, N, B, K and the ramp are always fitted; up to two Markov processes, a
 /// low-pass and up to eight lines only if significant. The intervals of B and K also allow for one more process unless the spectrum excludes it.
-/// `step` is the step of rounded readings, 0 if they are not rounded; absent: estimated from the readings. Throws Error for fewer than 64 readings, a
-/// reading that is not finite or an interval that is not positive; throws Unsupported for constant readings.
-NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step = {});
+/// A term that a given model has not is not determined, with a bound of 0. Throws Error for fewer than 64 readings, a
+/// reading that is not finite or an interval that is not positive; throws Unsupported for constant readings. With `bound`, the fit has one; its
+/// horizon is at most a third of the record, or Unsupported is thrown.
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseFitOptions& options = {});
 
 struct NoiseAxis {
   std::string name = {};  ///< "gyro.x"
@@ -176,6 +231,8 @@ struct NoiseOptions {
   DeviationKind kind = DeviationKind::overlapping_allan;
   /// Subtracts a least-squares parabola in the triad's temperature; this also removes part of K and B.
   bool remove_temperature = false;
+  std::optional<NoiseModelTerms> model = {};  ///< absent: chosen by the spectrum
+  std::optional<BoundOptions> bound = {};
   /// The accelerometer readings are means over the gyro intervals: suppresses the warning that their spectrum ends early.
   bool accel_joined = false;
 };
@@ -202,6 +259,7 @@ struct BatchCoefficient {
 struct BatchAxis {
   std::string name, unit;
   std::array<BatchCoefficient, 5> coefficients;
+  std::optional<NoiseBound> bound = {};  ///< above the spectra of all logs
 };
 
 struct NoiseBatch {

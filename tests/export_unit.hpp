@@ -5,12 +5,17 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/exchange.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <utility>
+#include <vector>
 
 namespace imulab::export_test {
 
@@ -63,6 +68,15 @@ inline NoiseCoefficient undetermined(double upper) {
 }
 
 /// At 200 Hz. The gyros' K of the y axis is not determined: its bound, 4e-6, is the largest.
+/// A bound above white noise and walk of these sizes.
+inline NoiseBound bound_above(double N, double K) {
+  constexpr double interval_s = 0.005;
+  std::vector<UpperDensity> upper;
+  for (const double hz : noise::bound_frequencies(interval_s, 600))
+    upper.push_back({hz, N * N + K * K / std::pow(2 * std::numbers::pi * hz, 2) + 0.1 * N * N / (1 + 100 * hz * hz)});
+  return noise::tightest_bound(std::move(upper), interval_s, {});
+}
+
 inline ImuNoise some_noise() {
   ImuNoise n;
   n.recording = "rest.csv";
@@ -77,6 +91,7 @@ inline ImuNoise some_noise() {
     n.accel[i].emplace();
     n.accel[i]->N = determined(1e-3 * k);
     n.accel[i]->K = determined(5e-5 * k);
+    n.gyro[i]->bound = bound_above(1e-4 * k, 2e-6 * k), n.accel[i]->bound = bound_above(1e-3 * k, 5e-5 * k);
   }
   return n;
 }

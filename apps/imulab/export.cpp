@@ -37,7 +37,8 @@ struct ExportedFile {
 
 /// One target's file, after its warnings.
 ExportedFile exported(const ExportTarget& target, const ExportInput& input, const ExportVerbOptions& o, const std::string& output) {
-  const std::string name = input_name(o.calibration == "none" ? o.noise : o.calibration), place = o.is_of_all() ? fmt::format("{}: {}", name, target.name) : name;
+  const std::string name = input_name(o.calibration == "none" ? o.noise : o.calibration),
+                    place = o.is_of_all() ? fmt::format("{}: {}", name, target.name) : name;
   const bool hashed = target.name == "c-header" && !is_stream(o.calibration);
   ExportedText out = errors_at(name, [&] { return exported_text(target, input, o, hashed ? file_sum(o.calibration).sha256 : ""); });
   for (const std::string& assumed : out.assumed) warn(name + ": " + assumed);
@@ -61,6 +62,10 @@ std::vector<PlannedExport> planned_exports(const ExportInput& input, const Expor
   for (const ExportTarget& target : export_targets()) {
     if (target.needs_noise && input.noise == nullptr && !input.calibration.rest_noise) {
       warn(fmt::format("{} is not written: needs the noise of the IMU; expected --noise noise.json", target.name));
+      continue;
+    }
+    if ((target.takes & ExportTarget::bound) && !(input.noise != nullptr && has_bounds(*input.noise))) {
+      warn(fmt::format("{} is not written: needs a bound; expected --noise with a noise.json from noise --bound", target.name));
       continue;
     }
     out.push_back({&target, input.options.imu_model, fs::path(o.output) / target.file});

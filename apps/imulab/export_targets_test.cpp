@@ -28,7 +28,7 @@ void write_unit(const TemporaryFolder& folder) {
     NoiseAxis axis;
     axis.name = name;
     axis.unit = name[0] == 'g' ? "rad/s" : "m/s^2";
-    axis.fit = fit_noise(readings, 0.01);
+    axis.fit = fit_noise(readings, 0.01, {.bound = BoundOptions{.horizon_s = 10}});
     analysis.axes.push_back(axis);
   }
   folder.write("noise.json", noise_json(analysis));

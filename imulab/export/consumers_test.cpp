@@ -3,9 +3,11 @@
 #include "imulab/error.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/loss.hpp"
+#include "imulab/noise/bound.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/export_unit.hpp"
 #include <cmath>
@@ -168,6 +170,47 @@ TEST(ExportConsumers, MatlabSimulatesTheNoise) {
   }
 }
 
+/// b' = F b + w has the spectrum T Q / |1 - F exp(-i 2 pi f T)|^2; a reading's white noise R has T R.
+TEST(ExportConsumers, StatesOfAFilterHaveTheSpectrumOfTheBound) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  const auto filter = nlohmann::json::parse(exported("filter", {c, &noise}));
+  EXPECT_EQ(filter["rate_hz"], rate_hz);
+  const NoiseBound& bound = *noise.accel[1]->bound;
+  ASSERT_FALSE(bound.markov.empty());
+  for (const double hz : {1e-3, 0.02, 1.0, 70.0}) {
+    double sum = dt * filter["R"][4].get<double>();
+    for (std::size_t i = 0; i < filter["states"].size(); ++i)
+      if (filter["states"][i]["axis"] == "accel.y")
+        sum += dt * filter["Q"][i].get<double>() / std::norm(1.0 - filter["F"][i].get<double>() * std::polar(1.0, -2 * M_PI * hz * dt));
+    EXPECT_NEAR(sum / noise::density(bound, hz, dt), 1, 1e-9) << hz;
+    EXPECT_GE(sum, 0.98 * noise::at_frequencies(bound.upper, {hz})[0].density) << hz;
+  }
+  double start = 0;
+  for (std::size_t i = 0; i < filter["states"].size(); ++i)
+    if (filter["states"][i]["axis"] == "accel.y" && filter["states"][i]["kind"] == "walk") start = filter["P0"][i];
+  EXPECT_NEAR(start, bound.start_sigma * bound.start_sigma, 1e-12 * start);
+  EXPECT_THAT(exported("filter-c", {c, &noise}), HasSubstr(fmt::format("#define IMULAB_FILTER_STATES {}\n", filter["states"].size())));
+}
+
+TEST(ExportConsumers, BoundsAreAboveTheSpectrumAndFactorsAreSaid) {
+  const Calibration c = si_unit();
+  ImuNoise noise = some_noise();
+  const YAML::Node y = YAML::Load(exported("kalibr-imu", {c, &noise, {.bound = true}}));
+  const double N = y["accelerometer_noise_density"].as<double>(), K = y["accelerometer_random_walk"].as<double>();
+  for (const auto& axis : noise.accel)
+    for (const UpperDensity& u : axis->bound->upper) EXPECT_GE(noise::density({.N = N, .K = K}, u.hz, dt), 0.9999 * u.density) << u.hz;
+  EXPECT_THAT(exported("kalibr-imu", {c, &noise, {.bound = true}}), HasSubstr("N and K are BOUNDS"));
+  const YAML::Node plain = YAML::Load(exported("kalibr-imu", {c, &noise})), ten = YAML::Load(exported("kalibr-imu", {c, &noise, {.inflate = 10}}));
+  EXPECT_NEAR(ten["gyroscope_noise_density"].as<double>() / plain["gyroscope_noise_density"].as<double>(), 10, 1e-12);
+  EXPECT_THAT(exported("kalibr-imu", {c, &noise, {.inflate = 10}}), HasSubstr("MULTIPLIED by 10"));
+  EXPECT_THROW(exported("kalibr-imu", {c, &noise, {.bound = true, .inflate = 10}}), Error);
+  EXPECT_THROW(exported("kalibr-imu", {c, &noise, {.axes = AxisChoice::mean, .bound = true}}), Error);
+  EXPECT_THROW(exported("kalibr-imu", {c, nullptr, {.bound = true}}), Error);
+  noise.gyro[0]->bound.reset();
+  EXPECT_THAT([&] { exported("kalibr-imu", {c, &noise, {.bound = true}}); }, testing::ThrowsMessage<Error>(HasSubstr("noise LOG --bound")));
+}
+
 TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   const Calibration c = si_unit();
   ImuNoise noise = some_noise();
@@ -180,7 +223,8 @@ TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   }
   for (const ExportTarget& target : export_targets()) {
     if (!target.needs_noise) continue;
-    const std::string text = target.text({c, &noise});
+    std::string text = target.text({c, &noise});
+    std::erase(text, '\\');  // before quotation marks in JSON
     EXPECT_THAT(text, HasSubstr("Noise: values of a DATA SHEET, not fitted to a log: \"ICM-42688-P\".")) << target.name;
   }
   EXPECT_THAT(exported("lio-sam", {c, &noise}), HasSubstr("y <= 4e-06, z <= 4e-06; <=: not in the data sheet, bounded by what it states"));

@@ -28,6 +28,7 @@ std::string parameters(const char* triad, const char* function, const NoiseValue
 
 std::string matlab_text(const ExportInput& input) {
   const NoiseValues n = noise_values_by_axis(input, "MATLAB");
+  const auto flicker = [&](bool gyro) { return input.options.bound ? NoiseValue{.comment = "part of the bound"} : bias_instability(input, gyro); };
   const Sentences facts{
       "Holds: N, B and K of each axis, CONTINUOUS values. MATLAB makes those of a sample from them by SampleRate.",
       "'single-sided' is the noise type for which N and K are those of the Allan deviation; with 'double-sided' N is too small by sqrt(2).",
@@ -35,8 +36,8 @@ std::string matlab_text(const ExportInput& input) {
                   flicker_poles)};
   return noise_head(input, "MATLAB (imuSensor)", facts, n, "%", "NBK") +
          fmt::format("imu = imuSensor('accel-gyro', 'SampleRate', {});\n", exact_number(n.rate_hz())) +
-         parameters("Accelerometer", "accelparams", n.accel_N, bias_instability(input, false), n.accel_K, "m/s^2") +
-         parameters("Gyroscope", "gyroparams", n.gyro_N, bias_instability(input, true), n.gyro_K, "rad/s");
+         parameters("Accelerometer", "accelparams", n.accel_N, flicker(false), n.accel_K, "m/s^2") +
+         parameters("Gyroscope", "gyroparams", n.gyro_N, flicker(true), n.gyro_K, "rad/s");
 }
 
 }  // namespace imulab::export_io

@@ -4,6 +4,7 @@
 #include "imulab/export/loss.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/noise/data_sheet.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,8 @@ using NoiseAxes = std::array<std::optional<NoiseCoefficients>, 3>;
 const char* bound_meaning(const NoiseAxes& axes, bool from_data_sheet) {
   if (!from_data_sheet) return "; <=: not determined, the upper bound (95 %) is written";
   const bool assumed = std::ranges::any_of(axes, [](const auto& axis) { return axis && has_assumed_bounds(*axis); });
-  return assumed ? "; <=: not in the data sheet, ASSUMED: the sheet has no bias instability" : "; <=: not in the data sheet, bounded by what it states";
+  return assumed ? "; <=: not in the data sheet, ASSUMED: the sheet has no bias instability"
+                 : "; <=: not in the data sheet, bounded by what it states";
 }
 
 NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which, const char* name, AxisChoice choice,
@@ -108,6 +110,20 @@ NoiseValue assumed_value(const Vector3d& densities, const char* name, AxisChoice
   return out;
 }
 
+void inflate(NoiseValue& value, double factor) {
+  value.value *= factor;
+  for (double& axis : value.axes) axis *= factor;
+  value.comment += fmt::format("; times {:g}", factor);
+}
+
+/// Multiplies by the factor of the options, if they have one; the last fact remains that of the axis.
+void inflate(NoiseValues& values, const ExportOptions& options) {
+  if (!options.inflate) return;
+  for (NoiseValue* const value : {&values.accel_N, &values.accel_K, &values.gyro_N, &values.gyro_K}) inflate(*value, *options.inflate);
+  values.facts.insert(values.facts.end() - 1,
+                      fmt::format("The noise is MULTIPLIED by {:g}, as was asked: nothing measured this factor.", *options.inflate));
+}
+
 NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
   NoiseValues out;
   const AxisChoice choice = input.options.axes;
@@ -120,6 +136,7 @@ NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
       fmt::format("Noise: NO LOG OF IT WAS GIVEN. White noise is that of the calibration's {} rests, {:.0f} s in all.", rests.rests, rests.seconds));
   out.facts.emplace_back("Random walk and bias instability do not show in them, and are NOT MEASURED.");
   out.facts.emplace_back(choice_fact(choice));
+  inflate(out, input.options);
   return out;
 }
 
@@ -154,6 +171,7 @@ const std::array<NoiseTerm, 5>& noise_terms() {
 std::vector<std::string> noise_left_out(const ExportInput& input, std::string_view held) {
   std::vector<std::string> out;
   if (input.noise == nullptr) return out;
+  if (input.options.bound) held = "NBKR";  // a bound is above all terms that accumulate
   for (const bool accel : {true, false}) {
     const NoiseAxes& axes = accel ? input.noise->accel : input.noise->gyro;
     const char* const sensors = accel ? "accelerometers'" : "gyros'";
@@ -163,6 +181,7 @@ std::vector<std::string> noise_left_out(const ExportInput& input, std::string_vi
       if (!values.empty())
         out.push_back(fmt::format("noise: {} {}, {} [{}]: {}", sensors, term.name, term.what, accel ? term.accel_unit : term.gyro_unit, values));
     }
+    if (input.options.bound) continue;
     const std::string processes = markov_values(axes, accel ? "m/s^2" : "rad/s");
     if (!processes.empty()) out.push_back(fmt::format("noise: {} Gauss-Markov processes: {}", sensors, processes));
   }
@@ -184,13 +203,46 @@ Sentences left_out_of_noise_files(const ExportInput& input) { return all_but_noi
 Sentences left_out_of_ros(const ExportInput& input) { return all_but_noise_left_out(input, "N"); }
 Sentences left_out_of_matlab(const ExportInput& input) { return all_but_noise_left_out(input, "NBK"); }
 
+namespace {
+
+/// The tightest N and K above the spectra that the log permits.
+ImuNoise with_bounds(ImuNoise noise, const ExportOptions& options) {
+  if (options.inflate) throw Error("--inflate: multiplies noise that is not a bound; expected it without --bound");
+  if (options.axes == AxisChoice::mean) throw Error("--axes mean: a mean of bounds is none; expected --axes worst with --bound");
+  for (auto* const triad : {&noise.gyro, &noise.accel})
+    for (std::optional<NoiseCoefficients>& axis : *triad) {
+      if (!axis) continue;
+      if (!axis->bound) throw Error("noise: has no bound; expected a noise.json from `imulab noise LOG --bound -o noise.json`");
+      const NoiseBound& whole = *axis->bound;
+      const NoiseBound two = noise::tightest_bound(whole.upper, noise.interval_s, {whole.horizon_s, whole.confidence}, {.processes = 0});
+      // Programs refuse a walk of zero. One that equals the white noise after ten horizons changes nothing.
+      const double N = two.N, K = std::max(two.K, std::sqrt(3.0) * N / (10 * whole.horizon_s));
+      axis->N = {N, NAN, 0, N, true}, axis->K = {K, NAN, 0, K, true};
+    }
+  return noise;
+}
+
+/// Facts of bounds, for the head of a file.
+Sentences facts_of_bounds(const ImuNoise& noise) {
+  for (const auto* const triad : {&noise.gyro, &noise.accel})
+    for (const std::optional<NoiseCoefficients>& axis : *triad)
+      if (axis)
+        return {fmt::format("N and K are BOUNDS: white noise and walk together are at no frequency below what the log permits with {:g} %,",
+                            100 * axis->bound->confidence),
+                fmt::format("for filters that run up to {:g} s without aids. The bias at switch-on is not part of them.", axis->bound->horizon_s)};
+  return {};
+}
+
+}  // namespace
+
 NoiseValues noise_values(const ExportInput& input, const std::string& program) {
+  if (input.options.bound && input.noise == nullptr) throw Error("--bound: expected --noise with a noise.json from `imulab noise LOG --bound`");
   if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
   if (input.noise == nullptr)
     throw Error(program +
                 " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
                 "-o noise.json`");
-  const ImuNoise& n = *input.noise;
+  const ImuNoise n = input.options.bound ? with_bounds(*input.noise, input.options) : *input.noise;
   if (n.accel_unit.empty() || n.gyro_unit.empty())
     throw Error(fmt::format("noise: has no {}; expected the noise of both triads", n.gyro_unit.empty() ? "gyros" : "accelerometers"));
   if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
@@ -202,7 +254,10 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice, n.from_data_sheet);
   out.stream_rate_hz = stream_rate(input, n.interval_s);
   out.facts.push_back(source_fact(n));
+  if (input.options.bound)
+    for (std::string& fact : facts_of_bounds(n)) out.facts.push_back(std::move(fact));
   out.facts.emplace_back(choice_fact(choice));
+  inflate(out, input.options);
   return out;
 }
 
@@ -224,7 +279,10 @@ NoiseValue bias_instability(const ExportInput& input, bool gyro) {
   for (const auto& axis : gyro ? n.gyro : n.accel)
     if (const NoiseCoefficient* B = axis ? &axis->B : nullptr; B != nullptr && !B->determined && !(std::isfinite(B->upper) && B->upper > 0))
       return {.comment = "NOT MEASURED: the noise log has neither a value nor a bound"};
-  return noise_value(gyro ? n.gyro : n.accel, &NoiseCoefficients::B, gyro ? "gyros' B" : "accelerometers' B", input.options.axes, n.from_data_sheet);
+  NoiseValue out =
+      noise_value(gyro ? n.gyro : n.accel, &NoiseCoefficients::B, gyro ? "gyros' B" : "accelerometers' B", input.options.axes, n.from_data_sheet);
+  if (input.options.inflate) inflate(out, *input.options.inflate);
+  return out;
 }
 
 std::array<double, 3> each_axis(const NoiseValue& value) {

@@ -28,12 +28,15 @@ std::string gazebo_text(const ExportInput& input);
 std::string matlab_text(const ExportInput& input);
 std::string dlio_text(const ExportInput& input);
 std::string fusion_text(const ExportInput& input);
+std::string filter_text(const ExportInput& input);
+std::string filter_c_text(const ExportInput& input);
 std::string json_matrix_text(const ExportInput& input);
 std::string csv_text(const ExportInput& input);
 
 Sentences left_out_of_kalibr(const ExportInput& input);
 Sentences left_out_of_openvins(const ExportInput& input);
 Sentences left_out_of_noise_files(const ExportInput& input);  ///< of files with the terms N and K alone
+Sentences left_out_of_filter(const ExportInput& input);
 Sentences left_out_of_matlab(const ExportInput& input);       ///< which also has B
 Sentences left_out_of_dlio(const ExportInput& input);
 Sentences left_out_of_fusion(const ExportInput& input);

@@ -22,9 +22,17 @@ constexpr double fewest_intervals = 2, fewest_times = 10;
 
 }  // namespace
 
-SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms) : terms_(terms) {
+SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms)
+    : terms_(terms), resolution_(resolution), longest_time_(spectrum.record_s / fewest_times) {
+  std::vector<SpectrumBin> used;
   for (const SpectrumBin& bin : spectrum.bins)
-    if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest_interval_ = std::min(shortest_interval_, bin.interval);
+    if (bin.high_hz() <= highest_hz) used.push_back(bin);
+  set_bins(std::move(used));
+  if (!bins_.empty()) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
+}
+
+void SpectrumLikelihood::set_bins(std::vector<SpectrumBin> bins) {
+  bins_ = std::move(bins);
   const auto size = static_cast<Index>(bins_.size());
   unit_.resize(size, 4), counts_.resize(size), power_.resize(size), cosine_.resize(size);
   for (Index i = 0; i < size; ++i) {
@@ -32,11 +40,24 @@ SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_
     const Densities d = unit_densities(bin);
     unit_.row(i) << d.Q, 1, d.B, d.K;
     counts_[i] = bin.count, power_[i] = bin.power, cosine_[i] = cosine_over_interval(bin);
-    rounding_ = resolution * resolution / 12 * bin.interval / static_cast<double>(bin.averaged);
+    rounding_ = resolution_ * resolution_ / 12 * bin.interval / static_cast<double>(bin.averaged);
+    shortest_interval_ = std::min(shortest_interval_, bin.interval);
   }
-  if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
-  filter_ = FilterShares(bins_, terms.low_pass);
-  longest_time_ = spectrum.record_s / fewest_times;
+  filter_ = FilterShares(bins_, terms_.low_pass);
+}
+
+SpectrumLikelihood SpectrumLikelihood::at(const std::vector<double>& hz) const {
+  constexpr std::size_t length = std::size_t{1} << 26;  // fine enough for frequencies of a day
+  std::vector<SpectrumBin> bins;
+  for (const double f : hz) {
+    const double interval = bins_.front().interval / static_cast<double>(bins_.front().averaged);
+    const auto k = static_cast<std::size_t>(std::clamp(std::round(2 * f * interval * length), 1.0, length - 1.0));
+    bins.push_back({.interval = interval, .length = length, .first = k, .last = k});
+  }
+  SpectrumLikelihood out;
+  out.terms_ = terms_, out.Q_scale_ = Q_scale_, out.resolution_ = resolution_, out.longest_time_ = longest_time_;
+  out.set_bins(std::move(bins));
+  return out;
 }
 
 SpectrumLikelihood SpectrumLikelihood::with(Terms terms) const {
@@ -95,6 +116,7 @@ MatrixXd SpectrumLikelihood::sensitivity(const Parameters& at, const Modeled& mo
     }
     if (filtered) D(i, terms_.cutoff()) = white * of_white.by_log_cutoff + red * of_red.by_log_cutoff;
   }
+  if (!terms_.has[Terms::Q]) D.col(Terms::Q).setZero();
   D.array().colwise() /= density;
   return D;
 }
@@ -103,6 +125,10 @@ ArrayXd SpectrumLikelihood::ramp_information(const ArrayXd& density) const {
   ArrayXd information(density.size());
   for (Index i = 0; i < density.size(); ++i) information[i] = std::pow(bins_[static_cast<std::size_t>(i)].ramp, 2) / density[i];
   return information;
+}
+
+double SpectrumLikelihood::without_quantization(double density, const Parameters& at, Index bin) const {
+  return density - at[Terms::Q] * Q_scale_ * unit_(bin, Terms::Q);
 }
 
 ArrayXd SpectrumLikelihood::power(double ramp) const {
@@ -114,7 +140,7 @@ ArrayXd SpectrumLikelihood::power(double ramp) const {
 
 /// Sets ramp and misfit of a point and returns the model there, or nothing if it is impossible. A fitted ramp absorbs power of the lowest ordinates,
 /// for which the restricted likelihood allows.
-Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed) const {
+Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed, const Pull& pull) const {
   point.misfit = std::numeric_limits<double>::infinity();
   if (!possible(point.at)) return {};
   Modeled at_point = modeled(point.at);
@@ -126,6 +152,7 @@ Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed) const {
   point.ramp = fixed.ramp ? *fixed.ramp : sum / information;
   point.misfit = (counts_ * (S.log() + power(point.ramp) / S)).sum();
   if (!fixed.ramp) point.misfit += std::log(information);
+  if (pull.weight > 0) point.misfit -= pull.weight * std::log(without_quantization(S[pull.bin], point.at, pull.bin));
   return at_point;
 }
 
@@ -139,11 +166,13 @@ bool SpectrumLikelihood::possible(const Parameters& at) const {
 Point SpectrumLikelihood::start(double below_hz) const {
   Point start;
   start.at = Parameters::Constant(terms_.count(), absent);
+  start.at[Terms::Q] = 0;
   const ArrayXd ones = ArrayXd::Ones(counts_.size());
   double sum = 0;
   for (const SpectrumBin& bin : bins_) sum += bin.ramp * bin.amplitude;
   const ArrayXd P = power(sum / ramp_information(ones).sum());
   for (int j = 0; j < 4; ++j) {
+    if (!terms_.has[static_cast<std::size_t>(j)]) continue;
     std::vector<double> ratios;
     for (Index i = 0; i < P.size(); ++i)
       if (counts_[i] >= 3 && bins_[static_cast<std::size_t>(i)].middle_hz() < below_hz) ratios.push_back(P[i] / unit_(i, j));
@@ -156,12 +185,13 @@ Point SpectrumLikelihood::start(double below_hz) const {
 
 Point SpectrumLikelihood::revived(Point point) const {
   const ArrayXd S = density(point.at);
-  for (const int j : {Terms::N, Terms::B, Terms::K}) point.at[j] = std::max(point.at[j], std::log(1e-3 / (unit_.col(j) / S).maxCoeff()));
+  for (const int j : {Terms::N, Terms::B, Terms::K})
+    if (terms_.has[static_cast<std::size_t>(j)]) point.at[j] = std::max(point.at[j], std::log(1e-3 / (unit_.col(j) / S).maxCoeff()));
   return point;
 }
 
-Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {
-  Modeled now = judge(point, fixed);
+Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precision, int iterations, const Pull& pull) const {
+  Modeled now = judge(point, fixed, pull);
   if (now.density.size() == 0) now = modeled(point.at);
   double damping = 1e-3;
   for (int iteration = 0; iteration < iterations; ++iteration) {
@@ -172,6 +202,12 @@ Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precisi
     if (!fixed.ramp) {
       const ArrayXd ramp = ramp_information(S);
       gradient -= D.transpose() * (ramp / ramp.sum()).matrix();
+    }
+    if (pull.weight > 0) {
+      const double share = S[pull.bin] / without_quantization(S[pull.bin], point.at, pull.bin);
+      const double of_Q = gradient[Terms::Q];
+      gradient -= pull.weight * share * D.row(pull.bin).transpose();
+      gradient[Terms::Q] = of_Q;
     }
     const MatrixXd information = D.transpose() * counts_.matrix().asDiagonal() * D;
     Point next;
@@ -185,7 +221,7 @@ Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precisi
       next.at[Terms::Q] -= step[Terms::Q];
       next.at.tail(next.at.size() - 1) -= step.tail(step.size() - 1).max(-largest_step).min(largest_step);
       next.at = next.at.max(absent).min(700.0);
-      then = judge(next, fixed);
+      then = judge(next, fixed, pull);
       better = std::isfinite(next.misfit) && next.misfit <= point.misfit;
     }
     if (!better) return point;

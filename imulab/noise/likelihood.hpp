@@ -10,6 +10,7 @@
 #include "imulab/noise/spectral_terms.hpp"
 #include "imulab/noise/spectrum.hpp"
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -20,7 +21,8 @@ namespace imulab::noise {
 struct Terms {
   int markov = 0;  ///< number of processes, at most two
   LowPassShape low_pass{};
-  /// Indices in Point::at.
+  std::array<bool, 4> has{true, true, true, true};  ///< Q, N, B, K; those that the model has not are zero
+  /// Indices in Point::at and, below 4, in `has`.
   static constexpr int Q = 0, N = 1, B = 2, K = 3;
   static int sigma(int process) { return 4 + 2 * process; }
   static int time(int process) { return 5 + 2 * process; }
@@ -45,6 +47,12 @@ struct Fixed {
   std::optional<double> ramp;
 };
 
+/// A reward during a fit: the density of one bin without quantization is raised. The fit then minimizes -2 ln likelihood - weight ln S(bin).
+struct Pull {
+  Eigen::Index bin = 0;
+  double weight = 0;
+};
+
 /// The model at one point: for each bin the density, and the part that passes the filter.
 struct Modeled {
   Eigen::ArrayXd density;
@@ -63,6 +71,8 @@ class SpectrumLikelihood {
 
   Modeled modeled(const Parameters& at) const;
   Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }
+  /// Returns the density of a bin less that of quantization.
+  double without_quantization(double density, const Parameters& at, Eigen::Index bin) const;
   /// Returns the power without the ramp, for ordinates with an amplitude.
   Eigen::ArrayXd power(double ramp) const;
   /// Returns for each ordinate the ramp's squared amplitude divided by the power of the noise: their sum is the information about the ramp.
@@ -73,13 +83,18 @@ class SpectrumLikelihood {
 
   /// Returns Q, N, B, K each at the largest value that the spectrum below a frequency permits over several bins; other terms are absent.
   Point start(double below_hz = std::numeric_limits<double>::infinity()) const;
-  /// Returns this point with N, B and K at least a thousandth of the density somewhere, because a fit does not recover a vanished term.
+  /// Returns this point with those of N, B and K that the model has at least a thousandth of the density somewhere, because a fit does not recover a
+  /// vanished term.
   Point revived(Point point) const;
   /// Fits by damped Fisher scoring (Levenberg and Marquardt) until the misfit falls by less than `precision`, at most `iterations` times.
-  Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;
+  Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200, const Pull& pull = {}) const;
+  /// Returns the model of these terms at other frequencies [Hz] of the readings, only for densities.
+  SpectrumLikelihood at(const std::vector<double>& hz) const;
 
  private:
-  Modeled judge(Point& point, const Fixed& fixed) const;
+  SpectrumLikelihood() = default;
+  Modeled judge(Point& point, const Fixed& fixed, const Pull& pull) const;
+  void set_bins(std::vector<SpectrumBin> bins);
   bool possible(const Parameters& at) const;
 
   Terms terms_;
@@ -87,7 +102,7 @@ class SpectrumLikelihood {
   Eigen::ArrayXXd unit_;  // columns Q, N, B, K
   Eigen::ArrayXd counts_, power_, cosine_;
   FilterShares filter_;
-  double Q_scale_ = 1, rounding_ = 0, shortest_interval_ = std::numeric_limits<double>::infinity(), longest_time_;
+  double Q_scale_ = 1, resolution_ = 0, rounding_ = 0, shortest_interval_ = std::numeric_limits<double>::infinity(), longest_time_ = 0;
 };
 
 }  // namespace imulab::noise

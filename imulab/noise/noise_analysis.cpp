@@ -4,6 +4,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
 #include "imulab/noise.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
 #include "imulab/recording/validate.hpp"
 
@@ -102,9 +103,11 @@ void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis, bool joined) {
   if (axis.fit->cut && !joined)
     analysis.warnings.push_back(fmt::format("{}: the spectrum above {:.3g} Hz is not the model's (a filter of another kind, or rounding): not used",
                                             axis.name, axis.fit->highest_hz));
+  if (axis.fit->accepted()) return;
+  std::string misfits;
   for (const NoiseMisfit& m : axis.fit->misfits)
-    analysis.warnings.push_back(fmt::format("{}: {:.2f} times the model's power at {:.3g} to {:.3g} Hz: all intervals are widened, and may not hold",
-                                            axis.name, m.ratio, m.low_hz, m.high_hz));
+    misfits += fmt::format("{}{:.2f} times at {:.3g} to {:.3g} Hz", misfits.empty() ? "" : ", ", m.ratio, m.low_hz, m.high_hz);
+  analysis.warnings.push_back(fmt::format("{}: the power is {} the model's: all intervals are widened, and may not hold", axis.name, misfits));
 }
 
 /// Analyzes one axis, from a column on disk with the memory of `n` numbers.
@@ -125,7 +128,7 @@ void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, c
     readings = buffer;
   }
   const std::vector<std::size_t> factors = averaging_factors(readings.size());
-  axis.fit = fit_noise(readings, r.interval_s, step);
+  axis.fit = fit_noise(readings, r.interval_s, {.step = step, .model = options.model, .bound = options.bound});
   axis.deviation = buffer.empty() ? deviation(readings, r.interval_s, factors, options.kind)
                                   : deviation_in_place(std::move(buffer), r.interval_s, factors, options.kind);
 }
@@ -171,6 +174,7 @@ NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& st
         analysis.notes.push_back(
             fmt::format("{}: a parabola of the temperature was removed, {:.3g} {} per degree at the mean: it may take some of K and B along",
                         analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
+  if (options.model) analysis.notes.push_back("model as asked: " + to_string(*options.model) + "; its other terms are zero");
   analysis.warnings = doubts_about_rest(r, still.range);
   for (std::size_t k = 0; k < columns.size(); ++k) warn_of_fit(analysis, analysis.axes[k], options.accel_joined && columns[k] >= accel_columns);
   if (options.remove_temperature) return analysis;
@@ -182,6 +186,19 @@ NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& st
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A bound above the spectra of all logs; empty if one has none.
+std::optional<NoiseBound> common_bound(const std::vector<NoiseAnalysis>& logs, std::size_t axis, const NoiseCoefficients& mean) {
+  const auto has_bound = [&](const NoiseAnalysis& log) { return log.axes[axis].fit && log.axes[axis].fit->bound; };
+  if (!std::ranges::all_of(logs, has_bound)) return {};
+  const NoiseBound& first = *logs.front().axes[axis].fit->bound;
+  std::vector<UpperDensity> upper = first.upper;
+  for (const NoiseAnalysis& log : logs)
+    for (UpperDensity& u : upper) u.density = std::max(u.density, noise::at_frequencies(log.axes[axis].fit->bound->upper, {u.hz}).front().density);
+  NoiseBound out = noise::tightest_bound(std::move(upper), logs.front().interval_s, {first.horizon_s, first.confidence});
+  noise::set_coasts(out, mean);
+  return out;
+}
 
 /// The spread t^2 for which sum of (value - mean)^2 / (u^2 + t^2) equals its degrees of freedom (Mandel and Paule 1970), and the mean.
 struct CommonValue {
@@ -259,6 +276,8 @@ NoiseBatch noise_batch(std::vector<NoiseAnalysis> logs) {
     }
     if (values[0].empty()) continue;
     for (std::size_t j = 0; j < 5; ++j) axis.coefficients[j] = together(values[j]);
+    const auto mean = [&](std::size_t j) { return axis.coefficients[j].mean; };
+    axis.bound = common_bound(batch.logs, k, {.Q = mean(0), .N = mean(1), .B = mean(2), .K = mean(3), .R = mean(4)});
     batch.axes.push_back(std::move(axis));
   }
   return batch;

@@ -2,10 +2,40 @@
 #include "imulab/grade.hpp"
 #include "imulab/noise.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
+#include <utility>
 
 namespace imulab {
+
+NoiseModelTerms parse_noise_terms(std::string_view text) {
+  NoiseModelTerms out;
+  bool white = false;
+  std::string rest(text);
+  std::replace(rest.begin(), rest.end(), ',', ' ');
+  std::istringstream names(rest);
+  for (std::string name; names >> name;) {
+    bool* const term = name == "N" ? &white : name == "Q" ? &out.Q : name == "B" ? &out.B : name == "K" ? &out.K : nullptr;
+    const bool process = name == fmt::format("M{}", out.processes + 1) && out.processes < 2;
+    if (process) ++out.processes;
+    if (term != nullptr ? std::exchange(*term, true) : !process)
+      throw Error(fmt::format("\"{}\" in \"{}\"; expected each of N, Q, B, K once, and for processes M1, or M1, M2: \"N, B, K\"", name, text));
+  }
+  if (!white) throw Error(fmt::format("\"{}\" has no white noise; expected N and other terms: \"N, B, K\"", text));
+  return out;
+}
+
+std::string to_string(const NoiseModelTerms& terms) {
+  std::string out = "N";
+  for (const auto& [has, name] :
+       {std::pair(terms.Q, ", Q"), {terms.B, ", B"}, {terms.K, ", K"}, {terms.processes > 0, ", M1"}, {terms.processes > 1, ", M2"}})
+    if (has) out += name;
+  return out;
+}
 
 AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s) {
   const auto square = [](const NoiseCoefficient& c) { return c.determined ? c.value * c.value : 0; };
@@ -48,6 +78,11 @@ NoiseModel sizes_of(const Axes& axes, const std::string& unit, const std::string
 }
 
 }  // namespace
+
+bool has_bounds(const ImuNoise& noise) {
+  const auto bounded = [](const auto& axis) { return !axis || axis->bound; };
+  return std::ranges::all_of(noise.gyro, bounded) && std::ranges::all_of(noise.accel, bounded);
+}
 
 NoiseModels noise_sizes(const ImuNoise& noise) {
   return {.gyro = sizes_of(noise.gyro, noise.gyro_unit, "gyros"), .accel = sizes_of(noise.accel, noise.accel_unit, "accelerometers")};

@@ -48,6 +48,32 @@ void describe(Fields& f, NoiseLine& line) {
 }
 
 template <class Fields>
+void describe(Fields& f, BoundProcess& process) {
+  f("sigma", process.sigma), f("time", process.time);
+  fields::check(f, process.sigma > 0 && process.time > 0, "", "expected a sigma and a time above zero");
+}
+
+template <class Fields>
+void describe(Fields& f, BoundCoast& coast) {
+  f("time_s", coast.time_s), f("ratio", coast.ratio);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseBound& bound) {
+  f("N", bound.N), f("markov", bound.markov), f("K", bound.K), f("start_sigma", bound.start_sigma), f("confidence", bound.confidence);
+  f("horizon_s", bound.horizon_s), f("tightness", bound.tightness), f("coast", bound.coast);
+  f.table("upper", [&](auto& t) {
+    fields::column(t, "hz", bound.upper, true, {}, [](UpperDensity& u) -> double& { return u.hz; });
+    fields::column(t, "density", bound.upper, false, {}, [](UpperDensity& u) -> double& { return u.density; });
+  });
+  fields::check(f, bound.N >= 0 && bound.K >= 0 && bound.start_sigma >= 0 && bound.N + bound.K > 0, "",
+                "expected sizes from 0 on, not all of them 0");
+  const auto positive = [](const UpperDensity& u) { return u.hz > 0 && u.density > 0; };
+  fields::check(f, bound.upper.size() >= 2 && std::ranges::all_of(bound.upper, positive), "upper",
+                "expected densities above zero at two or more frequencies");
+}
+
+template <class Fields>
 void describe(Fields& f, LowPass& filter) {
   f("order", filter.order), f("digital", filter.digital), f("cutoff_hz", filter.cutoff_hz);
 }
@@ -64,7 +90,7 @@ void describe(Fields& f, NoiseFit& fit) {
     describe_size(t, "N", fit.N), describe_size(t, "B", fit.B), describe_size(t, "K", fit.K), describe_size(t, "Q", fit.Q), t("R", fit.R);
   });
   f("markov", fit.markov, fields::optional), f("lines", fit.lines, fields::optional);
-  f("low_pass", fit.low_pass, fields::if_any), f("resolution", fit.resolution, fields::optional);
+  f("bound", fit.bound, fields::if_any), f("low_pass", fit.low_pass, fields::if_any), f("resolution", fit.resolution, fields::optional);
   const auto spectrum = [&](auto& t) {
     fields::column(t, "hz", fit.spectrum, true, {}, [](P& p) -> double& { return p.hz; });
     fields::column(t, "density", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.density; });
@@ -140,6 +166,7 @@ void describe(Fields& f, BatchAxis& axis) {
   auto& [Q, N, B, K, R] = axis.coefficients;
   f("name", axis.name), f("unit", axis.unit);
   f.table("coefficients", [&, &q = Q, &n = N, &b = B, &k = K, &r = R](auto& t) { t("N", n), t("B", b), t("K", k), t("Q", q), t("R", r); });
+  f("bound", axis.bound, fields::if_any);
 }
 
 template <class Fields>

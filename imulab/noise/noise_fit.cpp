@@ -3,13 +3,17 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
 #include "imulab/noise.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/noise/noise_interval.hpp"
 #include "imulab/noise/noise_terms.hpp"
+#include "imulab/noise/upper_density.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -38,6 +42,25 @@ NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::Chosen
   return undetermined_below(std::max(c.upper, other.upper));
 }
 
+void check(const BoundOptions& bound, double record_s) {
+  if (!(bound.confidence > 0.5 && bound.confidence < 1)) throw Error(fmt::format("confidence {:g}: expected 0.5 to 1", bound.confidence));
+  if (!(bound.horizon_s > 0)) throw Error(fmt::format("horizon {:g} s: expected a positive time", bound.horizon_s));
+  if (3 * bound.horizon_s > record_s)
+    throw Unsupported(fmt::format("a bound for {:g} s needs {:g} s at rest, and there are {:.4g} s; expected a longer log, or a horizon of {:.4g} s",
+                                  bound.horizon_s, 3 * bound.horizon_s, record_s, std::floor(record_s / 3)));
+}
+
+void set_bound(NoiseFit& fit, const noise::ChosenModel& model, const noise::Spectrum& spectrum, double interval_s, const BoundOptions& options,
+               double widening) {
+  std::vector<UpperDensity> upper = noise::upper_densities(model, spectrum, 0.5 / interval_s, options.confidence, widening);
+  upper = noise::at_frequencies(upper, noise::bound_frequencies(interval_s, options.horizon_s));
+  // A line through the readings was removed before the fit. A walk of its size over the record stands for it.
+  if (fit.R.determined)
+    for (UpperDensity& u : upper) u.density += spectrum.record_s * std::pow(std::max(-fit.R.lower, fit.R.upper) / (2 * std::numbers::pi * u.hz), 2);
+  fit.bound = noise::tightest_bound(std::move(upper), interval_s, options);
+  noise::set_coasts(*fit.bound, fit);
+}
+
 }  // namespace
 
 double resolution_of(std::span<const double> rate) {
@@ -55,13 +78,14 @@ double resolution_of(std::span<const double> rate) {
   return static_cast<double>(whole) >= enough * static_cast<double>(gaps.size()) ? step : 0;
 }
 
-NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step) {
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseFitOptions& options) {
   check(rate, interval_s);
+  if (options.bound) check(*options.bound, static_cast<double>(rate.size()) * interval_s);
   NoiseFit fit;
-  fit.resolution = step ? *step : resolution_of(rate);
+  fit.resolution = options.step ? *options.step : resolution_of(rate);
   const double half_rate = 0.5 / interval_s;
   noise::WithoutLines found = noise::without_lines(rate, interval_s);
-  const noise::ChosenModel model = noise::choose_terms(found.spectrum, half_rate, fit.resolution);
+  const noise::ChosenModel model = noise::choose_terms(found.spectrum, half_rate, fit.resolution, options.model);
   const noise::SpectrumLikelihood& problem = model.problem;
   const noise::Point& best = model.best;
   fit.lines = std::move(found.lines);
@@ -84,6 +108,7 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optiona
   for (Eigen::Index i = 0; i < density.size(); ++i)
     fit.spectrum.push_back({problem.bins()[static_cast<std::size_t>(i)].middle_hz(), power[i], density[i], problem.counts()[i]});
   fit.R = noise::ramp_of(problem, best, found.spectrum.slope, widening);
+  if (options.bound) set_bound(fit, model, found.spectrum, interval_s, *options.bound, widening);
   return fit;
 }
 

@@ -95,6 +95,8 @@ double degrees_below_ramp(const SpectrumLikelihood& problem, const Point& best) 
 }  // namespace
 
 NoiseCoefficient size_of(const SpectrumLikelihood& problem, const Point& best, int parameter, double widening) {
+  if (const auto& has = problem.terms().has; static_cast<std::size_t>(parameter) < has.size() && !has[static_cast<std::size_t>(parameter)])
+    return undetermined_below(0);
   Point without = problem.revived(best);
   without.at[parameter] = parameter == Terms::Q ? 0 : absent;
   NoiseCoefficient c;

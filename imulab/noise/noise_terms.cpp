@@ -4,6 +4,8 @@
 #include "imulab/error.hpp"
 #include "imulab/noise/spectral_terms.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -107,7 +109,8 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
 }
 
 /// Chooses the model; the caller sets `agreement` and `highest_hz`.
-ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double record_s, double highest_hz, bool filters,
+                   const std::optional<NoiseModelTerms>& given) {
   const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
   for (;;) {
@@ -122,7 +125,11 @@ ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double r
     for (const LowPassShape& shape : low_passes)
       if (filters && shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
     std::optional<Model> wider;
-    if (terms.markov < most_processes) wider = with_process(model, shortest_s, record_s);
+    if (given && terms.markov < given->processes) {
+      chosen = with_process(model, shortest_s, record_s);
+      if (!chosen) throw Unsupported(fmt::format("the spectrum has no place for {} processes; expected a longer log, or fewer", given->processes));
+    }
+    if (!given && terms.markov < most_processes) wider = with_process(model, shortest_s, record_s);
     if (wider && model.best.misfit - wider->best.misfit >= least_gain) offer(wider, least_gain + 2);
     if (!chosen) return {std::move(model), std::move(wider), 0, {}};
     model = std::move(*chosen);
@@ -133,22 +140,12 @@ ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double r
 Agreement agreement_of(const Model& model) {
   const SpectrumLikelihood& problem = model.problem;
   const Eigen::ArrayXd ratio = problem.power(model.best.ramp) / problem.density(model.best.at);
-  struct Group {
-    double low, high, count, sum;
-  };
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < problem.bins().size(); ++i) {
-    const SpectrumBin& bin = problem.bins()[i];
-    if (groups.empty() || (groups.back().count >= 20 && groups.back().high > 1.25 * groups.back().low)) groups.push_back({bin.low_hz(), 0, 0, 0});
-    groups.back().high = bin.high_hz();
-    groups.back().count += bin.count;
-    groups.back().sum += bin.count * ratio[static_cast<Eigen::Index>(i)];
-  }
+  const std::vector<PowerGroup> groups = grouped(problem.bins(), [&](std::size_t i) { return ratio[static_cast<Eigen::Index>(i)]; });
   Agreement out;
   const double by_chance = 0.001 / static_cast<double>(groups.size());
-  for (const Group& g : groups) {
+  for (const PowerGroup& g : groups) {
     const double tail = chi_square_tail(g.sum, g.count);
-    if (std::min(tail, 1 - tail) < 0.5 * by_chance) out.misfits.push_back({g.low, g.high, g.sum / g.count});
+    if (std::min(tail, 1 - tail) < 0.5 * by_chance) out.misfits.push_back({g.low_hz, g.high_hz, g.sum / g.count});
     out.chi2_per_dof += std::pow(g.sum / g.count - 1, 2) * g.count / 2;
   }
   out.chi2_per_dof /= std::max(1.0, static_cast<double>(groups.size()) - problem.terms().count() - 1);
@@ -157,13 +154,15 @@ Agreement agreement_of(const Model& model) {
 
 }  // namespace
 
-ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution) {
+ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution, const std::optional<NoiseModelTerms>& model) {
+  Terms terms;
+  if (model) terms.has = {model->Q, true, model->B, model->K};
   const double shortest = 0.5 / half_rate_hz;
   std::optional<ChosenModel> chosen;
   for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
-    const SpectrumLikelihood simple(spectrum, highest, resolution, {});
+    const SpectrumLikelihood simple(spectrum, highest, resolution, terms);
     if (simple.bins().size() < fewest_bins) break;
-    ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
+    ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz, model);
     found.highest_hz = highest;
     found.agreement = agreement_of(found);
     // A significantly negative quantization (three sigma) represents a filter.

@@ -11,6 +11,25 @@
 
 namespace imulab::noise {
 
+/// Bins in a range of at least 20 degrees of freedom and a third of an octave, with the sum of a value over the degrees of freedom.
+struct PowerGroup {
+  double low_hz, high_hz, count, sum;
+};
+
+/// Groups successive bins; `value_of` the bin of an index.
+template <class ValueOf>
+std::vector<PowerGroup> grouped(const std::vector<SpectrumBin>& bins, const ValueOf& value_of) {
+  std::vector<PowerGroup> groups;
+  for (std::size_t i = 0; i < bins.size(); ++i) {
+    if (groups.empty() || (groups.back().count >= 20 && groups.back().high_hz > 1.25 * groups.back().low_hz))
+      groups.push_back({bins[i].low_hz(), 0, 0, 0});
+    groups.back().high_hz = bins[i].high_hz();
+    groups.back().count += bins[i].count;
+    groups.back().sum += bins[i].count * value_of(i);
+  }
+  return groups;
+}
+
 struct Agreement {
   double chi2_per_dof = 0;
   std::vector<NoiseMisfit> misfits;
@@ -29,8 +48,9 @@ struct ChosenModel : Model {
 };
 
 /// Adds processes and a low-pass if each raises the likelihood significantly. If the model is invalid at high frequencies, these are left out, at
-/// most down to 1/32. Throws Unsupported if too little of the spectrum remains.
-ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution);
+/// most down to 1/32. With `model`, its terms are fitted and only a low-pass is chosen. Throws Unsupported if too little of the spectrum remains, or
+/// if the log shows fewer processes than the model has.
+ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution, const std::optional<NoiseModelTerms>& model = {});
 
 // Periodic lines in a spectrum: ordinates above their neighborhood, removed as sinusoids.
 

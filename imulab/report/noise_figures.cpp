@@ -1,5 +1,6 @@
 #include "imulab/report/noise_figures.hpp"
 
+#include "imulab/noise/bound.hpp"
 #include "imulab/noise/spectrum.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
@@ -214,13 +215,20 @@ WelchCurve welch_of(const NoiseAxis& axis, std::span<const double> readings, dou
   return out;
 }
 
-std::string axis_spectrum(const NoiseAxis& axis, const std::vector<const NoiseAxis*>& triad, const WelchCurve& welch) {
+std::string axis_spectrum(const NoiseAxis& axis, const std::vector<const NoiseAxis*>& triad, const WelchCurve& welch, double interval_s) {
   const auto [x, y] = spectrum_axes(triad, welch.density);
   Plot plot(x, y, "spectrum of " + axis.name);
   plot.line(welch.hz, welch.density, color::sky, 1);
   const DensityCurve d = density_curve(axis);
   plot.dots(d.hz, d.measured, axis_color(axis));
   plot.line(d.hz, d.model, page_ink);
+  if (axis.fit->bound) {
+    std::vector<double> hz, bound;
+    for (const UpperDensity& u : axis.fit->bound->upper)
+      if (u.hz >= x.low)
+        hz.push_back(u.hz), bound.push_back(std::sqrt(noise::density(*axis.fit->bound, u.hz, interval_s)) / axis_unit(axis, density_term).size);
+    plot.line(hz, bound, color::purple, 2);
+  }
   return figure(plot.svg(), axis.name);
 }
 
@@ -272,11 +280,12 @@ std::string axis_charts(const NoiseAnalysis& analysis, const AxisReadings& readi
     const std::vector<const NoiseAxis*> triad = triad_axes(analysis, of_triad(axis.name, true));
     std::vector<std::string> figures{axis_deviation(axis, deviation_axes(triad))};
     if (!axis.fit->spectrum.empty())
-      figures.push_back(axis_spectrum(axis, triad, readings ? welch_of(axis, readings(k), analysis.interval_s) : WelchCurve{}));
+      figures.push_back(axis_spectrum(axis, triad, readings ? welch_of(axis, readings(k), analysis.interval_s) : WelchCurve{}, analysis.interval_s));
     out += beside(figures);
   }
   if (out.empty()) return out;
-  return key({{"fitted terms", color::gray}, {"their sum", page_ink}}) +
+  const bool bounded = std::ranges::any_of(analysis.axes, [](const NoiseAxis& axis) { return axis.fit && axis.fit->bound; });
+  return key({{"fitted terms", color::gray}, {"their sum", page_ink}}) + (bounded ? key({{"bound for a filter", color::purple}}) : "") +
          (readings ? key({{"Welch's spectrum, with lines: the largest of neighboring densities", color::sky}}) : "") + out;
 }
 

@@ -55,6 +55,16 @@ std::string comparison_section(const NoiseAnalysis& analysis) {
   return section("datasheet", "Against the data sheet", "Inside or possible: within the log's 95 % interval, or below its bound.", table(t));
 }
 
+/// Empty without bounds.
+std::string bound_section(const std::vector<std::array<std::string, 5>>& rows, const std::vector<std::string>& legend) {
+  if (rows.empty()) return "";
+  Table t{.head = {"axis", "N", "processes", "K", "cost"}, .rows = {}, .left = {2}};
+  for (const auto& row : rows) t.rows.emplace_back(row.begin(), row.end());
+  std::vector<std::string> readable;
+  for (const std::string& line : legend) readable.push_back(noise_unit_text(line));
+  return section("bound", "Bound for a filter", "", table(t) + list(readable));
+}
+
 /// A data sheet: nothing was measured or judged.
 std::string data_sheet_page(const NoiseAnalysis& analysis) {
   Page page;
@@ -88,7 +98,7 @@ std::vector<KeyFigure> noise_cards(const NoiseAnalysis& analysis) {
 
 /// The interval of a determined coefficient, or the bound of one that is not.
 std::string noise_interval_text(const NoiseCoefficient& c, double size) {
-  if (!c.determined) return "below " + number_text(c.upper / size, 2);
+  if (!c.determined) return c.upper == 0 ? "not in the model" : "below " + number_text(c.upper / size, 2);
   return fmt::format("{} to {}", rounded_to(c.lower / size, c.standard_uncertainty / size),
                      rounded_to(c.upper / size, c.standard_uncertainty / size));
 }
@@ -218,8 +228,9 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   std::vector<double> buffer;
   const AxisReadings readings = [&](std::size_t axis) { return recording.samples(axis, still, buffer); };
-  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + comparison_section(analysis) +
-              each_axis_section(analysis, readings) + signal_section(analysis, recording, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) +
+              bound_section(bound_rows(analysis), bound_legend(analysis)) + comparison_section(analysis) + each_axis_section(analysis, readings) +
+              signal_section(analysis, recording, still);
   return page_text(page);
 }
 
@@ -231,7 +242,8 @@ std::string noise_page(const NoiseAnalysis& analysis, const Conclusion& conclusi
   std::vector<std::string> missing{"Signal, and Welch's spectrum with its lines: noise.json keeps no readings; imulab noise --report draws them."};
   if (spectrum_charts(analysis).empty()) missing.emplace_back("Spectrum: the file has none.");
   page.body = section("missing", "Not on this page", "", list(missing, "missing-list")) + deviations_section(analysis) + spectra_section(analysis) +
-              coefficients_section(analysis) + comparison_section(analysis) + each_axis_section(analysis, {});
+              coefficients_section(analysis) + bound_section(bound_rows(analysis), bound_legend(analysis)) + comparison_section(analysis) +
+              each_axis_section(analysis, {});
   if (!analysis.notes.empty()) page.body += section("signal", "Signal", "What was used, and what was cut.", list(analysis.notes));
   return page_text(page);
 }
@@ -261,7 +273,7 @@ std::string noise_page(const NoiseBatch& batch, const Conclusion& conclusion) {
                       "Mean: of the logs that determine the term; where none does, the largest bound. Spread: from log to log, beyond what the "
                       "uncertainties explain. Worst: the largest value or bound, and its log.",
                       report::table(batch_table(batch))) +
-              section("logs", "Logs", "", report::table(logs));
+              bound_section(bound_rows(batch), bound_legend(batch)) + section("logs", "Logs", "", report::table(logs));
   return page_text(page);
 }
 

@@ -76,7 +76,7 @@ std::string headline_of(const Axes& axes, const Terms& terms_of) {
 
 /// "12.3  95 % interval 11.9 to 12.7", or a bound, in columns.
 std::string value_columns(const NoiseCoefficient& c, double size) {
-  if (!c.determined) return fmt::format("{:>10}  {:<21}", "-", "below " + text::number(c.upper / size, 2));
+  if (!c.determined) return fmt::format("{:>10}  {:<21}", "-", c.upper == 0 ? "not in the model" : "below " + text::number(c.upper / size, 2));
   const double sigma = c.standard_uncertainty / size;
   return fmt::format("{:>10}  {:<21}", text::to_digits_of(sigma, c.value / size),
                      fmt::format("{} to {}", text::to_digits_of(sigma, c.lower / size), text::to_digits_of(sigma, c.upper / size)));
@@ -133,6 +133,58 @@ std::string sheet_text(const NoiseAnalysis& analysis) {
   for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
     out += fmt::format("  {:<8} {:<4} {:<24} {:<30} {}\n", axis, term, value, si, standing);
   return out + "\n" + text::wrapped("  ", std::string(sheet_legend));
+}
+
+const NoiseBound* bound_of(const NoiseAxis& axis) { return axis.fit && axis.fit->bound ? &*axis.fit->bound : nullptr; }
+const NoiseBound* bound_of(const BatchAxis& axis) { return axis.bound ? &*axis.bound : nullptr; }
+
+template <class Axis>
+std::vector<std::array<std::string, 5>> bound_rows_of(const std::vector<Axis>& axes) {
+  std::vector<std::array<std::string, 5>> out;
+  for (const Axis& axis : axes) {
+    const NoiseBound* const bound = bound_of(axis);
+    if (bound == nullptr) continue;
+    const auto in_unit = [&](std::size_t term, double value) { return text::number(value / noise_terms()[term].unit(axis.unit).size); };
+    std::vector<std::string> processes, costs;
+    for (const BoundProcess& p : bound->markov) processes.push_back(fmt::format("{} in {} s", in_unit(rate_term, p.sigma), text::number(p.time)));
+    for (const BoundCoast& c : bound->coast) costs.push_back(text::number(c.ratio));
+    out.push_back({axis.name, in_unit(0, bound->N), fmt::format("{}", fmt::join(processes, ", ")), in_unit(2, bound->K),
+                   fmt::format("{}", fmt::join(costs, ", "))});
+  }
+  return out;
+}
+
+template <class Axis>
+std::vector<std::string> bound_legend_of(const std::vector<Axis>& axes) {
+  const auto has_bound = [](const Axis& axis) { return bound_of(axis) != nullptr; };
+  const auto first = std::ranges::find_if(axes, has_bound);
+  if (first == axes.end()) return {};
+  const NoiseBound& bound = *bound_of(*first);
+  std::vector<std::string> units, coasts;
+  for (const auto& [triad, name] : {std::pair{"gyro", "gyros"}, {"accel", "accelerometers"}})
+    for (const Axis& axis : axes)
+      if (axis.name.starts_with(triad) && has_bound(axis)) {
+        const auto unit = [&](std::size_t term) { return noise_terms()[term].unit(axis.unit).name; };
+        units.push_back(fmt::format("{} in {}, {}, {}", name, unit(0), unit(rate_term), unit(2)));
+        break;
+      }
+  for (const BoundCoast& c : bound.coast) coasts.push_back(text::number(c.time_s));
+  return {fmt::format("bound: noise of a filter for coasts up to {} s, at no frequency below what the log permits with {} %",
+                      text::number(bound.horizon_s), text::number(100 * bound.confidence)),
+          fmt::format("N, standard deviation and time of the processes, K: {}", fmt::join(units, "; ")),
+          fmt::format("cost: Allan deviation of the bound over that of the fit at {} s, both without Q, which does not accumulate",
+                      fmt::join(coasts, ", "))};
+}
+
+/// Empty without bounds.
+std::string bound_text(const std::vector<std::array<std::string, 5>>& rows, const std::vector<std::string>& legend) {
+  if (rows.empty()) return "";
+  constexpr const char* row = "  {:<8} {:<9} {:<34} {:<8} {}\n";
+  std::string out = "\n" + fmt::format(row, "bound", "N", "processes", "K", "cost");
+  for (const auto& [axis, N, processes, K, cost] : rows) out += fmt::format(row, axis, N, processes.empty() ? "-" : processes, K, cost);
+  out += "\n";
+  for (const std::string& line : legend) out += text::wrapped("  ", line);
+  return out;
 }
 
 /// Empty where the log was compared with no data sheet.
@@ -233,6 +285,11 @@ std::string noise_headline(const NoiseBatch& batch) {
   });
 }
 
+std::vector<std::array<std::string, 5>> bound_rows(const NoiseAnalysis& analysis) { return bound_rows_of(analysis.axes); }
+std::vector<std::array<std::string, 5>> bound_rows(const NoiseBatch& batch) { return bound_rows_of(batch.axes); }
+std::vector<std::string> bound_legend(const NoiseAnalysis& analysis) { return bound_legend_of(analysis.axes); }
+std::vector<std::string> bound_legend(const NoiseBatch& batch) { return bound_legend_of(batch.axes); }
+
 std::string noise_text(const NoiseAnalysis& analysis) {
   if (analysis.from_data_sheet()) return sheet_text(analysis);
   std::string out = one_line(analysis.recording) + "\n";
@@ -247,7 +304,8 @@ std::string noise_text(const NoiseAnalysis& analysis) {
   if (!others.empty()) out += "\n" + others;
   out += "\n";
   for (const NoiseTermText& term : noise_terms()) out += fmt::format("  {}  {}\n", term.name, term.meaning);
-  return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %") + comparison_text(analysis);
+  return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %") +
+         bound_text(bound_rows(analysis), bound_legend(analysis)) + comparison_text(analysis);
 }
 
 std::string noise_text(const NoiseBatch& batch) {
@@ -262,7 +320,8 @@ std::string noise_text(const NoiseBatch& batch) {
                          std::isnan(c.spread) ? "-" : text::number(c.spread / unit.size, 2), text::number(c.worst / unit.size, 2), unit.name);
     }
   out += "\n" + text::wrapped("  ", "mean: of the logs that determine the term; -: no log does, and the largest bound holds");
-  return out + text::wrapped("  ", "spread: from log to log, beyond what the uncertainties explain; worst: the largest value or bound");
+  return out + text::wrapped("  ", "spread: from log to log, beyond what the uncertainties explain; worst: the largest value or bound") +
+         bound_text(bound_rows(batch), bound_legend(batch));
 }
 
 }  // namespace imulab

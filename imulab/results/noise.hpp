@@ -38,6 +38,13 @@ std::vector<std::array<std::string, 5>> sheet_rows(const NoiseAnalysis& analysis
 std::vector<std::array<std::string, 7>> comparison_rows(const NoiseAnalysis& analysis);
 
 /// A table of coefficients in customary units, with 95 % intervals; a coefficient that is not determined has only its bound.
+/// Rows of the bounds of all axes: axis, N, processes, K, and the cost of each coast. Empty without bounds.
+std::vector<std::array<std::string, 5>> bound_rows(const NoiseAnalysis& analysis);
+std::vector<std::array<std::string, 5>> bound_rows(const NoiseBatch& batch);
+/// What the columns of these rows are; empty without bounds.
+std::vector<std::string> bound_legend(const NoiseAnalysis& analysis);
+std::vector<std::string> bound_legend(const NoiseBatch& batch);
+
 std::string noise_text(const NoiseAnalysis& analysis);
 /// The mean of several logs, its spread, and the worst.
 std::string noise_text(const NoiseBatch& batch);

@@ -99,12 +99,16 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
   verb.option("CALIBRATION", o.calibration, "calibration.json; none: of --noise alone").required().reads();
   verb.option("--to TARGET", o.target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names).called("target");
   verb.option("-o,--output FILE", o.output, "the file to write; - for standard output; with --to all a folder").show_default().of_command();
-  const auto belongs = [&](const VerbOption& option, ExportTarget::Takes taken) {
+  const auto belongs_to = [&](const VerbOption& option, const auto& takes) {
     std::vector<std::string_view> takers;
     for (const ExportTarget& target : export_targets())
-      if (target.takes & taken) takers.push_back(target.name);
+      if (takes(target)) takers.push_back(target.name);
     o.of_targets.push_back({&option, takers});
   };
+  const auto belongs = [&](const VerbOption& option, ExportTarget::Takes taken) {
+    belongs_to(option, [&](const ExportTarget& target) { return (target.takes & taken) != 0; });
+  };
+  const auto needs_noise = [](const ExportTarget& target) { return target.needs_noise; };
   belongs(verb.option("--noise FILE", o.noise,
                       "noise.json, from imulab noise: for targets that hold noise; without it those that need it have the white noise of the "
                       "calibration's rests")
@@ -118,6 +122,10 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
               .in_range(1e-3, 1e6)
               .called("rate_hz"),
           ExportTarget::noise);
+  belongs_to(verb.option("--bound", o.choices.bound, "write N and K that are at no frequency below what the log permits; from noise --bound"),
+             needs_noise);
+  belongs_to(verb.option("--inflate X", o.choices.inflate, "multiply noise that is not a bound by this factor; the file says so").in_range(1e-3, 1e4),
+             needs_noise);
   belongs(
       verb.option("--variance-matched", o.choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
       ExportTarget::variance_matched);

@@ -19,7 +19,14 @@
 namespace imulab {
 namespace {
 
-NoiseOptions options_of(const NoiseVerbOptions& o) { return {.kind = deviation_named(o.deviation), .remove_temperature = o.remove_temperature}; }
+NoiseOptions options_of(const NoiseVerbOptions& o) {
+  NoiseOptions out{.kind = deviation_named(o.deviation), .remove_temperature = o.remove_temperature};
+  if (o.model) out.model = errors_of_option("model", [&] { return parse_noise_terms(*o.model); });
+  for (const auto& [name, given] : {std::pair("horizon", o.horizon_s), {"confidence", o.confidence}})
+    if (given && !o.bound) throw OptionError(name, "is of a bound; expected --bound as well");
+  if (o.bound) out.bound = BoundOptions{o.horizon_s.value_or(BoundOptions{}.horizon_s), o.confidence.value_or(BoundOptions{}.confidence)};
+  return out;
+}
 
 /// The analysis of a log beside the data sheet of the options, if they have one.
 std::shared_ptr<const NoiseAnalysis> compared(NoiseAnalysis analysis, const NoiseVerbOptions& o) {
@@ -91,6 +98,12 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
   verb.option("--datasheet SHEET", o.datasheet,
               "values of a data sheet, or a TOML file with them in [noise]: \"gyro.N = 0.0038 deg/s/sqrt(Hz), gyro.B = 10 deg/h, accel.N = 70 "
               "ug/sqrt(Hz)\"; compared with the log, or without a log written as its noise");
+  verb.option("--model TERMS", o.model,
+              "fit these terms in place of those that the spectrum requires: N,B,K or N,M1,M2, of N, Q, B, K, and processes M1, M2");
+  verb.option("--bound", o.bound,
+              "also a noise model for a filter that is not too sure: white noise, at most two processes and a walk, above what the log permits");
+  verb.option("--horizon S", o.horizon_s, "--bound: longest time for which the filter runs without aids; absent: 600").in_range(1, 1e6);
+  verb.option("--confidence P", o.confidence, "--bound: that the noise is below what is assumed; absent: 0.95").in_range(0.6, 0.9999);
   verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
@@ -107,6 +120,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
   json_option(verb, o.json);
   report_option(verb, o.report);
   verb.example("imulab noise night.csv -o noise.json");
+  verb.example("imulab noise night.csv --bound --horizon 60 -o noise.json");
   verb.example("imulab noise --datasheet \"gyro.N = 0.0038 deg/s/sqrt(Hz)\" -o noise.json");
   verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
   verb.example("zcat night.csv.gz | imulab noise -");
@@ -144,6 +158,7 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
 }
 
 AnswerOf<NoiseAnalysis> data_sheet_answer(const NoiseVerbOptions& o) {
+  if (o.bound) throw OptionError("bound", "is above the spectrum of a log, and there is only a data sheet; expected a recording");
   if (o.require) throw OptionError("require", "judges a log, and there is only a data sheet; expected a recording");
   const auto analysis =
       std::make_shared<const NoiseAnalysis>(errors_of_option("datasheet", [&] { return data_sheet_noise(read_data_sheet(*o.datasheet)); }));

@@ -17,9 +17,11 @@ struct NoiseVerbOptions : ShowOptions {
   std::vector<std::string> recordings, declarations, topics;
   std::string recording, deviation = "overlapping-allan";
   std::optional<std::string> require;    ///< limits on terms (results/noise_requirement.hpp)
+  std::optional<std::string> model;      ///< its terms; absent: as the spectrum requires
   std::optional<std::string> datasheet;  ///< values or their file (formats/noise/data_sheet.hpp)
   double in_memory_mb = 336;             ///< six million rows of seven numbers: the analysis then takes about a gigabyte
-  bool remove_temperature = false;
+  bool remove_temperature = false, bound = false;
+  std::optional<double> horizon_s, confidence;  ///< of the bound
 
   std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(1e6 * in_memory_mb); }
 };

@@ -86,6 +86,8 @@ std::vector<Check> procedures();
 std::vector<Check> noise_logs(int logs);
 /// In which share of logs (seeds 1 .. logs) of some lengths the random walk is determined beside flicker, and how well.
 std::vector<Check> noise_lengths(int logs);
+/// Filters with bounded noise: coverage, and stated over true standard deviations, beside N and K alone, the best fit and ten times.
+std::vector<Check> noise_bounds(int units);
 
 /// The options of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,

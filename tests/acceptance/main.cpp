@@ -99,6 +99,7 @@ int run(int argc, char** argv) {
                          [&] { return predictions(method, count(200)); });
   if (chosen("procedures")) passed &= report("procedures: every cell of docs/start/choose.md\n", [&] { return procedures(); });
   if (chosen("noise")) passed &= report(fmt::format("noise: {} logs, seeds 1..{}", count(500), count(500)), [&] { return noise_logs(count(500)); });
+  if (chosen("noise-bounds")) passed &= report(fmt::format("noise-bounds: {} units", count(500)), [&] { return noise_bounds(count(500)); });
   if (chosen("noise-lengths"))
     passed &= report(fmt::format("noise-lengths: {} logs of each length", count(400)), [&] { return noise_lengths(count(400)); });
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), [&] { return error_growth(count(2000)); });
