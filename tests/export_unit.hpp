@@ -9,11 +9,14 @@
 #include "imulab/units.hpp"
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <regex>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -122,6 +125,18 @@ struct Worst {
     rate = std::max(rate, (found.rate - expected.rate).norm() / (1 + expected.rate.norm()));
   }
 };
+
+/// The numbers with a point behind a word of a text.
+inline std::vector<double> numbers_after(const std::string& text, const std::string& word, std::size_t count) {
+  static const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+]?[0-9]+)?)");
+  const std::size_t at = text.find(word);
+  EXPECT_NE(at, std::string::npos) << word;
+  const std::string rest = text.substr(at + word.size());
+  std::vector<double> out;
+  for (std::sregex_iterator i(rest.begin(), rest.end(), number), end; i != end && out.size() < count; ++i) out.push_back(std::stod(i->str()));
+  EXPECT_EQ(out.size(), count) << word;
+  return out;
+}
 
 inline constexpr double double_rounding = 1e-12;  // some tens of operations, numbers in the file exact
 

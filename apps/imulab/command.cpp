@@ -145,6 +145,8 @@ void check_place(const std::vector<ParsedOption>& options, const std::string& fi
 void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
   using enum VerbOption::File;
   int streams = 0;
+  for (const auto& [row, option] : options)
+    if (row->names == "--force" && option->count() > 0) replace_files();
   for (const VerbOption::File use : {written, created, read})
     for (const auto& [row, option] : options) {
       row->given = option->count() > 0;
@@ -161,6 +163,9 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
         if (use == read) will_read(file), streams += file == "-";
       }
     }
+  for (const auto& [row, option] : options)  // a page is made from its result: --report replaces it
+    if (row->file == written && row->names != "--report")
+      for (const std::string& file : option->results()) expect_free(shortest_name(*row), file);
   if (streams > 1) throw Error("-: standard input is named twice; expected it once");
   verb.does();
 }
@@ -247,7 +252,7 @@ void expect_output_written() {
 
 /// Options that every verb has.
 struct CommonOptions {
-  bool help = false, version = false, verbose = false;
+  bool help = false, version = false, verbose = false, force = false;
   std::uint64_t threads = 0;
   double memory_mb = 0;
 };
@@ -266,6 +271,10 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   };
   if (has("--topic") && !has("--verbose"))  // it reads recordings
     inherit("-v,--verbose", o.verbose, "print also why a recording is taken as it is");
+  const auto is_file = [&](const VerbOption& row) {
+    return row.names.ends_with("--output") && (row.value_name == "FILE" || verb.sharing != nullptr);
+  };
+  if (std::ranges::any_of(verb.options, is_file)) verb.option("--force", o.force, "replace existing files").of_command();
   inherit("--memory MB", o.memory_mb, "refuse recordings that would take more memory (default: physical memory)");
   for (Verb& own : verb.verbs) add_common(own, o, false);
 }

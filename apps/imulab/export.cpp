@@ -72,7 +72,7 @@ std::vector<PlannedExport> planned_exports(const ExportInput& input, const Expor
     if (target.takes & ExportTarget::imu_model && !o.given("--model"))
       out.push_back({&target, "rpng", fs::path(o.output) / "kalibr_imu_chain_rpng.yaml"});
   }
-  for (const PlannedExport& planned : out) will_write("-o", planned.file), expect_free("-o", planned.file, o.force);
+  for (const PlannedExport& planned : out) will_write("-o", planned.file), expect_free("-o", planned.file);
   return out;
 }
 
@@ -123,7 +123,7 @@ UsableCalibration calibration_of(const ExportVerbOptions& o) {
 
 void run(const ExportVerbOptions& o) {
   expect_options_of_target(o);
-  if (!o.is_of_all()) will_write("-o", o.output);
+  if (!o.is_of_all()) will_write("-o", o.output), expect_free("-o", o.output);
   const auto [calibration, warnings] = calibration_of(o);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);

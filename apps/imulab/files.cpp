@@ -23,6 +23,7 @@ struct UsedFile {
   std::string identity, name, option;  // option: of an output
 };
 std::vector<UsedFile> inputs, outputs;
+bool replaces = false;
 
 /// Device and number of a file that is there, else its place behind all links. Empty for a device, a pipe or a folder, which nothing replaces.
 std::string identity_of(const fs::path& file, int standard_stream) {
@@ -87,9 +88,12 @@ void will_fill(const std::string& option, const fs::path& folder) {
     throw Error(fmt::format("{} {}: is a file; expected a folder for the parts", option, folder.string()));
 }
 
-void expect_free(const std::string& option, const fs::path& file, bool force) {
+void replace_files() { replaces = true; }
+bool replaces_files() { return replaces; }
+
+void expect_free(const std::string& option, const fs::path& file) {
   std::error_code none;
-  if (file.empty() || file == "-" || force || !fs::is_regular_file(file, none)) return;
+  if (file.empty() || file == "-" || replaces || !fs::is_regular_file(file, none)) return;
   throw Error(fmt::format("{} {}: exists; expected a new file, or --force to replace it", option, file.string()));
 }
 
@@ -111,7 +115,7 @@ Session session_at(const fs::path& path) {
 }
 
 void forget_files() {
-  inputs.clear(), outputs.clear();
+  inputs.clear(), outputs.clear(), replaces = false;
   forget_kept();
 }
 

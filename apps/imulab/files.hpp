@@ -21,8 +21,11 @@ void will_write(const std::string& option, const std::filesystem::path& file);
 void will_fill(const std::string& option, const std::filesystem::path& folder);
 void will_create(const std::string& option, const std::filesystem::path& folder);
 
-/// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where the file of the option exists.
-void expect_free(const std::string& option, const std::filesystem::path& file, bool force);
+/// Nothing is replaced by accident. Throws Error where the file of the option exists, but for --force.
+void expect_free(const std::string& option, const std::filesystem::path& file);
+/// The command has --force.
+void replace_files();
+bool replaces_files();
 
 /// read_session; the verb reads all files that the session names.
 Session session_at(const std::filesystem::path& path);

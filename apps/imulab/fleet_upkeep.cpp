@@ -27,7 +27,7 @@ struct Options {
   std::string store = "fleet.db", output, unit, reason;
   std::string calibration;
   std::vector<std::string> others;
-  bool json = false, csv = false, force = false;
+  bool json = false, csv = false;
 };
 
 void check(const Options& o) {
@@ -85,7 +85,6 @@ void export_it(const Options& o) {
   FleetStore store(o.store);
   const std::string text = o.csv ? fleet::fleet_csv(store) : store.calibration_file(calibration_number(o.calibration));
   if (o.output.empty() || o.output == "-") return print_json(text);
-  expect_free("-o", o.output, o.force);
   write_whole(o.output, text);
 }
 
@@ -132,7 +131,6 @@ void add_fleet_upkeep(Verb& fleet) {
   exporting.option("--csv", exported->csv, "a row a calibration: each coefficient and its standard uncertainty, SI");
   exporting.option("--calibration N", exported->calibration, "the file of this calibration, as it was stored");
   exporting.option("-o,--output FILE", exported->output, "the file to write instead of standard output").writes();
-  exporting.option("--force", exported->force, "replace an existing file");
   exporting.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
 
   Verb& removing = upkeep(fleet, "remove", "Remove calibrations from lists and statistics; they remain as history", removed, remove);

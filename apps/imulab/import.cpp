@@ -17,11 +17,10 @@ namespace {
 struct Options {
   std::string file, output, gyro, raw;
   int instance = 0;
-  bool force = false, json = false;
+  bool json = false;
 };
 
 void run(const Options& o) {
-  expect_free("-o", o.output, o.force);
   ImportOptions options;
   if (!o.gyro.empty()) options.gyro_file = o.gyro;
   options.raw = o.raw;
@@ -48,7 +47,6 @@ void add_import(Verb& app) {
   verb.option("--gyro FILE", o->gyro, "the gyros' file where a file has one triad: imu_tk, a matrix and a bias").reads();
   verb.option("--raw UNIT", o->raw, "what the readings are in, where the file does not say").one_of({"si", "count"});
   verb.option("--instance N", o->instance, "of several IMUs in the file, from 0").in_range(0, 9).show_default();
-  verb.option("--force", o->force, "replace an existing file");
   verb.option("--json", o->json, "print what was read as JSON");
   verb.example("imulab import results-imucam-imu.yaml -o kalibr.json");
   verb.example("imulab import acc.calib --gyro gyro.calib -o imu_tk.json");

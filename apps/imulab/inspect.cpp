@@ -39,7 +39,6 @@ Session placed(Session session, const InspectOptions& o) {
 }
 
 void run(const InspectOptions& o) {
-  expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");
   const std::string opened = given_files(o.files).session;

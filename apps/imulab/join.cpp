@@ -31,6 +31,7 @@ void join(const Options& o) {
   if (!o.report.empty()) own.insert(own.end(), {"--report", o.report});
   if (o.json) own.emplace_back("--json");
   if (o.verbose) own.emplace_back("--verbose");
+  if (replaces_files()) own.emplace_back("--force");
   join_parts(std::move(words), own, o.parts);
 }
 

@@ -140,7 +140,6 @@ void add_live(Verb& app) {
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
       .writes();
   verb.option("--save FILE", o->save, "a file for what was streamed, as it came").writes();
-  verb.option("--force", o->force, "replace these files if there are any");
   verb.option("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");
   verb.does = [o] { run_live(*o); };

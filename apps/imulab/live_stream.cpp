@@ -60,18 +60,8 @@ void LiveCopy::write(std::string_view bytes) {
     throw Error(fmt::format("--save {}: cannot be written: {}", name_, std::strerror(errno)));
 }
 
-namespace {
-
-const LiveOptions& with_free_outputs(const LiveOptions& options) {
-  expect_free("-o", options.output, options.force);
-  expect_free("--save", options.save, options.force);
-  return options;
-}
-
-}  // namespace
-
 LiveStream::LiveStream(const LiveOptions& options, const RecordingSource& source)
-    : input(with_free_outputs(options).input),
+    : input(options.input),
       copy(options.save),
       ctrl_c(input.descriptor()),
       rows(

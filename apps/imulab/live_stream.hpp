@@ -20,7 +20,7 @@ struct LiveOptions {
   std::string input, session, recording, output, save, method = "handheld";
   std::optional<std::string> require;
   std::optional<double> rest;
-  bool force = false, json = false;
+  bool json = false;
 };
 
 /// Ends the stream at Ctrl-C, as if the last row had come.

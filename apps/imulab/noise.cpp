@@ -42,7 +42,6 @@ Answer without_log(const NoiseVerbOptions& o) {
 }
 
 void run(const NoiseVerbOptions& o) {
-  expect_free("-o", o.output, o.force);
   if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
   if (o.recordings.empty()) return write_and_show(without_log(o), o);
   if (o.datasheet) {

@@ -69,7 +69,6 @@ void run(const CalibrateOptions& o) {
   std::vector<std::string> paths{o.session};
   paths.insert(paths.end(), o.more.begin(), o.more.end());
   Session session = open_sessions(recordings_named(paths), {o.declarations, o.topics});
-  expect_free("-o", o.output, o.force);
   expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(

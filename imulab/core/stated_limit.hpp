@@ -1,6 +1,7 @@
 // A limit on a figure as people state it: "gyro.N <= 0.1 deg/sqrt(h)", "CEP <= 200 m at 600 s".
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,9 @@ struct StatedLimit {
   std::string unit;            ///< "m"; empty where none was given
   std::optional<double> at_s;  ///< from the begin on; absent: at the end
 };
+
+/// Returns true if the comma at `at` is in a number, as in "0,5".
+bool is_decimal_comma(std::string_view text, std::size_t at);
 
 /// "CEP <= 200 m at 600 s"
 std::string to_string(const StatedLimit& limit);
@@ -37,8 +41,8 @@ struct FoundFigure {
   double limit;       ///< SI
 };
 
-/// The figure that a limit is on, by its name (capitals and blanks do not count) and its unit. Throws Error that names the nearest, and all that are
-/// possible.
+/// The figure that a limit is on, by its name (capitals and blanks do not count) and its unit, or another of the same dimension. Throws Error that
+/// names the nearest, and all that are possible.
 FoundFigure find_figure(const StatedLimit& limit, const std::vector<StatedFigure>& figures);
 
 }  // namespace imulab

@@ -30,6 +30,14 @@ TEST(StatedLimit, AUnitTellsFiguresOfOneName) {
   EXPECT_EQ(found_in_test("95% <= 7 m at 600 s").index, 2u);
 }
 
+TEST(StatedLimit, AnotherUnitOfTheDimensionCounts) {
+  EXPECT_DOUBLE_EQ(found_in_test("CEP <= 10 ft").limit, 3.048);
+  EXPECT_EQ(found_in_test("CEP ≤ 50 cm").limit, 0.5);
+  EXPECT_EQ(refusal_in_test("CEP <= 1 deg"), "CEP <= 1 deg: \"deg\" is no unit of CEP; expected one of m, nmi, nmi/h");
+  EXPECT_THAT(refusal_in_test("CEP <= 0,5 m"), HasSubstr("CEP <= 0,5 m: has a decimal comma; expected a point"));
+  EXPECT_EQ(parse_limits("a <= 3 m/s^2,95 % <= 5 m,b <= 2 m", "", "").size(), 3u) << "a power is no number";
+}
+
 TEST(StatedLimit, NamesTheNearestAndAllThatIsPossible) {
   EXPECT_EQ(refusal_in_test("CEPP <= 1 m"), "CEPP: no figure of this result; did you mean CEP?");
   EXPECT_EQ(refusal_in_test("CEP <= 1 nm/h"), "CEP <= 1 nm/h: \"nm/h\" is no unit of CEP; did you mean nmi/h?");

@@ -139,4 +139,16 @@ std::optional<UnitExpression> parse_unit_expression(std::string_view text) {
   return reader.at_end() ? out : std::nullopt;
 }
 
+std::optional<double> size_of_unit_like(std::string_view text, std::string_view name, double size) {
+  const std::optional<UnitExpression> found = parse_unit_expression(text), known = parse_unit_expression(name);
+  if (!found || !known || !found->has_dimension_of(*known)) return std::nullopt;
+  return size * (found->size / known->size);
+}
+
+bool is_same_unit(std::string_view one, std::string_view other) {
+  constexpr double rounding = 1e-12;
+  const std::optional<double> ratio = size_of_unit_like(one, other, 1);
+  return ratio && std::abs(*ratio - 1) < rounding;
+}
+
 }  // namespace imulab

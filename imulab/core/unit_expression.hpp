@@ -18,4 +18,9 @@ struct UnitExpression {
 /// Returns the unit of a product, quotient, power or root of known units; capitals and blanks do not count. Absent: the text is no such unit.
 std::optional<UnitExpression> parse_unit_expression(std::string_view text);
 
+/// Returns true if both texts are the same unit, as "dps" and "deg/s".
+bool is_same_unit(std::string_view one, std::string_view other);
+/// Returns the size of the unit `text` if it has the dimension of the unit `name`, whose size is `size`: another spelling or a multiple.
+std::optional<double> size_of_unit_like(std::string_view text, std::string_view name, double size);
+
 }  // namespace imulab

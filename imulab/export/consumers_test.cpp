@@ -1,5 +1,5 @@
 // The noise that consumers make of their files: each one's equation, as in its source, adds N^2 T to the variance of angle and velocity over a time
-// T, and K^2 T to that of a bias. The calibration that DLIO and Fusion apply is that of `compensate`, as far as they hold it.
+// T, and K^2 T to that of a bias.
 #include "imulab/error.hpp"
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/export/loss.hpp"
@@ -12,7 +12,6 @@
 #include "tests/export_unit.hpp"
 #include <cmath>
 #include <complex>
-#include <regex>
 #include <yaml-cpp/yaml.h>
 
 namespace imulab::export_test {
@@ -37,17 +36,6 @@ YAML::Node noise_yaml(const char* target) {
   std::string text = noise_file(target);
   if (text.starts_with("%YAML:1.0")) text[0] = '#';
   return YAML::Load(text);
-}
-
-std::vector<double> numbers_after(const std::string& text, const std::string& word, std::size_t count) {
-  static const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+]?[0-9]+)?)");
-  const std::size_t at = text.find(word);
-  EXPECT_NE(at, std::string::npos) << word;
-  const std::string rest = text.substr(at + word.size());
-  std::vector<double> out;
-  for (std::sregex_iterator i(rest.begin(), rest.end(), number), end; i != end && out.size() < count; ++i) out.push_back(std::stod(i->str()));
-  EXPECT_EQ(out.size(), count) << word;
-  return out;
 }
 
 /// Variances that a filter states after T.
@@ -123,6 +111,79 @@ TEST(ExportConsumers, FastLio) {
   }
   expect_right(stated, "fast-lio", 1e-10);
   EXPECT_THAT(noise_file("fast-lio"), HasSubstr("DISCRETE values at 200 Hz"));
+}
+
+/// GLIM 1007fec: imu_integration.cpp, squares into GTSAM; odometry_estimation_imu.cpp, a BetweenFactor of imu_bias_noise from scan to scan. Its
+/// config.cpp parses JSON with comments.
+TEST(ExportConsumers, Glim) {
+  const nlohmann::json y = nlohmann::json::parse(noise_file("glim"), nullptr, true, true)["sensors"];
+  Stated stated = stated_by_gtsam(std::pow(y["imu_acc_noise"].get<double>(), 2), std::pow(y["imu_gyro_noise"].get<double>(), 2), 0, 0);
+  constexpr double scans = 10 * T;  // 10 Hz
+  stated.accel_bias = scans * std::pow(y["imu_bias_noise"].get<double>(), 2);
+  stated.gyro_bias = gyro_K * gyro_K * T;  // one number holds the larger walk alone
+  expect_right(stated, "glim", 1e-10);
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  EXPECT_THAT(export_target("glim").warnings({c, &noise}), testing::ElementsAre(HasSubstr("the biases of the gyros change 19 times as fast")));
+}
+
+/// KF-GINS f39bc2e: kf_gins.cpp, units of loadConfig; gi_engine.cpp, Qc with 2 std^2 / corr_time, Phi = 1 + F dt, Qd = (Phi Q Phi^T + Q) dt / 2.
+TEST(ExportConsumers, KfGins) {
+  const YAML::Node y = noise_yaml("kf-gins"), n = y["imunoise"];
+  constexpr double D2R = M_PI / 180;
+  const double corr_time = n["corrtime"].as<double>() * 3600;
+  const ImuNoise noise = some_noise();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto value = [&](const char* key) { return n[key].as<std::vector<double>>().at(i); };
+    const double arw = value("arw") * D2R / 60, vrw = value("vrw") / 60, gbstd = value("gbstd") * D2R / 3600, abstd = value("abstd") * 1e-5;
+    Stated stated;
+    const auto propagate = [](double& variance, double Qc, double decay) {
+      const double Phi = 1 - decay * dt, Qd = (Phi * Qc * Phi + Qc) * dt / 2;
+      variance = Phi * variance * Phi + Qd;
+    };
+    for (int k = 0; k < steps; ++k) {
+      propagate(stated.angle, arw * arw, 0), propagate(stated.velocity, vrw * vrw, 0);
+      propagate(stated.gyro_bias, 2 / corr_time * gbstd * gbstd, 1 / corr_time);
+      propagate(stated.accel_bias, 2 / corr_time * abstd * abstd, 1 / corr_time);
+    }
+    const double K_g = noise.gyro[i]->K.determined ? noise.gyro[i]->K.value : noise.gyro[i]->K.upper;
+    EXPECT_NEAR(stated.angle / (std::pow(noise.gyro[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(stated.velocity / (std::pow(noise.accel[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(stated.gyro_bias / (K_g * K_g * T), 1, 2 * T / corr_time) << "the process decays";
+    EXPECT_NEAR(stated.accel_bias / (std::pow(noise.accel[i]->K.value, 2) * T), 1, 2 * T / corr_time);
+    for (const char* key : {"initgyrbias", "initaccbias", "initgyrscale", "initaccscale"})
+      EXPECT_EQ(y[key].as<std::vector<double>>().at(i), 0) << key;
+    EXPECT_DOUBLE_EQ(value("gsstd"), 10000) << "of grade mems: this calibration has no uncertainties";
+  }
+}
+
+/// insEKF, as its documentation has it: a reading is fused with the covariance of a sample, here summed as the increments of T; the bias's variance
+/// grows by AdditiveProcessNoise per second.
+TEST(ExportConsumers, MatlabFusesTheNoise) {
+  const std::string text = noise_file("matlab-ins");
+  const ImuNoise noise = some_noise();
+  const auto white = numbers_after(text, "measurementNoise.GyroscopeNoise = [", 3),
+             walk = numbers_after(text, "filter.AdditiveProcessNoise(states.Accelerometer_Bias, states.Accelerometer_Bias) = diag([", 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(white[i] * dt * dt * steps / (std::pow(noise.gyro[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(walk[i] / std::pow(noise.accel[i]->K.value, 2), 1, 1e-10);
+  }
+}
+
+/// depthai-core ca7d6dea1: BasaltVIO.cpp, the root of each number; basalt-headers, calibration.hpp: times the root of the rate; preintegration.h: a
+/// sample's covariance times dt^2.
+TEST(ExportConsumers, Oak) {
+  const std::string text = noise_file("oak");
+  const ImuNoise noise = some_noise();
+  const auto accel = numbers_after(text, "vio.setAccelNoiseStd([", 3), gyro = numbers_after(text, "vio.setGyroNoiseStd([", 3);
+  EXPECT_THAT(text, HasSubstr("vio.setImuUpdateRate(200)"));
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double accel_d = std::sqrt(accel[i]) * std::sqrt(rate_hz), gyro_d = std::sqrt(gyro[i]) * std::sqrt(rate_hz);
+    EXPECT_NEAR(steps * dt * dt * accel_d * accel_d / (std::pow(noise.accel[i]->N.value, 2) * T), 1, 1e-10);
+    EXPECT_NEAR(steps * dt * dt * gyro_d * gyro_d / (std::pow(noise.gyro[i]->N.value, 2) * T), 1, 1e-10);
+  }
+  const Calibration c = si_unit();
+  EXPECT_THAT(export_target("oak").left_out({c, &noise}), testing::Contains(HasSubstr("accelerometers' K, random walk")));
 }
 
 /// gz-sensors, GaussianNoiseModel.cc: b = exp(-dt / tau) b + N(0, sqrt(-s^2 tau / 2 expm1(-2 dt / tau))).

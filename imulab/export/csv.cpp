@@ -64,7 +64,7 @@ std::string noise_rows(const NoiseValues& n) {
        {std::tuple{"noise.accel.N", &n.accel_N, "m/s^2/sqrt(Hz)"}, std::tuple{"noise.accel.K", &n.accel_K, "m/s^3/sqrt(Hz)"},
         std::tuple{"noise.gyro.N", &n.gyro_N, "rad/s/sqrt(Hz)"}, std::tuple{"noise.gyro.K", &n.gyro_K, "rad/s^2/sqrt(Hz)"}}) {
     text += fmt::format("# {}: {}\n", name, value->comment);
-    text += fmt::format("{},{},,{}\n", name, exact_number(value->value), unit);
+    if (!value->missing) text += fmt::format("{},{},,{}\n", name, exact_number(value->value), unit);
   }
   return text;
 }

@@ -15,8 +15,7 @@ std::string fast_lio_text(const ExportInput& input) {
       fmt::format("Holds: variances of a sample, DISCRETE values at {:g} Hz: N^2 rate and K^2 rate. At another rate they are others.", rate_hz),
       "The code multiplies each of them by dt^2 in a step, the biases' too.", "Correct the readings with `imulab compensate` before."};
   const auto line = [&](const char* key, const NoiseValue& density, const char* unit, const char* density_unit) {
-    return fmt::format("  {}: {}  # {}; densities [{}]: {}\n", key, exact_number(density.value * density.value * rate_hz), unit, density_unit,
-                       density.comment);
+    return noise_line(fmt::format("  {}", key), density.value * density.value * rate_hz, density, unit, density_unit);
   };
   return noise_head(input, "FAST-LIO2", facts, n) + "mapping:\n" + line("acc_cov", n.accel_N, "(m/s^2)^2", "m/s^2/sqrt(Hz)") +
          line("gyr_cov", n.gyro_N, "(rad/s)^2", "rad/s/sqrt(Hz)") + line("b_acc_cov", n.accel_K, "(m/s^3)^2", "m/s^3/sqrt(Hz)") +

@@ -17,6 +17,7 @@ namespace {
 constexpr double walk_time_s = 1e5;
 
 std::string triad_element(const char* element, const NoiseValue& N, const NoiseValue& K, double rate_hz) {
+  if (N.missing) return {};  // the head says so
   const std::array<double, 3> white = each_axis(N), walk = each_axis(K);
   std::string out = fmt::format("  <{}>\n", element);
   for (std::size_t i = 0; i < 3; ++i)

@@ -12,8 +12,10 @@ namespace {
 
 std::string covariance_call(const char* setter, const NoiseValue& density, const char* unit) {
   const std::array<double, 3> d = each_axis(density);
-  return fmt::format("  params.{}(gtsam::Vector3({}, {}, {}).asDiagonal());  // {}; densities: {}\n", setter, exact_number(d[0] * d[0]),
-                     exact_number(d[1] * d[1]), exact_number(d[2] * d[2]), unit, density.comment);
+  return triad_text(density,
+                    fmt::format("  params.{}(gtsam::Vector3({}, {}, {}).asDiagonal());  // {}; densities: {}\n", setter, exact_number(d[0] * d[0]),
+                                exact_number(d[1] * d[1]), exact_number(d[2] * d[2]), unit, density.comment),
+                    fmt::format("  // {}", setter));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/noise/data_sheet.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,12 +43,12 @@ MatrixJson recorded_json(const std::optional<RecordedAs>& recorded) {
 
 MatrixJson finite_json(double value) { return std::isfinite(value) ? MatrixJson(value) : MatrixJson(nullptr); }
 
-MatrixJson coefficient_json(const NoiseCoefficient& c) {
+MatrixJson coefficient_json(const NoiseCoefficient& c, bool assumed = false) {
   return {{"value", finite_json(c.value)},
           {"standard_uncertainty", finite_json(c.standard_uncertainty)},
           {"interval", {finite_json(c.lower), finite_json(c.upper)}},
           {"determined", c.determined},
-          {"bounded", c.bounded}};
+          {c.bounded && assumed ? "assumed" : "bounded", c.bounded}};
 }
 
 /// Every term of every axis, null for an axis without noise.
@@ -59,7 +60,7 @@ MatrixJson axes_json(const std::array<std::optional<NoiseCoefficients>, 3>& axes
       continue;
     }
     MatrixJson terms = MatrixJson::object();
-    for (const NoiseTerm& term : noise_terms()) terms[term.name] = coefficient_json((*axis).*(term.coefficient));
+    for (const NoiseTerm& term : noise_terms()) terms[term.name] = coefficient_json((*axis).*(term.coefficient), has_assumed_bounds(*axis));
     terms["markov"] = MatrixJson::array();
     for (const MarkovTerm& m : axis->markov)
       terms["markov"].push_back(MatrixJson{{"sigma", coefficient_json(m.sigma)}, {"time_s", coefficient_json(m.time)}});
@@ -69,6 +70,7 @@ MatrixJson axes_json(const std::array<std::optional<NoiseCoefficients>, 3>& axes
 }
 
 MatrixJson noise_json(const NoiseValue& v) {
+  if (v.missing) return nullptr;
   MatrixJson axes = MatrixJson::array();
   for (const double axis : v.axes) axes.push_back(std::isfinite(axis) ? MatrixJson(axis) : MatrixJson(nullptr));
   return {{"value", v.value}, {"axes", axes}, {"comment", v.comment}};

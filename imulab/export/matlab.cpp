@@ -19,9 +19,11 @@ std::string property(const char* name, const NoiseValue& value, const char* unit
 }
 
 std::string parameters(const char* triad, const char* function, const NoiseValue& N, const NoiseValue& B, const NoiseValue& K, const char* unit) {
-  return fmt::format("imu.{} = {}( ...\n", triad, function) + property("NoiseDensity", N, fmt::format("({})/sqrt(Hz)", unit).c_str()) +
-         property("BiasInstability", B, unit) + property("RandomWalk", K, fmt::format("({})*sqrt(Hz)", unit).c_str()) +
-         fmt::format("    'BiasInstabilityCoefficients', fractalcoef({}), ...\n    'NoiseType', 'single-sided');\n", flicker_poles);
+  return triad_text(N,
+                    fmt::format("imu.{} = {}( ...\n", triad, function) + property("NoiseDensity", N, fmt::format("({})/sqrt(Hz)", unit).c_str()) +
+                        property("BiasInstability", B, unit) + property("RandomWalk", K, fmt::format("({})*sqrt(Hz)", unit).c_str()) +
+                        fmt::format("    'BiasInstabilityCoefficients', fractalcoef({}), ...\n    'NoiseType', 'single-sided');\n", flicker_poles),
+                    fmt::format("% imu.{}", triad));
 }
 
 }  // namespace

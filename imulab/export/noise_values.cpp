@@ -55,6 +55,11 @@ NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients
   return out;
 }
 
+NoiseValue missing_value(bool gyro) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  return {.axes = {none, none, none}, .comment = gyro ? "the noise has no gyros" : "the noise has no accelerometers", .missing = true};
+}
+
 std::string term_values(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which) {
   std::string text;
   bool any = false;
@@ -140,8 +145,11 @@ NoiseValues of_rests(const ExportInput& input, const RestNoise& rests) {
   return out;
 }
 
-/// The consequences of noise that is that of the calibration's rests. Empty where a log is given.
+/// The consequences of a triad that the noise lacks, or of noise that is that of the calibration's rests. Empty where a log of both triads is given.
 Sentences assumed_noise(const ExportInput& input, bool holds_random_walk) {
+  if (const ImuNoise* n = input.noise; n != nullptr && (n->gyro_unit.empty() || n->accel_unit.empty()))
+    return {fmt::format("the noise has no {0}: the file has no values of the {0}, and the program's own defaults count",
+                        n->gyro_unit.empty() ? "gyros" : "accelerometers")};
   if (input.noise != nullptr || !input.calibration.rest_noise) return {};
   const std::string white =
       "no noise.json was given: the white noise is that of the calibration's rests, with the vibration of the place, if there was any; ";
@@ -243,15 +251,15 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
                 " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
                 "-o noise.json`");
   const ImuNoise n = input.options.bound ? with_bounds(*input.noise, input.options) : *input.noise;
-  if (n.accel_unit.empty() || n.gyro_unit.empty())
-    throw Error(fmt::format("noise: has no {}; expected the noise of both triads", n.gyro_unit.empty() ? "gyros" : "accelerometers"));
-  if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
+  const bool accel = !n.accel_unit.empty(), gyro = !n.gyro_unit.empty();
+  if ((accel && n.accel_unit != "m/s^2") || (gyro && n.gyro_unit != "rad/s"))
+    throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
   NoiseValues out;
   const AxisChoice choice = input.options.axes;
-  out.accel_N = noise_value(n.accel, &NoiseCoefficients::N, "accelerometers' N", choice, n.from_data_sheet);
-  out.accel_K = noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice, n.from_data_sheet);
-  out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice, n.from_data_sheet);
-  out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice, n.from_data_sheet);
+  out.accel_N = accel ? noise_value(n.accel, &NoiseCoefficients::N, "accelerometers' N", choice, n.from_data_sheet) : missing_value(false);
+  out.accel_K = accel ? noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice, n.from_data_sheet) : missing_value(false);
+  out.gyro_N = gyro ? noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice, n.from_data_sheet) : missing_value(true);
+  out.gyro_K = gyro ? noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice, n.from_data_sheet) : missing_value(true);
   out.stream_rate_hz = stream_rate(input, n.interval_s);
   out.facts.push_back(source_fact(n));
   if (input.options.bound)
@@ -276,6 +284,7 @@ double NoiseValues::rate_hz() const {
 NoiseValue bias_instability(const ExportInput& input, bool gyro) {
   if (input.noise == nullptr) return {.comment = "NOT MEASURED without a noise log"};
   const ImuNoise& n = *input.noise;
+  if ((gyro ? n.gyro_unit : n.accel_unit).empty()) return missing_value(gyro);
   for (const auto& axis : gyro ? n.gyro : n.accel)
     if (const NoiseCoefficient* B = axis ? &axis->B : nullptr; B != nullptr && !B->determined && !(std::isfinite(B->upper) && B->upper > 0))
       return {.comment = "NOT MEASURED: the noise log has neither a value nor a bound"};
@@ -301,8 +310,17 @@ std::string noise_head(const ExportInput& input, std::string_view program, Sente
   return in_comments(mark, comment_head(input, program, facts, all_but_noise_left_out(input, held)));
 }
 
+std::string triad_text(const NoiseValue& value, const std::string& text, std::string_view mark) {
+  return value.missing ? fmt::format("{} NOT WRITTEN: {}\n", mark, value.comment) : text;
+}
+
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit) {
-  return fmt::format("{}: {}  # {}; {}\n", key, exact_number(value.value), unit, value.comment);
+  return triad_text(value, fmt::format("{}: {}  # {}; {}\n", key, exact_number(value.value), unit, value.comment), "# " + key);
+}
+
+std::string noise_line(const std::string& key, double number, const NoiseValue& densities, const char* unit, const char* density_unit) {
+  return triad_text(densities, fmt::format("{}: {}  # {}; densities [{}]: {}\n", key, exact_number(number), unit, density_unit, densities.comment),
+                    "# " + key);
 }
 
 }  // namespace imulab::export_io

@@ -20,6 +20,7 @@ struct NoiseValue {
   double value = 0;              ///< of the axis chosen, or the mean
   std::array<double, 3> axes{};  ///< NaN: the axis has no noise
   std::string comment;           ///< the axes' values, and which are bounds
+  bool missing = false;          ///< the noise has no such triad
 };
 
 struct NoiseValues {
@@ -32,8 +33,8 @@ struct NoiseValues {
 };
 
 /// Without a noise log, the white noise of the calibration's rests, and `assumed_walk` times it for the random walk, which short rests do not show.
-/// Throws Error where there is neither (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has
-/// neither value nor bound.
+/// A triad that the noise lacks is `missing`. Throws Error where there is neither (`program` needs it: the message says to give --noise), where it is
+/// in counts, or where a coefficient has neither value nor bound.
 NoiseValues noise_values(const ExportInput& input, const std::string& program);
 
 /// The same for a target that has numbers for each axis: the facts are without the axis chosen.
@@ -61,7 +62,12 @@ std::vector<std::string> noise_left_out(const ExportInput& input, std::string_vi
 std::string noise_head(const ExportInput& input, std::string_view program, std::vector<std::string> facts, const NoiseValues& noise,
                        std::string_view mark = "#", std::string_view held = "NK");
 
-/// "KEY: VALUE  # UNIT; the axes' values" as a line of YAML.
+/// The text of a triad's values, or a comment in its place that says that they are missing.
+std::string triad_text(const NoiseValue& value, const std::string& text, std::string_view mark = "#");
+
+/// "KEY: VALUE  # UNIT; the axes' values" as a line of YAML, or a comment where the triad is missing.
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit);
+/// The same of a number made from densities in `density_unit`.
+std::string noise_line(const std::string& key, double number, const NoiseValue& densities, const char* unit, const char* density_unit);
 
 }  // namespace imulab::export_io

@@ -19,8 +19,10 @@ namespace {
 std::string ros_covariance(const char* key, const NoiseValue& N, double rate_hz, const char* unit) {
   std::array<double, 3> variance = each_axis(N);
   for (double& axis : variance) axis *= axis * rate_hz;
-  return fmt::format("{}: [{}, 0.0, 0.0, 0.0, {}, 0.0, 0.0, 0.0, {}]  # {}; densities: {}\n", key, exact_number(variance[0]),
-                     exact_number(variance[1]), exact_number(variance[2]), unit, N.comment);
+  return triad_text(N,
+                    fmt::format("{}: [{}, 0.0, 0.0, 0.0, {}, 0.0, 0.0, 0.0, {}]  # {}; densities: {}\n", key, exact_number(variance[0]),
+                                exact_number(variance[1]), exact_number(variance[2]), unit, N.comment),
+                    fmt::format("# {}", key));
 }
 
 }  // namespace
@@ -76,6 +78,7 @@ RateError rate_error(const ExportInput& input, const NoiseValues& n) {
 
 std::string ros_filter_text(const ExportInput& input) {
   const NoiseValues n = noise_values(input, "imu_filter");
+  if (n.gyro_N.missing) throw Error("imu_filter: needs the gyros' noise, and the noise has none; expected a log of the gyros");
   const RateError error = rate_error(input, n);
   const double gain = std::sqrt(0.75) * error.sum(), change = std::sqrt(2.0) * error.white;
   if (!(gain <= largest_gain))

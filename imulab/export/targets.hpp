@@ -25,7 +25,12 @@ std::string orb_slam3_text(const ExportInput& input);
 std::string lio_sam_text(const ExportInput& input);
 std::string fast_lio_text(const ExportInput& input);
 std::string gazebo_text(const ExportInput& input);
+std::string glim_text(const ExportInput& input);
+std::string kf_gins_text(const ExportInput& input);
+std::string oak_text(const ExportInput& input);
 std::string matlab_text(const ExportInput& input);
+std::string matlab_ins_text(const ExportInput& input);
+std::string realsense_text(const ExportInput& input);
 std::string dlio_text(const ExportInput& input);
 std::string fusion_text(const ExportInput& input);
 std::string filter_text(const ExportInput& input);
@@ -40,7 +45,8 @@ Sentences left_out_of_filter(const ExportInput& input);
 Sentences left_out_of_matlab(const ExportInput& input);       ///< which also has B
 Sentences left_out_of_dlio(const ExportInput& input);
 Sentences left_out_of_fusion(const ExportInput& input);
-Sentences left_out_of_ros(const ExportInput& input);  ///< also of the filters' parameters
+Sentences left_out_of_ros(const ExportInput& input);  ///< of files with N alone
+Sentences left_out_of_realsense(const ExportInput& input);
 Sentences left_out_of_px4(const ExportInput& input);
 Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);
@@ -48,6 +54,8 @@ Sentences left_out_of_matrices(const ExportInput& input);  ///< json-matrix, csv
 
 Sentences warnings_of_walk(const ExportInput& input);   ///< of targets with white noise and random walk
 Sentences warnings_of_white(const ExportInput& input);  ///< of those with white noise alone
+
+Sentences warnings_of_glim(const ExportInput& input);
 
 Sentences px4_warnings(const ExportInput& input);
 Sentences ardupilot_warnings(const ExportInput& input);

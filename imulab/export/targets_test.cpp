@@ -86,7 +86,8 @@ TEST(ExportTargets, NumbersAreNumbersInYaml11) {
   const Calibration c = si_unit();
   const ImuNoise noise = some_noise();
   const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+][0-9]+)?)"), token(R"([-+]?[0-9][-+.0-9e]*)");
-  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "orb-slam3", "lio-sam", "fast-lio"}) {
+  for (const char* target :
+       {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "orb-slam3", "lio-sam", "fast-lio", "kf-gins"}) {
     std::istringstream lines(exported(target, {c, &noise}));
     int numbers = 0;
     for (std::string line; std::getline(lines, line);) {

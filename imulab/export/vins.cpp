@@ -27,7 +27,7 @@ std::string vins_text(const ExportInput& input) {
           : "acc_n, gyr_n are the standard deviation of a sample; the code's covariance of velocity and angle is then half the right one.",
       "Correct the readings with `imulab compensate` before: no key holds a matrix."};
   const auto line = [](const char* key, const NoiseValue& value, double factor, const char* unit, const char* density) {
-    return fmt::format("{}: {}  # {}; densities [{}]: {}\n", key, exact_number(value.value * factor), unit, density, value.comment);
+    return noise_line(key, value.value * factor, value, unit, density);
   };
   return "%YAML:1.0\n" + noise_head(input, "VINS-Fusion and VINS-Mono", facts, n) + line("acc_n", n.accel_N, white, "m/s^2", "m/s^2/sqrt(Hz)") +
          line("gyr_n", n.gyro_N, white, "rad/s", "rad/s/sqrt(Hz)") + line("acc_w", n.accel_K, root_rate, "m/s^3", "m/s^3/sqrt(Hz)") +

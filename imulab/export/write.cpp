@@ -1,6 +1,7 @@
 #include "imulab/export/write.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/export/loss.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,6 +19,12 @@ std::string with_point(std::string text) {
   const std::size_t exponent = text.find('e');
   text.insert(exponent == std::string::npos ? text.size() : exponent, ".0");
   return text;
+}
+
+/// Returns true for the calibration `none`, which changes nothing and has no origin.
+bool is_noise_alone(const ExportInput& input) {
+  const Calibration& c = input.calibration;
+  return input.noise != nullptr && c.method.empty() && c.created.empty() && c.imu.empty() && c.estimated.empty() && losses(c.model, {}).empty();
 }
 
 }  // namespace
@@ -79,14 +86,17 @@ std::string comment_head(const ExportInput& input, std::string_view program, con
                          const std::vector<std::string>& lost) {
   const Calibration& c = input.calibration;
   std::string text =
-      fmt::format("# {}for {}.\n# Written by {}.\n#\n", calibration_of_text(c), program, plain(c.software.empty() ? "imulab" : c.software));
+      fmt::format("# {}for {}.\n# Written by {}.\n#\n", is_noise_alone(input) ? "Noise of an IMU without a calibration, " : calibration_of_text(c),
+                  program, plain(c.software.empty() ? "imulab" : c.software));
   for (const std::string& fact : facts) text += "# " + fact + "\n";
   const std::vector<std::string> undetermined = not_determined(c);
   if (!undetermined.empty()) text += "# NOT DETERMINED by the data, starting values that compensate nothing:\n";
   for (std::size_t i = 0; i < undetermined.size(); i += 5)
     text += fmt::format("#   {}\n", fmt::join(undetermined.begin() + static_cast<std::ptrdiff_t>(i),
                                               undetermined.begin() + static_cast<std::ptrdiff_t>(std::min(i + 5, undetermined.size())), ", "));
-  text += lost.empty() ? "# Nothing of this calibration is lost.\n" : "# Not held by this file, with its largest effect for this calibration:\n";
+  text += lost.empty()            ? "# Nothing is left out.\n"
+          : is_noise_alone(input) ? "# Not held by this file:\n"
+                                  : "# Not held by this file, with its largest effect for this calibration:\n";
   for (const std::string& sentence : lost) text += "# - " + sentence + "\n";
   return text + "#\n";
 }

@@ -232,15 +232,12 @@ void declare_unit(const Declarations& declared, const std::string& triad, UnitGu
   const std::string* unit = find(declared, triad + ".unit");
   if (unit == nullptr) return;
   const Quantity quantity = triad == "gyro" ? Quantity::gyro : Quantity::accel;
-  const auto has = [&](bool increment) {
-    const auto names = unit_names(quantity, increment);
-    return std::find(names.begin(), names.end(), *unit) != names.end();
-  };
-  if (!has(false) && !has(true))
+  const std::string_view of_rate = unit_name(*unit, quantity, false), of_increment = unit_name(*unit, quantity, true);
+  if (of_rate.empty() && of_increment.empty())
     throw Error(fmt::format("{}.unit = {}: is no unit of these readings; expected one of {} or of {}", triad, *unit,
                             fmt::join(unit_names(quantity, false), ", "), fmt::join(unit_names(quantity, true), ", ")));
-  if (!find(declared, triad + ".output")) guess.output = has(false) ? Output::rate : Output::increment;
-  guess.unit = *unit;
+  if (!find(declared, triad + ".output")) guess.output = !of_rate.empty() ? Output::rate : Output::increment;
+  guess.unit = !of_rate.empty() ? of_rate : of_increment;
   guess.evidence = fmt::format("{}, as declared", *unit);
   guess.open = {};
 }

@@ -1,6 +1,7 @@
 #include "imulab/calibration.hpp"
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/core/stated_limit.hpp"
+#include "imulab/core/unit_expression.hpp"
 #include "imulab/error.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
@@ -15,18 +16,27 @@ namespace imulab {
 
 namespace {
 
+/// A usual unit, and the size of the one that is stated, which may be a multiple of it.
+struct RequiredUnit {
+  UserUnit unit;
+  double size;
+};
+
 /// Returns the unit of this name if all coefficients can have it: a group may contain scales and misalignments. `stated`: text of the requirement.
-UserUnit required_unit(const Requirement& requirement, const std::string& stated, std::string_view name) {
+RequiredUnit required_unit(const Requirement& requirement, const std::string& stated, std::string_view name) {
   const auto has = [](CoefficientIndex index, std::string_view unit) {
     const auto units = user_units(coefficient(index));
     return std::any_of(units.begin(), units.end(), [&](const UserUnit& u) { return u.name == unit; });
   };
   std::vector<std::string> names;
+  std::optional<RequiredUnit> other;  // another spelling or a multiple
   for (const UserUnit& u : user_units(coefficient(requirement.coefficients.front()))) {
     if (!std::all_of(requirement.coefficients.begin(), requirement.coefficients.end(), [&](CoefficientIndex i) { return has(i, u.name); })) continue;
-    if (u.name == name) return u;
+    if (u.name == name) return {u, u.size};
+    if (const auto size = size_of_unit_like(name, u.name, u.size); size && (!other || is_same_unit(name, u.name))) other = {u, *size};
     names.emplace_back(u.name);
   }
+  if (other) return *other;
   if (name.empty()) throw Error(fmt::format("{}: no unit after the number; expected one of {}", stated, fmt::join(names, ", ")));
   throw Error(fmt::format("{}: \"{}\" is no unit of {}{}", stated, name, requirement.selector, expected_name(name, names)));
 }
@@ -44,8 +54,9 @@ Requirement requirement_of(const StatedLimit& stated) {
   for (const CoefficientIndex index : out.coefficients)
     if (!can_be_required(index)) throw Error(fmt::format("{}: {}", out.selector, cannot_be_required));
   if (stated.at_s) throw Error(to_string(stated) + ": a coefficient has no time; expected the number and its unit alone");
-  out.unit = required_unit(out, to_string(stated), stated.unit);
-  out.limit = stated.number * out.unit.size;
+  const RequiredUnit unit = required_unit(out, to_string(stated), stated.unit);
+  out.unit = unit.unit;
+  out.limit = stated.number * unit.size;
   return out;
 }
 

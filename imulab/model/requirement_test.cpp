@@ -29,6 +29,16 @@ TEST(Requirement, IsReadInUserUnits) {
   EXPECT_EQ(r[3].coefficients, std::vector{coefficient_index("gyro.offset.z")});
 }
 
+TEST(Requirement, TakesOtherSpellingsOfUnits) {
+  const auto r = parse_requirements("accel.offset <= 5 mGal, gyro.offset <= 2 °/h, gyro.matrix.off_diagonal <= 0.1 mrad, accel.offset.x <= 20 µg");
+  EXPECT_DOUBLE_EQ(r[0].limit, 5e-5);
+  EXPECT_DOUBLE_EQ(r[1].limit, 2 * unit::deg_per_h);
+  EXPECT_EQ(r[1].unit.name, "deg/h");
+  EXPECT_DOUBLE_EQ(r[2].limit, 1e-4);
+  EXPECT_DOUBLE_EQ(r[3].limit, 20 * unit::ug);
+  EXPECT_EQ(to_string(r[3]), "accel.offset.x <= 20 ug");
+}
+
 TEST(Requirement, BadTextIsRefused) {
   for (const auto& [text, message] : std::vector<std::pair<const char*, const char*>>{
            {"", "\"\": expected COEFFICIENTS <= NUMBER UNIT, as in \"gyro.matrix.off_diagonal <= 5 arcsec\""},

@@ -1,11 +1,13 @@
 #include "imulab/noise/data_sheet.hpp"
 
+#include "imulab/core/text.hpp"
 #include "imulab/error.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -158,6 +160,49 @@ std::vector<SheetComparison> compare_with_sheet(const NoiseAnalysis& log, const 
     if (stability != nullptr && allan && !axis.deviation.empty()) out.push_back(measured_stability(axis, stability->value));
   }
   return out;
+}
+
+std::string meant_noise_key(std::string_view name) {
+  const std::string words = lowered(name), first = words.substr(0, words.find_first_of(" ._-"));
+  std::string_view triad;
+  if (first == "gyro" || first == "gyros" || first == "gyroscope" || first == "gyroscopes" || first == "gyr") triad = "gyro";
+  if (first == "accel" || first == "acc" || first == "accelerometer" || first == "accelerometers") triad = "accel";
+  std::string letters;
+  for (const char c : triad.empty() ? words : words.substr(first.size()))
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) letters += c;
+  struct Usual {
+    std::string_view name, key, triad;
+  };
+  static constexpr Usual usual[]{{"arw", "N", "gyro"},
+                                 {"anglerandomwalk", "N", "gyro"},
+                                 {"angularrandomwalk", "N", "gyro"},
+                                 {"vrw", "N", "accel"},
+                                 {"velocityrandomwalk", "N", "accel"},
+                                 {"noise", "N"},
+                                 {"density", "N"},
+                                 {"noisedensity", "N"},
+                                 {"ratenoisedensity", "N", "gyro"},
+                                 {"ratenoisespectraldensity", "N", "gyro"},
+                                 {"whitenoise", "N"},
+                                 {"rmsnoise", "rms"},
+                                 {"totalrmsnoise", "rms"},
+                                 {"outputnoise", "rms"},
+                                 {"biasinstability", "B"},
+                                 {"instability", "B"},
+                                 {"bi", "B"},
+                                 {"stability", "stability"},
+                                 {"bias", "stability"},
+                                 {"biasstability", "stability"},
+                                 {"inrunbias", "stability"},
+                                 {"inrunstability", "stability"},
+                                 {"inrunbiasstability", "stability"},
+                                 {"rrw", "K", "gyro"},
+                                 {"raterandomwalk", "K", "gyro"},
+                                 {"randomwalk", "K"},
+                                 {"biasrandomwalk", "K"}};
+  for (const Usual& one : usual)
+    if (letters == one.name && !(triad.empty() && one.triad.empty())) return fmt::format("{}.{}", triad.empty() ? one.triad : triad, one.key);
+  return "";
 }
 
 bool has_assumed_bounds(const NoiseCoefficients& axis) {

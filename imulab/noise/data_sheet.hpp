@@ -51,6 +51,10 @@ NoiseAnalysis data_sheet_noise(const DataSheet& sheet);
 /// Returns each printed value beside that of the log. The log's stability is the minimum of its Allan deviation. Throws Error for a log in counts.
 std::vector<SheetComparison> compare_with_sheet(const NoiseAnalysis& log, const DataSheet& sheet);
 
+/// Returns the key that was meant by a usual name of a value, "gyro.N" by "gyro.ARW", "VRW" of accelerometers or "gyroscope noise density"; empty:
+/// none.
+std::string meant_noise_key(std::string_view name);
+
 /// Returns true if the bounds of B and K are assumed because the data sheet prints nothing but N of this axis.
 bool has_assumed_bounds(const NoiseCoefficients& axis);
 /// Returns "typical", "maximum", "bounded" or "assumed", of a coefficient of an axis of a data sheet.

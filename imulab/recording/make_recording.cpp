@@ -21,8 +21,9 @@ namespace {
 void check_options(ReadingOptions& triad, Quantity quantity, const std::string& name) {
   const std::vector<std::string_view> known = unit_names(quantity, triad.increment);
   if (triad.unit.empty()) triad.unit = quantity == Quantity::gyro ? (triad.increment ? "rad" : "rad/s") : (triad.increment ? "m/s" : "m/s^2");
-  if (std::find(known.begin(), known.end(), triad.unit) == known.end())
-    throw Error(fmt::format("{}: the unit is \"{}\"; expected one of {}", name, triad.unit, fmt::join(known, ", ")));
+  const std::string_view name_of_unit = unit_name(triad.unit, quantity, triad.increment);
+  if (name_of_unit.empty()) throw Error(fmt::format("{}: the unit is \"{}\"; expected one of {}", name, triad.unit, fmt::join(known, ", ")));
+  triad.unit = name_of_unit;
   if (!(triad.counts_per_unit > 0 && std::isfinite(triad.counts_per_unit)))
     throw Error(fmt::format("{}: {} counts per unit; expected more than 0", name, triad.counts_per_unit));
   if (triad.unit == "count" && triad.counts_per_unit != 1)

@@ -1,5 +1,6 @@
 #include "imulab/recording/unit_names.hpp"
 
+#include "imulab/core/unit_expression.hpp"
 #include "imulab/units.hpp"
 
 #include <algorithm>
@@ -50,6 +51,13 @@ std::vector<std::string_view> unit_names(Quantity quantity, bool increment) {
   for (const Unit& u : units)
     if (u.quantity == quantity && u.output != (increment ? Of::rate : Of::increment)) names.push_back(u.name);
   return names;
+}
+
+std::string_view unit_name(std::string_view text, Quantity quantity, bool increment) {
+  const std::vector<std::string_view> names = unit_names(quantity, increment);
+  auto found = std::find(names.begin(), names.end(), text);
+  if (found == names.end()) found = std::find_if(names.begin(), names.end(), [&](std::string_view name) { return is_same_unit(text, name); });
+  return found == names.end() ? std::string_view() : *found;
 }
 
 double si_factor(std::string_view name) {

@@ -3,6 +3,7 @@
 #include "imulab/core/stated_limit.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/noise/data_sheet.hpp"
 #include "imulab/results/noise.hpp"
 #include "imulab/units.hpp"
 
@@ -78,6 +79,14 @@ void expect_no_noise_time(const StatedLimit& limit) {
   if (limit.at_s) throw Error(to_string(limit) + ": a coefficient has no time; expected the number and its unit alone");
 }
 
+/// find_figure, which also names the key that a usual name such as gyro.ARW means.
+FoundFigure find_noise_figure(const StatedLimit& limit, const std::vector<StatedFigure>& figures) {
+  std::string meant = meant_noise_key(limit.name);
+  if (meant.ends_with(".stability")) meant = meant.substr(0, meant.find('.')) + ".B";
+  if (!meant.empty()) throw Error(fmt::format("{}: no figure of this result; did you mean {}?", limit.name, meant));
+  return find_figure(limit, figures);
+}
+
 /// The largest size that the log admits.
 double largest_size(const NoiseCoefficient& c) { return std::max(std::abs(c.lower), std::abs(c.upper)); }
 
@@ -93,7 +102,7 @@ std::string how_judged(const NoiseCoefficient& c, double limit, double size, con
 
 RequirementResult assessed(const std::vector<NoiseAnalysis>& logs, const StatedLimit& limit, const NoiseFigures& figures) {
   expect_no_noise_time(limit);
-  const FoundFigure found = find_figure(limit, figures.stated);
+  const FoundFigure found = find_noise_figure(limit, figures.stated);
   const auto& [axes, term] = figures.of[found.index];
   RequirementResult out{to_string(limit), figures.stated[found.index].name, found.limit, -1, false};
   for (const NoiseAnalysis& log : logs)
@@ -124,7 +133,7 @@ void expect_noise_limits(std::string_view text) {
   NoiseFigures figures = noise_figures(false, false), counts = noise_figures(true, true);
   for (std::size_t i = 0; i < figures.stated.size(); ++i)
     for (const StatedUnit& unit : counts.stated[i].units) figures.stated[i].units.push_back(unit);
-  for (const StatedLimit& limit : noise_limits(text)) expect_no_noise_time(limit), find_figure(limit, figures.stated);
+  for (const StatedLimit& limit : noise_limits(text)) expect_no_noise_time(limit), find_noise_figure(limit, figures.stated);
 }
 
 }  // namespace imulab

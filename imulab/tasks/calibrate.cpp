@@ -102,7 +102,6 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   report_option(verb, o.report);
   topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
-  verb.option("--force", o.force, "replace the calibration file if there is one").of_command();
   json_option(verb, o.json, "print the calibration file instead of the table");
   verb.option("-v,--verbose", o.verbose, "print also values in SI, what was used, and the tests of optional terms").of_command();
   verb.example("imulab calibrate session --method handheld -o calibration.json");

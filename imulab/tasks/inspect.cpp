@@ -44,7 +44,6 @@ Verb& declare(Verb& command, InspectOptions& o) {
   declarations_option(verb, o.declarations);
   verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
   report_option(verb, o.report);
-  verb.option("--force", o.force, "replace the session if there is one").of_command();
   json_option(verb, o.json);
   verb.example("imulab inspect log.csv -o session.toml");
   verb.example("cat /dev/ttyUSB0 | imulab inspect - --for 30");

@@ -116,7 +116,6 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
       .show_default()
       .of_command();
   verb.option("-o,--output FILE", o.output, "write the result as JSON, with the whole curve").writes().of_command();
-  verb.option("--force", o.force, "replace the file if there is one").of_command();
   json_option(verb, o.json);
   report_option(verb, o.report);
   verb.example("imulab noise night.csv -o noise.json");

@@ -129,7 +129,7 @@ using Tell = std::function<void(const std::string& warning)>;
 /// Options with which the command shows an answer.
 struct ShowOptions {
   std::string output, report;
-  bool json = false, verbose = false, force = false;
+  bool json = false, verbose = false;
 };
 
 /// Options of verbs whose work can be done in parts, and resumed (docs/reference/fleet-store.md).

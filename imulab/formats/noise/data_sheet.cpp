@@ -1,6 +1,7 @@
 #include "imulab/formats/noise/data_sheet.hpp"
 
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/core/stated_limit.hpp"
 #include "imulab/core/text.hpp"
 #include "imulab/core/unit_expression.hpp"
 #include "imulab/error.hpp"
@@ -87,6 +88,8 @@ SheetEntry value_of(std::string_view text, const QuantityRow& row, bool gyro) {
   text = trimmed(text, sheet_blanks);
   for (const std::string_view sign : {"<=", "≤", "<"})
     if (text.starts_with(sign)) out.kind = SheetKind::maximum, text = trimmed(text.substr(sign.size()), sheet_blanks);
+  if (is_decimal_comma(text, text.find(',')))
+    throw Error(fmt::format("\"{}\": has a decimal comma; expected a point, as in 0.0038", text.substr(0, 60)));
   const auto [after, failure] = std::from_chars(text.data(), text.data() + text.size(), out.value);
   if (failure != std::errc() || !(out.value > 0) || !std::isfinite(out.value))
     throw Error(fmt::format("\"{}\": expected a number above 0 and its unit", text.substr(0, 60)));
@@ -135,6 +138,12 @@ std::vector<std::string> all_keys() {
   return out;
 }
 
+/// "; did you mean gyro.N?", or the keys that there are.
+std::string meant_or_nearest(std::string_view key) {
+  const std::string meant = meant_noise_key(key);
+  return meant.empty() ? expected_name(key, all_keys()) : fmt::format("; did you mean {}?", meant);
+}
+
 void add_entry(DataSheet& sheet, const SheetKey& key, std::string_view name, std::string_view value) {
   SheetEntry entry = value_of(value, *key.row, key.gyro);
   entry.axis = key.axis;
@@ -162,7 +171,7 @@ void read_assignment(DataSheet& sheet, std::string_view text) {
     else if (key == "name")
       sheet.name = value;
     else
-      throw Error("is not a value of a data sheet" + expected_name(key, all_keys()));
+      throw Error("is not a value of a data sheet" + meant_or_nearest(key));
   });
 }
 
@@ -192,7 +201,8 @@ void read_axis(text::TomlFields& f, DataSheet& sheet, const std::string& axis) {
 DataSheet parse_data_sheet(std::string_view text) {
   DataSheet out;
   while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(",;\n"), text.size());
+    std::size_t end = std::min(text.find_first_of(",;\n"), text.size());
+    while (is_decimal_comma(text, end)) end = std::min(text.find_first_of(",;\n", end + 1), text.size());
     const std::string_view assignment = trimmed(text.substr(0, end), sheet_blanks);
     if (!assignment.empty()) read_assignment(out, assignment);
     text.remove_prefix(std::min(end + 1, text.size()));
@@ -225,6 +235,9 @@ DataSheet read_data_sheet(const std::string& text_or_file) {
   if (text_or_file.find_first_of("=<") != std::string::npos || text_or_file.find("≤") != std::string::npos) return parse_data_sheet(text_or_file);
   if (trimmed(text_or_file, sheet_blanks).empty()) return parse_data_sheet("");  // which says what is expected
   const MappedFile file(text_or_file, Content::settings);
+  if (trimmed(file.text(), sheet_blanks).starts_with('{'))
+    throw Error(input_name(text_or_file) +
+                ": is JSON; expected TOML with [noise]. A noise.json is what --datasheet writes: give it to `imulab export none --noise`");
   DataSheet out = parse_data_sheet_file(file.text(), input_name(text_or_file));
   if (out.name.empty()) out.name = input_name(text_or_file);
   return out;

@@ -1,6 +1,7 @@
 #include "imulab/formats/text/toml_fields.hpp"
 
 #include "imulab/core/nearest_name.hpp"
+#include "imulab/core/unit_expression.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -210,7 +211,9 @@ void TomlFields::choose(std::string_view key, const std::vector<std::string_view
   if (node == nullptr) return;
   const auto word = node->value_exact<std::string>();
   if (!word) node_->fail(*node, key, fmt::format("{}; expected one of {}", Node::kind_of(*node), listed(names)));
-  const auto found = std::find(names.begin(), names.end(), *word);
+  auto found = std::find(names.begin(), names.end(), *word);
+  if (found == names.end())  // "dps" is "deg/s"
+    found = std::find_if(names.begin(), names.end(), [&](std::string_view name) { return is_same_unit(*word, name); });
   if (found == names.end()) node_->fail(*node, key, fmt::format("\"{}\" is not allowed; expected one of {}", excerpt(*word), listed(names)));
   index = static_cast<std::size_t>(found - names.begin());
 }
