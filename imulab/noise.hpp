@@ -98,6 +98,7 @@ struct ImuNoise {
   std::string gyro_unit, accel_unit;  ///< units u: "rad/s", "m/s^2" or "count"
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
   bool from_data_sheet = false;
+  bool has_moving = false;  ///< the file also contains values in motion
 };
 
 /// True if every axis with noise has a bound.
@@ -200,6 +201,7 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseF
 struct NoiseAxis {
   std::string name = {};  ///< "gyro.x"
   std::string unit = {};  ///< unit of the readings: "rad/s", "m/s^2" or "count"
+  double mean = NAN;      ///< of the readings; NaN: unknown
   std::vector<DeviationPoint> deviation = {};
   std::optional<NoiseFit> fit = {};  ///< absent if the axis has no usable noise
   std::string problem = {};          ///< reason for an absent fit
@@ -213,6 +215,36 @@ struct SheetComparison {
   bool contained() const { return lower <= sheet && sheet <= upper; }
 };
 
+/// A cause of the noise in motion that a log at rest does not contain (docs/theory/noise.md has the equation of each).
+struct MovingCause {
+  std::string name = {};                              ///< "white", "vibration", "below 1 Hz", "stamps", "rectification", "drift" or "motion"
+  std::string parameter = {};                         ///< the filter's parameter that the factor multiplies: "N", "K" or "bias" (bias instability)
+  NoiseCoefficient factor = {NAN, NAN, 0, INFINITY};  ///< at least 1, except of white
+  double size = NAN;                                  ///< the cause itself in SI or counts, as docs/reference/noise.md lists it
+  std::optional<double> hz = {};                      ///< of vibration: frequency of its largest density
+  std::optional<double> stamps_s = {};                ///< of stamps: their RMS deviation from an even clock
+  std::optional<double> temperature_change = {};      ///< of drift: in the unit of the thermometer, if there is one
+  std::string file = {};                              ///< the log or result that shows it
+  std::string reason = {};                            ///< why it is not determined, or what limits it
+};
+
+/// What a filter should use in motion, of one axis.
+struct MovingTotal {
+  double factor = NAN, value = NAN;  ///< of and as the parameter; NaN: no cause of it is determined
+};
+struct MovingAxis {
+  std::string name = {}, unit = {};  ///< as in NoiseAxis
+  std::vector<MovingCause> causes = {};
+  MovingTotal N, K, bias;  ///< N of the variance per sample; the value of bias is the shift, 0 if it is not significant
+  MovingTotal slow_N;      ///< N of what accumulates over a second and more
+};
+
+/// Where the factor between the noise of a log at rest and that of a filter in motion comes from.
+struct MovingNoise {
+  std::vector<std::string> files = {};  ///< each with what it is: "idle.csv: at rest, 120 s"
+  std::vector<MovingAxis> axes = {};
+};
+
 struct NoiseAnalysis {
   std::string source = {};  ///< "data sheet" if no log was analyzed
   std::string recording = {};
@@ -221,6 +253,7 @@ struct NoiseAnalysis {
   DeviationKind kind = DeviationKind::overlapping_allan;
   std::vector<NoiseAxis> axes = {};  ///< gyros, then accelerometers
   std::vector<SheetComparison> sheet = {};
+  std::optional<MovingNoise> moving = {};
   std::vector<std::string> notes = {};     ///< excluded parts of the log, or the values of a data sheet as given
   std::vector<std::string> warnings = {};  ///< findings and their consequences
 

@@ -75,8 +75,19 @@ std::pair<Outcome, std::shared_ptr<Session>> planned(const py::dict& keywords, b
   return {{answer}, std::make_shared<Session>(answer.data->procedure)};
 }
 
-Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recording, const py::dict& keywords) {
-  return {run(py::none(), [=, o = options_from<NoiseVerbOptions>(keywords)](const auto&) {
+/// The file of a result, or a recording, or a calibration with its name.
+using Moving = std::variant<std::string, std::shared_ptr<Recording>, std::pair<std::shared_ptr<CalibrationObject>, std::string>>;
+
+MovingInput moving_of(const Moving& given) {
+  if (const auto* const file = std::get_if<std::string>(&given)) return moving_input(*file);
+  if (const auto* const c = std::get_if<2>(&given)) return MovingCalibration{c->second, std::make_shared<const Calibration>(c->first->calibration())};
+  return std::shared_ptr<const Recording>(std::get<1>(given));
+}
+
+Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recording, const py::dict& keywords, const std::vector<Moving>& moving) {
+  auto options = options_from<NoiseVerbOptions>(keywords);
+  for (const Moving& given : moving) options.moving_inputs.push_back(moving_of(given));
+  return {run(py::none(), [=, o = std::move(options)](const auto&) {
     return recording == nullptr ? data_sheet_answer(o) : noise_answer(*recording, *session, o);
   })};
 }

@@ -7,14 +7,19 @@
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/noise/data_sheet.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/results/noise_requirement.hpp"
+#include "imulab/results/summary.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace imulab::command {
@@ -28,7 +33,12 @@ constexpr std::uint64_t most_inspected = 14'000'000;
 AnswerOf<NoiseAnalysis> analyzed(const Session& session, const NoiseVerbOptions& o) {
   const RecordingSource& source = named_recording(session, o.recording);
   const Progress progress("analyzing");
-  return noise_answer(session, source, o, warn);
+  try {
+    return noise_answer(session, source, o, warn);
+  } catch (const Unsupported& e) {
+    if (o.moving.empty()) throw;
+    throw Unsupported(std::string(e.what()) + "; before --moving, expected the log at rest");
+  }
 }
 
 void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
@@ -36,14 +46,38 @@ void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
   show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
+/// A log with vibration or motion, in memory, or a result.
+MovingInput given_after_moving(const std::string& path, const NoiseVerbOptions& o) {
+  if (path.ends_with(".json")) return moving_input(path);
+  const Session session = open_session(path, {o.declarations, o.topics}, numbers_inspected, Purpose::noise);
+  RecordingReading reading = read_recording(session, named_recording(session, ""));
+  for (const std::string& text : reading.warnings) warn(path + ": " + text);
+  reading.recording.name = path;
+  return std::make_shared<const Recording>(std::move(reading.recording));
+}
+
+/// The noise at rest of a file that this command wrote, or nothing.
+std::optional<NoiseAnalysis> saved_noise(const std::string& path) {
+  if (!path.ends_with(".json")) return std::nullopt;
+  SavedResult result = read_answer(path).result;
+  if (NoiseAnalysis* const noise = std::get_if<NoiseAnalysis>(&result)) return std::move(*noise);
+  throw Error(path + ": is not the noise of one log; expected noise.json of imulab noise, or a log at rest");
+}
+
 Answer without_log(const NoiseVerbOptions& o) {
   if (!o.datasheet) throw Error("RECORDING is required; usage: imulab noise RECORDING..., or imulab noise --datasheet SHEET");
   return data_sheet_answer(o);
 }
 
-void run(const NoiseVerbOptions& o) {
+void run(const NoiseVerbOptions& given) {
+  NoiseVerbOptions o = given;
+  expect_free("-o", o.output, o.force);
   if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
+  if (!o.moving.empty() && o.recordings.size() > 1) throw Error("--moving: is compared with one log at rest; expected one RECORDING before it");
+  for (const std::string& path : o.moving) o.moving_inputs.push_back(given_after_moving(path, o));
   if (o.recordings.empty()) return write_and_show(without_log(o), o);
+  if (!o.moving.empty())
+    if (std::optional<NoiseAnalysis> saved = saved_noise(o.recordings[0])) return write_and_show(noise_answer(std::move(*saved), o), o);
   if (o.datasheet) {
     if (o.recordings.size() > 1) throw Error("--datasheet: compares one log; expected one RECORDING");
     errors_of_option("datasheet", [&] { read_data_sheet(*o.datasheet); });

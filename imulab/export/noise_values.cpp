@@ -92,11 +92,15 @@ std::optional<double> stream_rate(const ExportInput& input, double interval_s) {
   return input.options.rate_hz ? rate_hz : std::round(rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
 }
 
+/// Factors of motion are never used without being asked for.
+constexpr const char* in_motion = " These are the values at rest: the factors of motion that noise.json also contains are NOT in them.";
+
 std::string source_fact(const ImuNoise& n) {
   if (n.from_data_sheet)
-    return "Noise: values of a DATA SHEET, not fitted to a log" + (n.recording.empty() ? "." : fmt::format(": \"{}\".", plain(n.recording)));
+    return "Noise: values of a DATA SHEET, not fitted to a log" + (n.recording.empty() ? "." : fmt::format(": \"{}\".", plain(n.recording))) +
+           (n.has_moving ? in_motion : "");
   return n.recording.empty() ? "Noise: as given; no log is named to which it was fitted."
-                             : fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording));
+                             : fmt::format("Noise: fitted to a log at rest, \"{}\".{}", plain(n.recording), n.has_moving ? in_motion : "");
 }
 
 /// An axis whose readings do not change at rest has no noise.

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -121,6 +122,8 @@ void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, c
     axis.problem = "all readings are equal";
     return;
   }
+  axis.mean = readings[0] + std::transform_reduce(readings.begin(), readings.end(), 0.0, std::plus<>(), [&](double r) { return r - readings[0]; }) /
+                                static_cast<double>(readings.size());
   const double step = resolution_of(readings);
   if (options.remove_temperature) {
     if (buffer.empty()) buffer.assign(readings.begin(), readings.end());

@@ -3,6 +3,7 @@
 
 #include "imulab/core/fields.hpp"
 #include "imulab/noise.hpp"
+#include "imulab/noise/moving_fields.hpp"
 
 #include <algorithm>
 #include <array>
@@ -111,6 +112,7 @@ void describe(Fields& f, NoiseAxis& axis) {
   f("name", axis.name);
   fields::expect(f, is_axis_name(axis.name), "name", "gyro.x to accel.z");
   f("unit", axis.unit);
+  f("mean", axis.mean, fields::if_known);
   const auto column = [&](const char* key, auto member) {
     const bool first = key == std::string_view("tau");
     fields::column(f, key, axis.deviation, first, fields::if_known, [member](P& p) -> decltype(auto) { return (p.*member); });
@@ -151,7 +153,7 @@ void describe(Fields& f, NoiseAnalysis& analysis) {
   f("axes", analysis.axes);
   fields::expect(f, !analysis.from_data_sheet() || std::ranges::all_of(analysis.axes, [](const NoiseAxis& axis) { return axis.fit.has_value(); }),
                  "axes", "coefficients of every axis of a data sheet");
-  f("data_sheet", analysis.sheet, fields::if_any), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
+  f("data_sheet", analysis.sheet, fields::if_any), f("moving", analysis.moving, fields::if_any), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
 }
 
 /// Describes a coefficient of several logs.

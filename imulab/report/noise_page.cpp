@@ -4,6 +4,7 @@
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/noise_figures.hpp"
+#include "imulab/report/noise_moving.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/results/noise.hpp"
@@ -73,7 +74,7 @@ std::string data_sheet_page(const NoiseAnalysis& analysis) {
   page.subtitle = "values of a data sheet";
   page.verdict = {
       .tone = Tone::neutral, .word = noise_headline(analysis), .meaning = "No log was analyzed.", .because = analysis.warnings, .actions = {}};
-  page.body = sheet_section(analysis);
+  page.body = moving_section(analysis) + sheet_section(analysis);
   return page_text(page);
 }
 
@@ -228,7 +229,7 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   std::vector<double> buffer;
   const AxisReadings readings = [&](std::size_t axis) { return recording.samples(axis, still, buffer); };
-  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) +
+  page.body = moving_section(analysis) + deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) +
               bound_section(bound_rows(analysis), bound_legend(analysis)) + comparison_section(analysis) + each_axis_section(analysis, readings) +
               signal_section(analysis, recording, still);
   return page_text(page);
@@ -241,9 +242,9 @@ std::string noise_page(const NoiseAnalysis& analysis, const Conclusion& conclusi
   if (!conclusion.requirements.empty()) take_conclusion(page.verdict, conclusion);
   std::vector<std::string> missing{"Signal, and Welch's spectrum with its lines: noise.json keeps no readings; imulab noise --report draws them."};
   if (spectrum_charts(analysis).empty()) missing.emplace_back("Spectrum: the file has none.");
-  page.body = section("missing", "Not on this page", "", list(missing, "missing-list")) + deviations_section(analysis) + spectra_section(analysis) +
-              coefficients_section(analysis) + bound_section(bound_rows(analysis), bound_legend(analysis)) + comparison_section(analysis) +
-              each_axis_section(analysis, {});
+  page.body = section("missing", "Not on this page", "", list(missing, "missing-list")) + moving_section(analysis) + deviations_section(analysis) +
+              spectra_section(analysis) + coefficients_section(analysis) + bound_section(bound_rows(analysis), bound_legend(analysis)) +
+              comparison_section(analysis) + each_axis_section(analysis, {});
   if (!analysis.notes.empty()) page.body += section("signal", "Signal", "What was used, and what was cut.", list(analysis.notes));
   return page_text(page);
 }

@@ -10,12 +10,22 @@
 
 namespace imulab {
 
+/// The innovations during one kind of motion: "at rest", "straight", "turning" (above 5 deg/s) or "accelerating" (above 0.5 m/s^2).
+struct AidedMotion {
+  std::string kind;
+  std::size_t innovations = 0;
+  double rms = 0;  // in stated sigmas
+};
+/// Groups the innovations by the motion of the track at their times; a kind without innovations is omitted.
+std::vector<AidedMotion> innovations_by_motion(const AidedNavigation& navigation);
+
 /// A session navigated with its aids. From JSON: the solution has begin and end as times, the track is thinned; covariances have their
 /// diagonals alone, of position and attitude.
 struct AidedSummary {
   std::string session;
   AidedNavigation navigation;
   double largest_sigma = 0;  // m, horizontal
+  std::vector<AidedMotion> motion = {};
 };
 std::string aided_json(const std::string& session, const AidedNavigation& navigation);
 

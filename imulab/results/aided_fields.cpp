@@ -33,6 +33,11 @@ void describe(Fields& f, AidedFactor& a) {
 }
 
 template <class Fields>
+void describe(Fields& f, AidedMotion& m) {
+  f("kind", m.kind), f("innovations", m.innovations), f("rms", m.rms);
+}
+
+template <class Fields>
 void describe(Fields& f, AidedAid& a) {
   f("name", a.name), f("kind", a.kind);
   if (!a.lever_arm.empty()) f("lever_arm_m", a.lever_arm), f("lever_arm_sigma_m", a.lever_arm_sigma);
@@ -116,7 +121,8 @@ void describe(Fields& f, AidedSummary& s) {
   describe_outages(f, n);
   if constexpr (!Fields::reads) f("aids", aided_aids(n));
   describe_by_name(f, "constants", n.constants), describe_by_name(f, "noise", n.factors);
-  f("innovation_rms", n.innovation_rms), f("suspects", n.suspects), f("passes", n.passes), f("converged", n.converged);
+  f("innovation_rms", n.innovation_rms), f("innovations_by_motion", s.motion, fields::optional), f("suspects", n.suspects), f("passes", n.passes),
+      f("converged", n.converged);
   f("findings", n.findings, fields::if_any);
   result_io::describe_track(f, n.track);
   f.table("sigmas_over_time", [&](auto& inner) { describe_sigmas(inner, n.covariance); });
@@ -125,7 +131,7 @@ void describe(Fields& f, AidedSummary& s) {
 
 std::string aided_json(const std::string& session, const AidedNavigation& n) {
   using result_io::thinned_rows;
-  AidedSummary s{session, {}, largest_sigma(n)};
+  AidedSummary s{session, {}, largest_sigma(n), innovations_by_motion(n)};
   AidedNavigation& shown = s.navigation;
   shown.solution.time = {n.solution.time.front(), n.solution.time.back()}, shown.track = thinned_rows(n.track, result_io::most_places);
   shown.covariance = thinned_rows(n.covariance, most_epochs), shown.innovations = thinned_rows(n.innovations, most_innovations);

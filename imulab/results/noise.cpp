@@ -3,6 +3,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/noise/data_sheet.hpp"
+#include "imulab/results/noise_moving.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -126,8 +127,8 @@ std::string sheet_headline(const NoiseAnalysis& analysis) {
 }
 
 std::string sheet_text(const NoiseAnalysis& analysis) {
-  std::string out =
-      text::wrapped("", noise_headline(analysis)) + "\n" + (analysis.recording.empty() ? "data sheet" : one_line(analysis.recording)) + "\n";
+  std::string out = text::wrapped("", noise_headline(analysis)) + "\n" + (analysis.moving ? moving_text(analysis) + "\n" : "") +
+                    (analysis.recording.empty() ? "data sheet" : one_line(analysis.recording)) + "\n";
   for (const std::string& note : analysis.notes) out += "  " + one_line(note) + "\n";
   out += fmt::format("\n  {:<8} {:<4} {:<24} {:<30} {}\n", "axis", "term", "value", "SI", "standing");
   for (const auto& [axis, term, value, si, standing] : sheet_rows(analysis))
@@ -234,6 +235,7 @@ const std::array<NoiseTermText, 5>& noise_terms() {
 }
 
 std::string noise_headline(const NoiseAnalysis& analysis) {
+  if (analysis.moving) return moving_headline(analysis);
   if (analysis.from_data_sheet()) return "values of a data sheet, not fitted to a log: " + sheet_headline(analysis);
   return headline_of(analysis.axes, [](const NoiseAxis& axis) -> std::optional<std::array<const NoiseCoefficient*, 3>> {
     if (!axis.fit) return std::nullopt;
@@ -292,7 +294,7 @@ std::vector<std::string> bound_legend(const NoiseBatch& batch) { return bound_le
 
 std::string noise_text(const NoiseAnalysis& analysis) {
   if (analysis.from_data_sheet()) return sheet_text(analysis);
-  std::string out = one_line(analysis.recording) + "\n";
+  std::string out = (analysis.moving ? moving_text(analysis) + "\nat rest: " : "") + one_line(analysis.recording) + "\n";
   for (const std::string& note : analysis.notes) out += text::wrapped("  ", note);
   out += "\n  axis     term     value  95 % interval         unit\n";
   for (const NoiseTermText& term : noise_terms())

@@ -31,6 +31,7 @@ NoiseOptions options_of(const NoiseVerbOptions& o) {
 /// The analysis of a log beside the data sheet of the options, if they have one.
 std::shared_ptr<const NoiseAnalysis> compared(NoiseAnalysis analysis, const NoiseVerbOptions& o) {
   if (o.datasheet) analysis.sheet = errors_of_option("datasheet", [&] { return compare_with_sheet(analysis, read_data_sheet(*o.datasheet)); });
+  add_moving(analysis, o.moving_inputs);
   return std::make_shared<const NoiseAnalysis>(std::move(analysis));
 }
 
@@ -104,6 +105,12 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
               "also a noise model for a filter that is not too sure: white noise, at most two processes and a walk, above what the log permits");
   verb.option("--horizon S", o.horizon_s, "--bound: longest time for which the filter runs without aids; absent: 600").in_range(1, 1e6);
   verb.option("--confidence P", o.confidence, "--bound: that the noise is below what is assumed; absent: 0.95").in_range(0.6, 0.9999);
+  verb.option(
+          "--moving FILE", o.moving,
+          "logs of the same IMU with motors on or in motion: where the factor between the noise at rest and that of a filter comes from, by cause")
+      .takes_several(1)
+      .reads()
+      .of_command();
   verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
@@ -121,6 +128,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
   verb.example("imulab noise night.csv -o noise.json");
   verb.example("imulab noise night.csv --bound --horizon 60 -o noise.json");
   verb.example("imulab noise --datasheet \"gyro.N = 0.0038 deg/s/sqrt(Hz)\" -o noise.json");
+  verb.example("imulab noise night.csv --moving idle.csv");
   verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
   verb.example("zcat night.csv.gz | imulab noise -");
   verb.example("imulab noise night.csv --set gyro.unit=deg/s");
@@ -156,17 +164,17 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
   return analyzed(still.recording, still, source, o);
 }
 
+AnswerOf<NoiseAnalysis> noise_answer(NoiseAnalysis saved, const NoiseVerbOptions& o) {
+  add_moving(saved, o.moving_inputs);
+  const auto analysis = std::make_shared<const NoiseAnalysis>(std::move(saved));
+  const Conclusion conclusion = analysis->from_data_sheet() ? Conclusion{Verdict::none, noise_headline(*analysis)} : conclusion_of(*analysis, o);
+  return answer_of(analysis, conclusion, [analysis, conclusion] { return noise_page(*analysis, conclusion); });
+}
+
 AnswerOf<NoiseAnalysis> data_sheet_answer(const NoiseVerbOptions& o) {
   if (o.bound) throw OptionError("bound", "is above the spectrum of a log, and there is only a data sheet; expected a recording");
   if (o.require) throw OptionError("require", "judges a log, and there is only a data sheet; expected a recording");
-  const auto analysis =
-      std::make_shared<const NoiseAnalysis>(errors_of_option("datasheet", [&] { return data_sheet_noise(read_data_sheet(*o.datasheet)); }));
-  const Conclusion conclusion{Verdict::none, noise_headline(*analysis)};
-  return {{.json = [analysis] { return noise_json(*analysis); },
-           .table = [analysis](bool) { return noise_text(*analysis); },
-           .page = [analysis, conclusion] { return noise_page(*analysis, conclusion); },
-           .conclusion = conclusion},
-          analysis};
+  return noise_answer(errors_of_option("datasheet", [&] { return data_sheet_noise(read_data_sheet(*o.datasheet)); }), o);
 }
 
 AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs, const NoiseVerbOptions& o) {

@@ -250,15 +250,30 @@ def plan(
     return Plan(*_imulab.plan(options, by_hand, _callback(progress)))
 
 
+def _moving(given: Data | Calibration) -> Any:
+    if isinstance(given, Calibration):
+        return given._answer, given.name
+    if isinstance(given, str | os.PathLike) and str(given).endswith(".json"):
+        return path("moving", given)
+    return _one_recording(given, None, "", needs_gravity=False)[1]._recording
+
+
 @_options("noise")
-def noise(data: Data | None = None, *, recording: str = "", **options: Any) -> Noise:
-    """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording; without one those of `datasheet`."""
+def noise(
+    data: Data | None = None, *, recording: str = "", moving: Data | Calibration | Sequence[Data | Calibration] | None = None, **options: Any
+) -> Noise:
+    """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording; without one those of `datasheet`.
+
+    moving: recordings of the same IMU with motors on or in motion, or a calibration, or the JSON of an aided navigation: where the factor of a
+    filter comes from.
+    """
+    given = [] if moving is None else [_moving(each) for each in (moving if isinstance(moving, list | tuple) else [moving])]
     if data is None:
         if options.get("datasheet") is None:
             raise TypeError("data: expected a recording or a session; without them datasheet=")
-        return Noise(_told(_imulab.noise(None, None, options)))
+        return Noise(_told(_imulab.noise(None, None, options, given)))
     session, found = _one_recording(data, None, recording, needs_gravity=False)
-    return Noise(_told(_imulab.noise(session._session, found._recording, options)))
+    return Noise(_told(_imulab.noise(session._session, found._recording, options, given)))
 
 
 def allan_deviation(

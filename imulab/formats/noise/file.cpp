@@ -12,8 +12,8 @@ namespace {
 void erase_fields_of_log(JsonFields& json) {
   const auto of_log = [](const std::pair<std::string, JsonValue>& field) {
     const auto* const list = std::get_if<std::vector<JsonValue>>(&field.second.is);
-    return field.first == "deviation" || field.first == "still" || field.first == "spectrum" || field.first == "fit" || field.first == "resolution" ||
-           (list != nullptr && list->empty());
+    return field.first == "deviation" || field.first == "mean" || field.first == "still" || field.first == "spectrum" || field.first == "fit" ||
+           field.first == "resolution" || (list != nullptr && list->empty());
   };
   std::erase_if(json.fields, of_log);
   for (auto& [key, value] : json.fields)
@@ -44,7 +44,7 @@ ImuNoise parse_noise(std::string_view text, const std::string& file) {
   NoiseAnalysis analysis;
   read_into(root, analysis);
   ImuNoise out{.recording = analysis.recording, .interval_s = analysis.interval_s, .gyro_unit = {}, .accel_unit = {}, .gyro = {}, .accel = {}};
-  out.from_data_sheet = analysis.from_data_sheet();
+  out.from_data_sheet = analysis.from_data_sheet(), out.has_moving = analysis.moving.has_value();
   for (const NoiseAxis& axis : analysis.axes) {
     const bool gyro = axis.name.starts_with("gyro.");
     (gyro ? out.gyro_unit : out.accel_unit) = axis.unit;

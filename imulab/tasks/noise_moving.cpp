@@ -1,0 +1,54 @@
+#include "imulab/tasks/noise_moving.hpp"
+
+#include "imulab/error.hpp"
+#include "imulab/noise/moving.hpp"
+#include "imulab/results/summary.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace imulab {
+namespace {
+
+/// Innovations contain the errors of the aids, so they give no factor: they are stated.
+MovingEvidence navigation_evidence(const NoiseAnalysis& rest, const MovingNavigation& navigation) {
+  std::string reason = "innovations in stated sigmas, which contain the errors of the aids:";
+  for (const AidedMotion& m : navigation.motion) reason += fmt::format("{} {} {:.2g}", &m == &navigation.motion.front() ? "" : ",", m.kind, m.rms);
+  MovingEvidence out{.file = navigation.file + ": aided navigation", .axes = {}};
+  for (const NoiseAxis& axis : rest.axes)
+    if (axis.fit)
+      out.axes.push_back(
+          {.name = axis.name, .unit = axis.unit, .causes = {{.name = "motion", .parameter = "N", .file = navigation.file, .reason = reason}}});
+  return out;
+}
+
+MovingEvidence moving_evidence(const NoiseAnalysis& rest, const MovingInput& input) {
+  if (const auto* const log = std::get_if<std::shared_ptr<const Recording>>(&input)) return moving_log(rest, **log);
+  if (const auto* const c = std::get_if<MovingCalibration>(&input)) return moving_calibration(rest, *c->calibration, c->file);
+  return navigation_evidence(rest, std::get<MovingNavigation>(input));
+}
+
+}  // namespace
+
+MovingInput moving_input(const std::string& file) {
+  SavedResult result = read_answer(file).result;
+  if (Calibration* const calibration = std::get_if<Calibration>(&result))
+    return MovingCalibration{file, std::make_shared<const Calibration>(std::move(*calibration))};
+  const AidedSummary* const aided = std::get_if<AidedSummary>(&result);
+  if (aided == nullptr || aided->motion.empty())
+    throw Error(file + ": expected a log, calibration.json, or what imulab navigate --aided --json prints, after --moving");
+  return MovingNavigation{file, aided->motion};
+}
+
+void add_moving(NoiseAnalysis& rest, const std::vector<MovingInput>& inputs) {
+  if (inputs.empty()) return;
+  std::vector<MovingEvidence> evidence;
+  for (const MovingInput& input : inputs) {
+    evidence.push_back(moving_evidence(rest, input));
+    rest.warnings.insert(rest.warnings.end(), evidence.back().warnings.begin(), evidence.back().warnings.end());
+  }
+  rest.moving = moving_noise(rest, evidence);
+}
+
+}  // namespace imulab
