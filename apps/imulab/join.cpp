@@ -1,5 +1,6 @@
 // imulab join PART...
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "imulab/error.hpp"
 
 #include <memory>

@@ -171,7 +171,7 @@ std::string meant_noise_key(std::string_view name) {
   for (const char c : triad.empty() ? words : words.substr(first.size()))
     if (std::isalnum(static_cast<unsigned char>(c)) != 0) letters += c;
   struct Usual {
-    std::string_view name, key, triad;
+    std::string_view name, key, triad = {};  // triad: of a name that belongs to one
   };
   static constexpr Usual usual[]{{"arw", "N", "gyro"},
                                  {"anglerandomwalk", "N", "gyro"},
