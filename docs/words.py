@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""docs/words.py: words, lengths of sentences, parentheses and semicolons of README.md, the other pages beside it and docs/, without code, tables and
-the list of references."""
+"""docs/words.py: words, lengths of sentences, parentheses and semicolons of README.md, the other pages beside it and docs/, without code, tables,
+comments and the list of references."""
 import re
 import statistics
 import sys
@@ -13,7 +13,7 @@ def prose(page: str) -> str:
     page = re.sub(r"^```.*?^```", "", page.split("\n## References\n")[0], flags=re.M | re.S)
     page = re.sub(r"\]\([^)]*\)", "]", page)  # what a link leads to
     page = re.sub(r"(?<=\n\n)(?:(?:    .*)?\n)+", "\n", page)  # an indented block
-    return "\n".join(line for line in page.splitlines() if not line.startswith("|"))
+    return "\n".join(line for line in page.splitlines() if not line.startswith(("|", "<!--")))
 
 
 def sentences(text: str) -> list[int]:

@@ -198,7 +198,8 @@ const Verb& verb_at(const Verb& command, const std::vector<std::string>& words) 
     if (found == at->verbs.end()) {
       std::vector<std::string> names;
       for (const Verb& own : at->verbs) names.push_back(own.own_name());
-      throw Error(fmt::format("{} is not a {}{}", excerpt(word), at == &command ? "command" : at->own_name(), expected_name(word, names)));
+      const std::string kind = at == &command ? "command" : at->own_name() == "procedure" ? "procedure" : at->own_name() + " command";
+      throw Error(fmt::format("{} is not a {}{}", excerpt(word), kind, expected_name(word, names)));
     }
     at = &*found;
   }
@@ -209,6 +210,14 @@ struct Group {
   const char* title;
   std::vector<void (*)(Verb&)> verbs;
 };
+
+/// A page of the verb, imulab-fleet-add.1, and of each of its own verbs.
+void write_manual_pages(const Verb& verb, const std::filesystem::path& folder) {
+  std::string file = verb.name + ".1";
+  std::replace(file.begin(), file.end(), ' ', '-');
+  write_whole(folder / file, manual_page(verb, IMULAB_VERSION));
+  for (const Verb& own : verb.verbs) write_manual_pages(own, folder);
+}
 
 /// `imulab help`.
 void add_help(Verb& command) {
@@ -227,11 +236,7 @@ void add_help(Verb& command) {
     if (!a->shell.empty()) return fmt::print("{}", completion(command, a->shell));
     if (a->manual.empty()) return fmt::print("{}", help_text(a->verb.empty() ? verb : verb_at(command, a->verb)));
     std::filesystem::create_directories(a->manual);
-    const auto write = [&](const Verb& of, const std::string& file) {
-      write_whole(std::filesystem::path(a->manual) / file, manual_page(of, IMULAB_VERSION));
-    };
-    write(command, "imulab.1");
-    for (const Verb& own : command.verbs) write(own, fmt::format("imulab-{}.1", own.own_name()));
+    write_manual_pages(command, a->manual);
   };
 }
 
@@ -265,17 +270,17 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   };
   verb.options.splice(verb.options.begin(), verb.options, inherit("-h,--help", o.help, "print this help and exit"));
   if (top) inherit("--version", o.version, "print the version, and what imulab was built with");
-  inherit("--threads N", o.threads, "work on at most this many processors; the results do not depend on it");
+  inherit("--threads N", o.threads, "use at most this many processors; results are equal to the last bit");
   const auto has = [&](const char* flag) {
     return std::ranges::any_of(verb.options, [&](const VerbOption& row) { return row.names.find(flag) != std::string::npos; });
   };
   if (has("--topic") && !has("--verbose"))  // it reads recordings
-    inherit("-v,--verbose", o.verbose, "print also why a recording is taken as it is");
+    inherit("-v,--verbose", o.verbose, "also print why a recording is read as it is");
   const auto is_file = [&](const VerbOption& row) {
     return row.names.ends_with("--output") && (row.value_name == "FILE" || verb.sharing != nullptr);
   };
   if (std::ranges::any_of(verb.options, is_file)) verb.option("--force", o.force, "replace existing files").of_command();
-  inherit("--memory MB", o.memory_mb, "refuse recordings that would take more memory (default: physical memory)");
+  inherit("--memory MB", o.memory_mb, "refuse recordings that need more memory (default: physical memory)");
   for (Verb& own : verb.verbs) add_common(own, o, false);
 }
 

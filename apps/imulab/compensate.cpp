@@ -208,17 +208,17 @@ void add_compensate(Verb& app) {
   verb.option("CALIBRATION", options->calibration, "calibration.json").required().reads();
   verb.option(
           "SESSION", options->session,
-          "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
+          "a session folder or its session.toml; a recording, which is inspected first; - for rows on standard input, as --session describes them")
       .required()
       .reads();
   verb.option("-o,--output FILE", options->output,
               "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
       .required();
   allow_undetermined_option(verb, options->allow_undetermined);
-  verb.option("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
+  verb.option("--reject-outliers", options->reject_outliers, "first replace spikes of one or two samples");
   report_option(verb, options->report);
-  verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input").reads();
-  verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
+  verb.option("--session SESSION", options->stream_session, "the session that describes the stream: its columns").reads();
+  verb.option("--recording FILE", options->recording, "the recording to use, if the session has several");
   topics_option(verb, options->topics);
   declarations_option(verb, options->declarations);
   json_option(verb, options->json, "print what was written as JSON");

@@ -122,7 +122,8 @@ TEST(ExportCommand, RefusesOptionsThatATargetHasNot) {
   write_unit(folder);
   EXPECT_THAT(run_imulab(folder, "export calibration.json --to px4 --noise noise.json").errors,
               testing::HasSubstr("--noise: px4 has none; expected one of the targets kalibr-imu, kalibr, "));
-  for (const char* options : {"--to px4 --model rpng", "--to kalibr --variance-matched", "--to vectornav --instance 1", "--to ardupilot --rate 100"})
+  for (const char* options :
+       {"--to px4 --model rpng", "--to kalibr --variance-matched", "--to vectornav --instance 1", "--to ardupilot --stream-rate 100"})
     EXPECT_EQ(run_imulab(folder, std::string("export calibration.json ") + options).exit_code, 2) << options;
   EXPECT_EQ(run_imulab(folder, "export calibration.json --to ardupilot --instance 2").exit_code, 0);
 }

@@ -46,9 +46,9 @@ struct Options {
 };
 
 void add_declared(Verb& verb, FleetDeclaration& declared) {
-  verb.option("--station NAME", declared.station, "where it was measured");
-  verb.option("--operator NAME", declared.operated_by, "who measured, where the session or the calibration does not say");
-  verb.option("--time TIME", declared.time, "when it was measured (UTC, 2026-03-31T12:00:00Z), instead of the recording's stamps");
+  verb.option("--station NAME", declared.station, "where it was measured; takes precedence over the session's station");
+  verb.option("--operator NAME", declared.operated_by, "who measured; the session's operator takes precedence");
+  verb.option("--measured TIME", declared.time, "when it was measured (UTC, 2026-03-31T12:00:00Z), instead of the session's time or the stamps");
 }
 
 void add(const Options& o) {
@@ -75,7 +75,7 @@ void add_add(Verb& fleet) {
   verb.option("FILE", o->files, "calibration.json, a session's folder, or noise.json").required().takes_several(1);
   store_option(verb, o->store);
   add_declared(verb, o->declared);
-  verb.option("--unit SERIAL", o->unit, "whose noise it is: a serial number, or a name where there is none");
+  verb.option("--unit SERIAL", o->unit, "the IMU of a noise.json: its serial number, or its name");
   verb.option("--json", o->json, "print what was added as JSON");
   verb.example("imulab fleet add calibration.json --store fleet.db --station 2");
   verb.does = [o] { add(*o); };
@@ -139,14 +139,14 @@ void add_calibrate_all(Verb& fleet) {
   const auto o = std::make_shared<Options>();
   Verb& verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
   verb.option("DIR", o->files, "folders with sessions in them or below them").required().takes_several(1);
-  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(offered_methods());
-  verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
+  verb.option("--method METHOD", o->method, "as for imulab calibrate").required().one_of(offered_methods());
+  verb.option("--terms TERMS", o->terms, "as for imulab calibrate").show_default();
   store_option(verb, o->store);
   add_declared(verb, o->declared);
   verb.option("--part K/N", o->part,
-              "the K-th of N parts of the sessions alone, into a store of its own, for imulab fleet merge; auto: by Slurm, mpirun or Kubernetes, and "
-              "--store is a folder");
-  verb.option("--retry", o->retry, "sessions that failed before, too");
+              "do only the K-th of N parts of the sessions, into a store of its own for imulab fleet merge; auto: K and N from Slurm, mpirun or "
+              "Kubernetes; --store is then a folder");
+  verb.option("--retry", o->retry, "also calibrate sessions that failed before");
   verb.option("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");
   verb.does = [o, &verb] {
@@ -204,7 +204,7 @@ void add_list(Verb& fleet) {
   const auto o = std::make_shared<Options>();
   Verb& verb = fleet.verb("list", "List the units, or the sessions that failed");
   store_option(verb, o->store);
-  verb.option("--failures", o->failures, "the sessions that failed, with their messages");
+  verb.option("--failures", o->failures, "list the sessions that failed, with their messages");
   verb.option("--json", o->json, "print the list as JSON");
   verb.example("imulab fleet list --store fleet.db");
   verb.does = [o] { list(*o); };
@@ -244,7 +244,7 @@ void show(const Options& o) {
 void add_show(Verb& fleet) {
   const auto o = std::make_shared<Options>();
   Verb& verb = fleet.verb("show", "Show a unit's calibrations, the removed ones too");
-  verb.option("UNIT", o->unit, "a serial number, or a name where there is none").required();
+  verb.option("UNIT", o->unit, "the IMU's serial number, or its name").required();
   store_option(verb, o->store);
   verb.option("--json", o->json, "print them as JSON");
   verb.example("imulab fleet show 012 --store fleet.db");
@@ -313,12 +313,12 @@ void add_stats(Verb& fleet) {
   const auto o = std::make_shared<StatsOptions>();
   Verb& verb = fleet.verb("stats", "Spread, outliers, drift and stations of the units");
   store_option(verb, o->store);
-  verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(offered_methods());
-  verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.bias <= 5 mg\": capability Cp and Cpk");
-  verb.option("--due LIMITS", o->due, "how far a calibration may be off, as in \"accel.bias <= 2 mg\": when each unit is to be calibrated again");
-  verb.option("--false-alarm P", o->false_alarm, "probability of any outlier in a fleet without").in_range(1e-9, 0.5).show_default();
+  verb.option("--method METHOD", o->method, "use only calibrations by this method").one_of(offered_methods());
+  verb.option("--require LIMITS", o->require, "limits for the values, as in \"accel.bias <= 5 mg\": capability Cp and Cpk");
+  verb.option("--due LIMITS", o->due, "largest accepted errors, as in \"accel.bias <= 2 mg\": recalibration due date of each IMU");
+  verb.option("--false-alarm P", o->false_alarm, "probability of a false outlier in the fleet").in_range(1e-9, 0.5).show_default();
   report_option(verb, o->report);
-  verb.option("--unit-pages DIR", o->pages, "a folder for the pages of the units that the report names, which it links");
+  verb.option("--unit-pages DIR", o->pages, "a folder for pages of the IMUs that the report names, with links to them");
   verb.option("--json", o->json, "print the statistics as JSON");
   verb.example("imulab fleet stats --store fleet.db --require \"accel.bias <= 50 mg\"");
   verb.does = [o] { stats(*o); };

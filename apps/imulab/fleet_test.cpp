@@ -156,7 +156,7 @@ TEST_F(FleetCommand, AFullDiskIsAnErrorAndTheStoreIsAsBefore) {
 
 TEST_F(FleetCommand, AddsShowsRemovesAndMerges) {
   for (int k = 1; k <= 3; ++k) folder.write("c" + std::to_string(k) + ".json", calibration_text(drawn_calibration(1, static_cast<std::uint64_t>(k))));
-  EXPECT_THAT(run("fleet add c1.json c2.json --station 2 --time 2026-03-31").output, HasSubstr("c2.json: calibration\n"));
+  EXPECT_THAT(run("fleet add c1.json c2.json --station 2 --measured 2026-03-31").output, HasSubstr("c2.json: calibration\n"));
   EXPECT_THAT(run("fleet add c1.json").output, HasSubstr("calibration (known)"));
   EXPECT_THAT(run("fleet show 1001").output, HasSubstr("2026-03-31T00:00:00Z (declared)  drawn"));
   run("fleet add c3.json --store other.db");
@@ -259,9 +259,9 @@ TEST_F(FleetCommand, BadInput) {
   EXPECT_THAT(result.output, HasSubstr("c.json: calibration"));
   EXPECT_THAT(result.errors, HasSubstr("two units with one serial number"));
   EXPECT_THAT(result.errors, HasSubstr("broken.json:1: not JSON"));
-  EXPECT_THAT(run("fleet add c.json --time yesterday", 2).errors, HasSubstr("yesterday: is no time"));
+  EXPECT_THAT(run("fleet add c.json --measured yesterday", 2).errors, HasSubstr("yesterday: is no time"));
   folder.write("d.json", calibration_text(drawn_calibration(1, 5)));
-  EXPECT_THAT(run("fleet add d.json --time 2099-01-01").errors, HasSubstr("after they were added: a clock was wrong"));
+  EXPECT_THAT(run("fleet add d.json --measured 2099-01-01").errors, HasSubstr("after they were added: a clock was wrong"));
   { FleetStore(folder / "fleet.db", fleet::Access::write).database().run("UPDATE calibrations SET added = added + 7200 WHERE id = 1"); }
   EXPECT_THAT(run("fleet check").errors, HasSubstr("before the one ahead of them: a clock was set back"));
   { FleetStore(folder / "fleet.db", fleet::Access::write).database().run("PRAGMA user_version = 2"); }

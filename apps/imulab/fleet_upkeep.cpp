@@ -128,15 +128,15 @@ void add_fleet_upkeep(Verb& fleet) {
   merging.example("imulab fleet merge station-2.db --store fleet.db");
 
   Verb& exporting = upkeep(fleet, "export", "Write all calibrations as a table, or the file of one", exported, export_it);
-  exporting.option("--csv", exported->csv, "a row a calibration: each coefficient and its standard uncertainty, SI");
-  exporting.option("--calibration N", exported->calibration, "the file of this calibration, as it was stored");
-  exporting.option("-o,--output FILE", exported->output, "the file to write instead of standard output").writes();
+  exporting.option("--csv", exported->csv, "a row for each calibration: coefficients and standard uncertainties in SI");
+  exporting.option("--calibration N", exported->calibration, "the file of this calibration");
+  exporting.option("-o,--output FILE", exported->output, "the file to write; absent: standard output").writes();
   exporting.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
 
   Verb& removing = upkeep(fleet, "remove", "Remove calibrations from lists and statistics; they remain as history", removed, remove);
-  removing.option("UNIT", removed->unit, "all calibrations of this unit: a serial number, or a name where there is none");
-  removing.option("--calibration N", removed->calibration, "this one alone");
-  removing.option("--reason TEXT", removed->reason, "why");
+  removing.option("UNIT", removed->unit, "all calibrations of this IMU: its serial number, or its name");
+  removing.option("--calibration N", removed->calibration, "only this calibration");
+  removing.option("--reason TEXT", removed->reason, "the reason, which stays in the store");
   json_option(removing, removed->json, "print the count as JSON");
   removing.example("imulab fleet remove --calibration 17 --reason dropped --store fleet.db");
 }

@@ -102,6 +102,7 @@ TEST(Help, WritesManualPages) {
   EXPECT_THAT(page, HasSubstr(".TH IMULAB-CALIBRATE 1 "));
   EXPECT_THAT(page, HasSubstr("\\-o, \\-\\-output FILE"));
   EXPECT_THAT(page, HasSubstr(".SH EXAMPLES\n"));
+  EXPECT_THAT(read_text(folder / "man/imulab-fleet-stats.1"), HasSubstr("\\-\\-due LIMITS"));
 }
 
 TEST(Help, BashCompletesVerbsOptionsAndValues) {

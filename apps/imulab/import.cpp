@@ -40,13 +40,14 @@ void run(const Options& o) {
 void add_import(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("import", "Read a calibration of another program");
-  verb.option("FILE", o->file, "of Kalibr, OpenVINS, imu_tk, imucal, PSINS, PX4, ArduPilot, VectorNav, or a matrix and a bias: told by its content")
+  verb.option("FILE", o->file,
+              "a file of Kalibr, OpenVINS, imu_tk, imucal, PSINS, PX4, ArduPilot or VectorNav, or a matrix and a bias; its content decides")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the calibration to write; - for standard output").required().writes();
-  verb.option("--gyro FILE", o->gyro, "the gyros' file where a file has one triad: imu_tk, a matrix and a bias").reads();
-  verb.option("--raw UNIT", o->raw, "what the readings are in, where the file does not say").one_of({"si", "count"});
-  verb.option("--instance N", o->instance, "of several IMUs in the file, from 0").in_range(0, 9).show_default();
+  verb.option("--gyro FILE", o->gyro, "the gyros' file, if a file has one triad: imu_tk, a matrix and a bias").reads();
+  verb.option("--raw UNIT", o->raw, "unit of the readings, if the file does not state it").one_of({"si", "count"});
+  verb.option("--instance N", o->instance, "number of the IMU in the file, from 0").in_range(0, 9).show_default();
   verb.option("--json", o->json, "print what was read as JSON");
   verb.example("imulab import results-imucam-imu.yaml -o kalibr.json");
   verb.example("imulab import acc.calib --gyro gyro.calib -o imu_tk.json");

@@ -41,14 +41,14 @@ void join(const Options& o) {
 void add_join(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("join", "Join the parts of a work: the answer of the whole, to the last bit");
-  verb.option("PART", o->parts, "the files of all parts, made by --part of predict, budget or plan; the inputs have to be where they were")
+  verb.option("PART", o->parts, "the files of all parts, made by --part; the inputs must be at their original paths")
       .required()
       .takes_several(1)
       .reads();
-  verb.option("-o,--output FILE", o->output, "what the command itself writes to -o").of_command();
+  verb.option("-o,--output FILE", o->output, "the file or folder that the command would write").of_command();
   report_option(verb, o->report);
   json_option(verb, o->json);
-  verb.option("-v,--verbose", o->verbose, "as of the command").of_command();
+  verb.option("-v,--verbose", o->verbose, "as for the command").of_command();
   verb.example("imulab join part-*");
   verb.does = [o] { join(*o); };
 }

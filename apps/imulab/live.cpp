@@ -125,21 +125,19 @@ void run_live(const LiveOptions& options) {
 void add_live(Verb& app) {
   const auto o = std::make_shared<LiveOptions>();
   Verb& verb = app.verb("live", "While the IMU is being turned by hand, or driven, show what is still missing");
-  verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required().reads();
-  verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site, of a drive also its aids")
-      .required()
-      .reads();
-  verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
+  verb.option("STREAM", o->input, "rows of the IMU: - for standard input, or a file").required().reads();
+  verb.option("--session SESSION", o->session, "the session that describes the stream: columns, site, of a drive also the aids").required().reads();
+  verb.option("--recording FILE", o->recording, "the recording to use, if the session has several");
   std::vector<std::string> names{by_hand};
   for (const Method& m : methods())
     if (m.takes_aids) names.emplace_back(m.name);
-  verb.option("--method METHOD", o->method, "by hand, or from a drive whose aids' files grow").one_of(names).show_default();
+  verb.option("--method METHOD", o->method, "handheld: by hand; drive: from a drive whose aids' files grow").one_of(names).show_default();
   verb.option("--require LIMITS", o->require,
-              "stop when this is reached; if absent, by hand " + usual_live_requirement("m/s^2") + ", of a drive at the end of the stream");
-  verb.option("--rest", o->rest, "seconds of every rest by hand; if absent, 4").in_range(1, 600);
+              "stop when these limits are met; absent: by hand " + usual_live_requirement("m/s^2") + ", of a drive at the end of the stream");
+  verb.option("--rest SECONDS", o->rest, "duration of each rest by hand; absent: 4").in_range(1, 600);
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
       .writes();
-  verb.option("--save FILE", o->save, "a file for what was streamed, as it came").writes();
+  verb.option("--save FILE", o->save, "a file that gets all rows as they come").writes();
   verb.option("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");
   verb.does = [o] { run_live(*o); };

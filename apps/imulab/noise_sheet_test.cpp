@@ -31,8 +31,8 @@ TEST(NoiseSheetCommand, WritesAndExportsItWithoutALog) {
   EXPECT_EQ(exported.exit_code, 0) << exported.errors;
   EXPECT_THAT(exported.output, HasSubstr("# Noise: values of a DATA SHEET, not fitted to a log."));
   const CommandResult kalibr = run_imulab(folder, "export none --noise noise.json --to kalibr-imu");
-  EXPECT_THAT(kalibr.errors, HasSubstr("expected a rate: --rate HZ"));
-  EXPECT_EQ(run_imulab(folder, "export none --noise noise.json --to kalibr-imu --rate 200").exit_code, 0);
+  EXPECT_THAT(kalibr.errors, HasSubstr("expected a rate: --stream-rate HZ"));
+  EXPECT_EQ(run_imulab(folder, "export none --noise noise.json --to kalibr-imu --stream-rate 200").exit_code, 0);
 }
 
 TEST(NoiseSheetCommand, DeclaresTheNoiseOfASession) {

@@ -59,7 +59,7 @@ TEST_F(SharedRuns, OfAPlan) {  // ctest: long
   const std::string plan = "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --effects none";
   expect_the_same_bits(plan);
   const auto error = [&](const std::string& more) { return run_imulab(folder, plan + more).errors; };
-  EXPECT_THAT(error(" --time 3600 --checkpoint killed"), HasSubstr("is the checkpoint of another run"));
+  EXPECT_THAT(error(" --within 3600 --checkpoint killed"), HasSubstr("is the checkpoint of another run"));
 }
 
 TEST_F(SharedRuns, OfAFleet) {

@@ -73,7 +73,7 @@ TEST_F(PlanCommand, SaysWhatCannotBeReached) {  // ctest: long
   expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1,
               "better than 31 ppm; gravity and the cubic term limit it; a measured value of gravity is more certain");
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ppm' --axes 1", 1, "gyro.matrix.xx has ");
-  expect_ends("plan --require 'accel.offset <= 1 ug' --time 600", 1, "no path was found that meets the requirements: accel.offset.");
+  expect_ends("plan --require 'accel.offset <= 1 ug' --within 600", 1, "no path was found that meets the requirements: accel.offset.");
 }
 
 TEST_F(PlanCommand, LeavesAMarginAndSaysSo) {  // ctest: once
@@ -103,7 +103,7 @@ TEST_F(PlanCommand, CountsTheNoiseOfTheUnit) {  // ctest: once
       axis["coefficients"]["B"] = {{"value", 1e-3}, {"standard_uncertainty", 1e-4}, {"lower", 8e-4}, {"upper", 1.2e-3}, {"determined", true}};
   folder.write("flicker.json", noise.dump());
   const auto sigma = [&](const std::string& more) {
-    const std::string plan = "plan --require 'gyro.offset <= 0.01 deg/h' --time 300 --rest 30 --effects none --json";
+    const std::string plan = "plan --require 'gyro.offset <= 0.01 deg/h' --within 300 --rest 30 --effects none --json";
     return Json::parse(run_imulab(folder, plan + more).output)["coefficients"]["gyro.offset.x"]["closed_form"].get<double>();
   };
   EXPECT_GT(sigma(" --noise white.json"), 3 * sigma(""));
@@ -117,9 +117,9 @@ TEST_F(PlanCommand, RefusesBadInput) {  // ctest: once
   expect_ends("plan --require 'accel.offset <= 5 ug' --axes 4", 2, "--axes: 4; expected 1, 2, 3, hand, or names such as outer,inner");
   expect_ends("plan --require 'accel.offset <= 5 ug' --grade best", 2, "best");
   expect_ends("plan --require 'accel.offset <= 5 ug' --latitude 91", 2, "expected a number from -90 to 90");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "expected a number from 60 to 14400");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --within 0.1", 2, "expected a number from 60 to 14400");
   expect_ends("plan --require 'accel.offset <= 5 ug' --rest 7.5", 2, "expected a whole number from 6 to 600");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --time 60 --rest 60", 2, "no turn and rest fit into the time");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --within 60 --rest 60", 2, "no turn and rest fit into the time");
 }
 
 TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {  // ctest: once

@@ -39,7 +39,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string result, session, output, number, laboratory;
+  std::string result, session_at, output, number, laboratory;
   bool json = false, certificate = false;
 };
 
@@ -84,18 +84,18 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
     report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));
     return report;
   }
-  if (o.session.empty() && c.session_file == c.sources.front().file) {
+  if (o.session_at.empty() && c.session_file == c.sources.front().file) {
     report.missing.push_back(
         fmt::format("{}: the calibration is of {} without a session; imulab calibrate --report draws them.", pictures, c.session_file));
     return report;
   }
-  const fs::path place = find_session(o.session, o.result, c.session_file);
+  const fs::path place = find_session(o.session_at, o.result, c.session_file);
   std::set<std::string> bad;
   const std::vector<VerifiedFile> files = verify_sources(c, place);
   for (std::size_t k = 0; k < files.size(); ++k) {
     if (files[k].state == FileState::unchanged) continue;
     report.missing.push_back(fmt::format("{}: {} {}{}.", pictures, files[k].file.string(), reason(files[k].state),
-                                         files[k].state == FileState::missing ? "; --session gives the place of the session" : ""));
+                                         files[k].state == FileState::missing ? "; --session-at names its new place" : ""));
     if (k == 0) return report;  // without the session nothing is known of the recordings
     bad.insert(c.sources[k - 1].file);
   }
@@ -191,12 +191,12 @@ void add_report(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
-              "calibration.json, noise.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
+              "calibration.json, noise.json, or the --json output of compare, predict, plan, navigate, budget or compensate; - for standard input")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();
-  verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
-  verb.option("--certificate", o->certificate, "of a calibration: a calibration certificate for paper, two A4 pages and an appendix");
+  verb.option("--session-at PLACE", o->session_at, "the session's folder or file, if it has moved").reads();
+  verb.option("--certificate", o->certificate, "of a calibration: write a calibration certificate, two A4 pages and an appendix");
   verb.option("--number N", o->number, "the certificate's number");
   verb.option("--laboratory FILE", o->laboratory,
               "what the laboratory declares: name, address, customer, conditions (docs/reference/calibration-file.md)")

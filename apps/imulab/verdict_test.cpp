@@ -135,7 +135,7 @@ TEST(Verdict, OfAPredictionAndAPlan) {  // ctest: once
   ASSERT_EQ(run_imulab(folder, "procedure cheng-path -o p.toml").exit_code, 0);
   expect_verdict(folder, "predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 1000 ppm'", "met", 0);
   expect_verdict(folder, "predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 0.1 ppm'", "not met", 1);
-  expect_verdict(folder, "plan --require 'gyro.matrix.off_diagonal <= 4 arcsec' --axes 2 --time 600", "met", 0);
+  expect_verdict(folder, "plan --require 'gyro.matrix.off_diagonal <= 4 arcsec' --axes 2 --within 600", "met", 0);
 }
 
 /// One with uncertainties of two coefficients that is doubtful, as its file.

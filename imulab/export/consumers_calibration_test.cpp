@@ -41,7 +41,7 @@ TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   EXPECT_TRUE(K.contains("assumed") && !K.contains("bounded")) << K;
   noise.interval_s = 0;  // most sheets have no rate
   for (const char* target : {"gtsam", "lio-sam", "json-matrix", "csv"}) EXPECT_NO_THROW(exported(target, {c, &noise})) << target;
-  EXPECT_THAT([&] { exported("fast-lio", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("expected a rate: --rate HZ")));
+  EXPECT_THAT([&] { exported("fast-lio", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("expected a rate: --stream-rate HZ")));
 }
 
 /// A calibration without the terms that the target does not hold.

@@ -296,7 +296,7 @@ TEST(ExportConsumers, FilesOfADataSheetSayThatTheyAre) {
   EXPECT_THAT(exported("lio-sam", {c, &noise}), HasSubstr("z <= 4e-06; <=: not in the data sheet, ASSUMED: the sheet has no bias instability"));
   noise.interval_s = 0;  // most sheets have no rate
   for (const char* target : {"gtsam", "lio-sam", "json-matrix", "csv"}) EXPECT_NO_THROW(exported(target, {c, &noise})) << target;
-  EXPECT_THAT([&] { exported("fast-lio", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("expected a rate: --rate HZ")));
+  EXPECT_THAT([&] { exported("fast-lio", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("expected a rate: --stream-rate HZ")));
   noise.accel_unit.clear();
   EXPECT_THAT([&] { exported("gtsam", {c, &noise}); }, testing::ThrowsMessage<Error>(HasSubstr("noise: has no accelerometers")));
 }

@@ -220,7 +220,7 @@ namespace {
 /// The tightest N and K above the spectra that the log permits.
 ImuNoise with_bounds(ImuNoise noise, const ExportOptions& options) {
   if (options.inflate) throw Error("--inflate: multiplies noise that is not a bound; expected it without --bound");
-  if (options.axes == AxisChoice::mean) throw Error("--axes mean: a mean of bounds is none; expected --axes worst with --bound");
+  if (options.axes == AxisChoice::mean) throw Error("--three-axes mean: a mean of bounds is none; expected --three-axes worst with --bound");
   for (auto* const triad : {&noise.gyro, &noise.accel})
     for (std::optional<NoiseCoefficients>& axis : *triad) {
       if (!axis) continue;
@@ -281,7 +281,8 @@ NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& pr
 
 double NoiseValues::rate_hz() const {
   if (!stream_rate_hz)
-    throw Error("noise: has no sample interval; expected a rate: --rate HZ, in Python rate_hz, or rate = 200 Hz among the values of the data sheet");
+    throw Error(
+        "noise: has no sample interval; expected a rate: --stream-rate HZ, in Python rate_hz, or rate = 200 Hz among the values of the data sheet");
   return *stream_rate_hz;
 }
 

@@ -147,30 +147,30 @@ std::string page_of(const MissionBudget& b, const std::string& mission, std::vec
 Verb& declare(Verb& command, BudgetVerbOptions& o) {
   Verb& verb = command.verb("budget", "Position, velocity and attitude errors on a motion, by source");
   verb.option("mission", o.mission, "the mission file: a motion and its [errors]").reads();
-  VerbOption& grade = verb.option("--grade GRADE", o.grade, "sensors of this grade, in place of the mission's; several with commas are compared");
+  VerbOption& grade = verb.option("--grade GRADE", o.grade, "sensors of this grade in place of the mission's; several, with commas, are compared");
   VerbOption& system = verb.option("--system NAME", o.system, "sensors of this airliner system, in place of the mission's").excludes(grade);
   verb.option("--calibration FILE", o.calibration,
-              "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own")
+              "errors that this calibration leaves, in place of the mission's; noise and turn-on biases are still the mission's")
       .reads()
       .excludes(grade)
       .excludes(system);
-  verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its terms in place of the mission's or grade's").reads();
+  verb.option("--noise FILE", o.noise, "noise.json: its terms in place of the mission's or grade's noise").reads();
   verb.option("--require LIMITS", o.require,
-              "what the mission allows: \"CEP <= 1 nmi/h\" at its end, \"CEP <= 200 m at 600 s\", also of RMS, 95 %, vertical, velocity and heading; "
-              "exit code 1 where it is not met");
-  verb.option("--runs", o.runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e9);
+              "limits, as in \"CEP <= 1 nmi/h\" at the end or \"CEP <= 200 m at 600 s\"; also RMS, 95 %, vertical, velocity, heading; exit code 1 "
+              "otherwise");
+  verb.option("--runs", o.runs, "number of Monte Carlo runs, full integrations with drawn errors; 0 for none").show_default().in_range(0., 1e9);
   seed_option(verb, o.seed);
-  verb.option("--every", o.every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
+  verb.option("--every SECONDS", o.every, "time between rows of the files").in_range(1e-3, 1e6).show_default();
   sharing_options(verb, o.shared);
   verb.option("-o,--output FOLDER", o.output,
-              "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv; the file of a --part")
+              "the folder to create, with errors over time: total.csv, sources.csv, monte_carlo.csv, runs.csv; with --part the part's file")
       .creates()
       .of_command();
   report_option(verb, o.report);
-  verb.option("--catalogue", o.catalogue, "list the available grades and systems").of_command();
+  verb.option("--catalogue", o.catalogue, "list grades and systems").of_command();
   allow_undetermined_option(verb, o.allow_undetermined);
   json_option(verb, o.json);
-  verb.option("-v,--verbose", o.verbose, "print also velocity, attitude and the Monte Carlo by axis").of_command();
+  verb.option("-v,--verbose", o.verbose, "also print velocity, attitude and the Monte Carlo by axis").of_command();
   verb.example("imulab budget flight.toml --grade navigation");
   verb.example("imulab budget flight.toml --require \"CEP <= 1 nmi/h\"");
   verb.example("imulab budget flight.toml --grade strategic,tactical --report grades.html");

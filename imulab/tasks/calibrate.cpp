@@ -97,13 +97,13 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
       .writes()
       .of_command();
   verb.option("--require LIMITS", o.require,
-              "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.bias <= 200 ug\"; exit code 1 where it is not reached");
+              "limits that the uncertainties must meet, as in \"gyro.matrix.diagonal <= 100 ppm, accel.bias <= 200 ug\"; exit code 1 otherwise");
   prior_option(verb, o.prior);
   report_option(verb, o.report);
   topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
   json_option(verb, o.json, "print the calibration file instead of the table");
-  verb.option("-v,--verbose", o.verbose, "print also values in SI, what was used, and the tests of optional terms").of_command();
+  verb.option("-v,--verbose", o.verbose, "also print values in SI, the rests and rotations used, and the tests of optional terms").of_command();
   verb.example("imulab calibrate session --method handheld -o calibration.json");
   verb.example("imulab calibrate session --method hybrid --require \"gyro.bias <= 1 deg/h\"");
   return verb;
@@ -142,8 +142,8 @@ std::optional<FleetPrior> read_prior(const std::string& file) {
 VerbOption& effects_option(Verb& verb, std::string& effects) {
   return verb
       .option("--effects WHICH", effects,
-              "what an IMU may do besides the sensor model, such as asymmetry, hysteresis and drift: "
-              "estimated under its priors (table), or taken as absent (none)")
+              "errors of an IMU beyond the sensor model, such as asymmetry, hysteresis and drift: estimated under "
+              "their priors (table), or taken as absent (none)")
       .one_of({"table", "none"})
       .show_default();
 }

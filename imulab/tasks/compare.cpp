@@ -49,19 +49,18 @@ void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
 Verb& declare(Verb& command, CompareOptions& o) {
   Verb& verb = command.verb("compare", "Compare calibrations of one IMU, or saved results of one kind");
   verb.option("CALIBRATION", o.files,
-              "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
-              "errors are taken as independent; a file without uncertainties is taken as the truth. Also results as JSON of one verb: noise, "
-              "budget, predict or navigate")
+              "two or more calibrations, or truth.json of a simulation, compared with the first; a file without uncertainties is the truth. Or "
+              "results of one verb as JSON: noise, budget, predict or navigate. - for standard input")
       .required()
       .takes_several(2)
       .reads();
   verb.option("--tolerance LIMITS", o.tolerance,
-              "by how much calibrations may differ: \"gyro.bias <= 0.01 deg/h, accel.matrix.diagonal <= 50 ppm\"; exit code 1 where one differs "
-              "by more");
+              "limits for the size of each difference, without its uncertainty, as in \"gyro.bias <= 0.01 deg/h\"; exit code 1 if one is exceeded. A "
+              "coefficient that one calibration did not determine meets none, nor does a doubtful calibration");
   verb.option("--different-imus", o.different_imus, "compare calibrations of different serial numbers");
   report_option(verb, o.report);
   json_option(verb, o.json);
-  verb.option("-v,--verbose", o.verbose, "print all coefficients, and the values in SI").of_command();
+  verb.option("-v,--verbose", o.verbose, "also print all coefficients, and values in SI").of_command();
   verb.example("imulab compare calibration.json session/truth.json");
   verb.example("imulab compare spring.json autumn.json --tolerance \"gyro.bias <= 0.01 deg/h\"");
   return verb;

@@ -70,7 +70,7 @@ void expect_no_path_options(const PlanOptions& o) {
   for (const auto& [name, given] : {std::pair{"axes", o.axes != usual.axes},
                                     {"grade", o.grade != usual.grade},
                                     {"noise", o.noise.has_value()},
-                                    {"time", o.time.has_value()},
+                                    {"within", o.within.has_value()},
                                     {"rest", o.rest.has_value()},
                                     {"prior", !o.prior.empty()},
                                     {"part", o.shared.is_divided()}})

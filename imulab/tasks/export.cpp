@@ -40,17 +40,21 @@ void add_c_header_options(Verb& verb, ExportVerbOptions& o) {
   const std::size_t others = verb.options.size();
   verb.option("--input-accel UNIT", a.accel_unit, "c-header: unit of the firmware's accelerometer readings; absent: as recorded")
       .one_of(rates(Quantity::accel));
-  verb.option("--input-gyro UNIT", a.gyro_unit, "c-header: unit of its gyro readings; absent: as recorded").one_of(rates(Quantity::gyro));
-  verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit").in_range(1e-9, 1e12);
-  verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros").in_range(1e-9, 1e12);
-  verb.option("--prefix NAME", a.prefix, "c-header: with which its names begin, for programs with several IMUs; absent: imulab");
-  verb.option("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
-  verb.option("--fixed-point", a.fixed_point, "c-header: also a compensation in integers of 32 bits");
-  verb.option("--q15", a.q15, "c-header: also a compensation in integers of 16 bits");
-  verb.option("--accel-range R", a.accel_range,
-              "--fixed-point, --q15: largest reading of the firmware, counts where it has them; absent: 32768 counts, or 16 g")
+  verb.option("--input-gyro UNIT", a.gyro_unit, "c-header: unit of the firmware's gyro readings; absent: as recorded").one_of(rates(Quantity::gyro));
+  verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: accelerometer readings are counts, N of them per unit")
       .in_range(1e-9, 1e12);
-  verb.option("--gyro-range R", a.gyro_range, "--fixed-point, --q15: the same of the gyros; absent: 32768 counts, or 2000 deg/s")
+  verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: gyro readings are counts, N of them per unit").in_range(1e-9, 1e12);
+  verb.option("--prefix NAME", a.prefix,
+              "c-header: prefix of all names, for programs with several IMUs: up to 32 letters, digits and single underscores; absent: imulab");
+  verb.option("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
+  verb.option("--fixed-point", a.fixed_point, "c-header: add a compensation in 32-bit integers");
+  verb.option("--q15", a.q15, "c-header: add a compensation in 16-bit integers");
+  verb.option("--accel-range R", a.accel_range,
+              "with --fixed-point or --q15: largest accelerometer reading, in counts if the readings are counts; absent: 32768 counts if that is at "
+              "least 1.5 g, else 16 g")
+      .in_range(1e-9, 1e12);
+  verb.option("--gyro-range R", a.gyro_range,
+              "with --fixed-point or --q15: largest gyro reading; absent: 32768 counts if that is at least 50 deg/s, else 2000 deg/s")
       .in_range(1e-9, 1e12);
   for (auto row = std::next(verb.options.begin(), static_cast<std::ptrdiff_t>(others)); row != verb.options.end(); ++row)
     o.of_targets.push_back({&*row, {c_header_target}});
@@ -96,7 +100,7 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
   }
   names.emplace_back("all");
   help.push_back("all: each of them, into the folder of -o");
-  verb.option("CALIBRATION", o.calibration, "calibration.json; none: of --noise alone").required().reads();
+  verb.option("CALIBRATION", o.calibration, "calibration.json; none: export --noise alone").required().reads();
   verb.option("--to TARGET", o.target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names).called("target");
   verb.option("-o,--output FILE", o.output, "the file to write; - for standard output; with --to all a folder").show_default().of_command();
   const auto belongs_to = [&](const VerbOption& option, const auto& takes) {
@@ -110,15 +114,14 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
   };
   const auto needs_noise = [](const ExportTarget& target) { return target.needs_noise; };
   belongs(verb.option("--noise FILE", o.noise,
-                      "noise.json, from imulab noise: for targets that hold noise; without it those that need it have the white noise of the "
-                      "calibration's rests")
+                      "noise.json of imulab noise, in SI; without it, targets that need noise get the white noise of the calibration's rests")
               .reads(),
           ExportTarget::noise);
-  belongs(verb.option("--axes CHOICE", o.axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
+  belongs(verb.option("--three-axes CHOICE", o.three_axes, "if the target has one noise figure for three axes: the worst axis, or their mean")
               .one_of({"worst", "mean"})
               .show_default(),
           ExportTarget::noise);
-  belongs(verb.option("--rate HZ", o.choices.rate_hz, "samples a second of the stream; without it those of the noise's log")
+  belongs(verb.option("--stream-rate HZ", o.choices.rate_hz, "sampling rate of the stream; absent: that of the noise log")
               .in_range(1e-3, 1e6)
               .called("rate_hz"),
           ExportTarget::noise);
@@ -126,9 +129,8 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
              needs_noise);
   belongs_to(verb.option("--inflate X", o.choices.inflate, "multiply noise that is not a bound by this factor; the file says so").in_range(1e-3, 1e4),
              needs_noise);
-  belongs(
-      verb.option("--variance-matched", o.choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
-      ExportTarget::variance_matched);
+  belongs(verb.option("--variance-matched", o.choices.variance_matched, "vins: write N sqrt(2 rate), because VINS halves the variance"),
+          ExportTarget::variance_matched);
   belongs(verb.option("--model MODEL", o.choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
           ExportTarget::imu_model);
   belongs(
@@ -138,7 +140,7 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
           ExportTarget::instance);
   allow_undetermined_option(verb, o.allow_undetermined);
   add_c_header_options(verb, o);
-  json_option(verb, o.json, "print what was written and what it leaves out as JSON");
+  json_option(verb, o.json, "print what was written, and what it leaves out, as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
   verb.example("imulab export left.json --to c-header --prefix left -o left.h");
@@ -149,7 +151,7 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
 
 ExportOptions ExportVerbOptions::options() const {
   ExportOptions out = choices;
-  out.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+  out.axes = three_axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
   return out;
 }
 

@@ -27,7 +27,7 @@ struct ExportVerbOptions {
     const std::string& name() const { return option->flags.back(); }
   };
 
-  std::string calibration, target, output = "-", noise, axes = "worst";
+  std::string calibration, target, output = "-", noise, three_axes = "worst";
   bool allow_undetermined = false, json = false;
   ExportOptions choices;
   CHeaderArguments c_header;

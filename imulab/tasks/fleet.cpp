@@ -184,7 +184,7 @@ FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& 
 
 FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task, FleetStore& store) {
   const FleetRequest request{task.method, "terms=" + task.terms};
-  if (!task.declared.time.empty()) errors_at("--time", [&] { parse_time(task.declared.time); });
+  if (!task.declared.time.empty()) errors_at("--measured", [&] { parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store
   const BlockRange range = task.part ? blocks_of(*task.part, sessions.size()) : BlockRange{0, sessions.size()};

@@ -33,16 +33,16 @@ namespace imulab {
 Verb& declare(Verb& command, InspectOptions& o) {
   Verb& verb = command.verb("inspect", "Identify the contents of a recording, and write a session for it");
   verb.option("FILE", o.files,
-              "the files of one recording, or its folder: text, bags, logs, arrays, archives; aids beside them; a session; - for standard input")
+              "the files of one recording, or its folder: text, bags, logs, arrays, archives; also aids, or a session; - for standard input")
       .required()
       .reads();
-  verb.option("--for SECONDS", o.longest_s, "how long to read a stream that does not end: a serial port")
+  verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
+  verb.option("--for SECONDS", o.longest_s, "longest time to read a stream that does not end, such as a serial port")
       .in_range(0.1, 86400)
       .show_default()
       .of_command();
   topics_option(verb, o.topics);
   declarations_option(verb, o.declarations);
-  verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
   report_option(verb, o.report);
   json_option(verb, o.json);
   verb.example("imulab inspect log.csv -o session.toml");
@@ -52,21 +52,21 @@ Verb& declare(Verb& command, InspectOptions& o) {
 }
 
 VerbOption& topics_option(Verb& verb, std::vector<std::string>& topics) {
-  return verb.option("--topic TOPIC", topics, "of a recording with several tables; repeat it where gyros and accelerometers are in different ones")
+  return verb
+      .option("--topic TOPIC", topics, "the table of a recording that has several; repeat it if gyros and accelerometers are in different ones")
       .repeats()
       .called("topics");
 }
 
 void declarations_option(Verb& verb, std::vector<std::string>& declarations) {
   verb.option("--set KEY=VALUE", declarations,
-              fmt::format("declare what the data of a recording do not determine; repeatable: {}", fmt::join(declaration_keys(), ", ")))
+              fmt::format("declare what a recording does not contain; repeatable. Keys: {}", fmt::join(declaration_keys(), ", ")))
       .repeats()
       .of_command();
-  verb.option("--time COLUMN", declarations,
-              "the column of the stamps; none: the rows follow each other evenly, whatever stamps there are (with --rate)")
+  verb.option("--time COLUMN", declarations, "the column of the stamps; none: the rows are equally spaced, and stamps are ignored (with --rate)")
       .declares("time.column")
       .of_command();
-  verb.option("--rate HZ", declarations, "the sampling rate, of rows without stamps").in_range(1e-3, 1e6).declares("rate_hz").of_command();
+  verb.option("--rate HZ", declarations, "sampling rate of rows without stamps").in_range(1e-3, 1e6).declares("rate_hz").of_command();
 }
 
 Declarations parse_declarations(const std::vector<std::string>& texts) {

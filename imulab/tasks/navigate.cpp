@@ -19,34 +19,34 @@ namespace imulab {
 Verb& declare(Verb& command, NavigateVerbOptions& o) {
   Verb& verb = command.verb("navigate", "Align, compute the pure-inertial solution, and compare it with a truth");
   verb.option("CALIBRATION", o.calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required().reads();
-  verb.option("SESSION", o.sessions,
-              "session folders or session.toml files, each with one recording, or recordings, which are inspected first; several give one row each")
+  verb.option("SESSION", o.sessions, "sessions with one recording each, or recordings, which are inspected first; several give one row each")
       .required()
       .takes_several(1)
       .reads();
   verb.option("--vertical CHANNEL", o.vertical,
-              "treatment of the vertical channel; aided and held need a barometer. Absent: as the session declares ([navigation]), else free")
+              "vertical channel; aided and held need a barometer, and held takes the height from it. Absent: as the session declares in "
+              "[navigation], else free")
       .one_of({"free", "fixed", "aided", "held"});
-  verb.option("--barometer FILE", o.barometer, "heights for aided and held: a CSV file with t,height_m; the session's if absent").reads();
-  verb.option("--align", o.align, "align on the first rest even if the session gives an attitude");
-  verb.option("--heading", o.heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned")
+  verb.option("--barometer FILE", o.barometer, "CSV file with t,height_m, for aided and held; absent: the session's").reads();
+  verb.option("--align", o.align, "align on the first rest even if the session has [initial]");
+  verb.option("--heading DEG", o.heading_deg, "heading at the end of the rest; only roll and pitch are then aligned")
       .in_range(-360., 360.)
       .called("heading_deg");
-  verb.option("--heading-sigma", o.heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent")
+  verb.option("--heading-sigma DEG", o.heading_sigma_deg, "standard uncertainty of --heading; absent: exact")
       .in_range(0., 180.)
       .called("heading_sigma_deg");
-  verb.option("--gaps HOW", o.gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
-  verb.option("--aided", o.aided, "correct the solution with the session's aids ([[aid]]), and smooth it: docs/theory/aided.md");
-  verb.option("--filter", o.filter, "with --aided: the filter's solution, from the data before each time alone");
+  verb.option("--gaps HOW", o.gaps, "at missing samples: interpolate, or stop with exit code 2").one_of({"integrate", "refuse"}).show_default();
+  verb.option("--aided", o.aided, "correct the solution with the session's aids ([[aid]]), and smooth it");
+  verb.option("--filter", o.filter, "with --aided: at each time use only earlier data");
   verb.option("--outages EVERY,LENGTH", o.outages,
-              "with --aided: withhold the aids for LENGTH s every EVERY s, and compare (a third number: s until the first time)");
-  verb.option("--truth FILE", o.truth, "reference solution; the session's [truth] if absent").reads();
+              "with --aided: withhold the aids for LENGTH seconds every EVERY seconds, and compare; a third number is the time of the first outage");
+  verb.option("--truth FILE", o.truth, "reference solution; absent: the session's [truth]").reads();
   verb.option(
       "--require LIMITS", o.require,
-      "what the errors may be, against the truth: \"horizontal <= 100 m at 300 s\", \"horizontal <= 1 nmi/h\", also vertical, velocity, heading; "
-      "of several sessions each, or CEP and RMS of all; exit code 1 where it is not met");
+      "limits for the errors against the truth, as in \"horizontal <= 100 m at 300 s\" or, at the end, \"horizontal <= 1 nmi/h\"; also vertical, "
+      "velocity, heading; of several sessions also CEP and RMS; exit code 1 otherwise");
   verb.option("-o,--output FILE", o.output,
-              "write the whole solution to this CSV file; - for standard output in place of the table; with --aided also .geojson, .kml, .pos, .mcap")
+              "the whole solution as CSV; - for standard output in place of the table; with --aided also .geojson, .kml, .pos, .mcap")
       .writes()
       .of_command();
   topics_option(verb, o.topics).of_command();

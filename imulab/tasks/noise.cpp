@@ -89,36 +89,35 @@ AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRang
 Verb& declare(Verb& command, NoiseVerbOptions& o) {
   Verb& verb = command.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
   verb.option("RECORDING", o.recordings,
-              "a log at rest, or a session with one, - for either on standard input; several: mean, spread and worst of them; none with --datasheet")
+              "a log at rest, or a session with one; - for standard input; several: mean, spread and worst; may be absent with --datasheet")
       .reads();
-  verb.option("--recording FILE", o.recording, "which of a session's recordings, where it has several");
+  verb.option("--recording FILE", o.recording, "the recording to use, if the session has several");
   verb.option(
       "--require LIMITS", o.require,
-      "what the noise may be, the worst axis: \"gyro.N <= 0.1 deg/sqrt(h), accel.B <= 20 ug\", also gyro.x.N; N, B, K, Q, R; exit code 1 where "
-      "the log does not show it");
+      "limits that the log must show to be met, as in \"gyro.N <= 0.1 deg/sqrt(h), accel.B <= 20 ug\"; gyro.N is the worst axis, gyro.x.N one "
+      "axis; also K, Q, R; exit code 1 otherwise");
   verb.option("--datasheet SHEET", o.datasheet,
-              "values of a data sheet, or a TOML file with them in [noise]: \"gyro.N = 0.0038 deg/s/sqrt(Hz), gyro.B = 10 deg/h, accel.N = 70 "
-              "ug/sqrt(Hz)\"; compared with the log, or without a log written as its noise");
+              "values of a data sheet, as in \"gyro.N = 0.0038 deg/s/sqrt(Hz), gyro.B = 10 deg/h, accel.N = 70 ug/sqrt(Hz)\", or a TOML file with "
+              "them in [noise]; compared with the log, or without a log written as its noise");
   verb.option("--model TERMS", o.model,
-              "fit these terms in place of those that the spectrum requires: N,B,K or N,M1,M2, of N, Q, B, K, and processes M1, M2");
-  verb.option("--bound", o.bound,
-              "also a noise model for a filter that is not too sure: white noise, at most two processes and a walk, above what the log permits");
-  verb.option("--horizon S", o.horizon_s, "--bound: longest time for which the filter runs without aids; absent: 600").in_range(1, 1e6);
-  verb.option("--confidence P", o.confidence, "--bound: that the noise is below what is assumed; absent: 0.95").in_range(0.6, 0.9999);
+              "terms to fit instead of those that the spectrum requires: N,B,K or N,M1,M2, of N, Q, B, K, and processes M1, M2");
+  verb.option("--bound", o.bound, "also a noise model for a filter that is not too sure: white noise, processes and walk above what the log permits");
+  verb.option("--horizon S", o.horizon_s, "of the bound: longest time without aids, at most a third of the log; absent: 600").in_range(1, 1e6);
+  verb.option("--confidence P", o.confidence, "of the bound: probability that the noise is below it; absent: 0.95").in_range(0.6, 0.9999);
   verb.option(
           "--moving FILE", o.moving,
-          "logs of the same IMU with motors on or in motion: where the factor between the noise at rest and that of a filter comes from, by cause")
+          "logs of the same IMU with motors on or in motion, or results: where the factor between the noise at rest and that of a filter comes from")
       .takes_several(1)
       .reads()
       .of_command();
-  verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
+  verb.option("--deviation KIND", o.deviation, "deviation of the curve; the coefficients do not depend on it")
       .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
-  verb.option("--remove-temperature", o.remove_temperature, "subtract a parabola of the temperature first");
+  verb.option("--remove-temperature", o.remove_temperature, "first subtract a parabola in the temperature");
   topics_option(verb, o.topics).of_command();
   declarations_option(verb, o.declarations);
   verb.option("--in-memory MB", o.in_memory_mb,
-              "columns that take more than this go through temporary files (in TMPDIR, else /var/tmp); the results do not depend on it")
+              "use temporary files, in TMPDIR or else /var/tmp, if the columns need more than this (56 bytes per row); the result is the same")
       .in_range(1, 1e6)
       .show_default()
       .of_command();

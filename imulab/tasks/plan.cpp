@@ -6,6 +6,7 @@
 #include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/model/frame_axes.hpp"
 #include "imulab/procedure.hpp"
 #include "imulab/report/prediction_page.hpp"
@@ -79,7 +80,7 @@ struct PlannedPath {
 std::string identity_of(const PlanTask& task, const PathLimits& q) {
   std::vector<IdentityField> fields{{"procedure", sha256(procedure_text(procedure_of(task, 60, {})))},
                                     {"rest", q.rest ? fmt::format("{}", *q.rest) : "chosen"},
-                                    {"time", q.time ? fmt::format("{}", *q.time) : "shortest"},
+                                    {"within", q.time ? fmt::format("{}", *q.time) : "shortest"},
                                     {"turn_rate", fmt::format("{}", q.turn_rate)}};
   for (const RigAxis axis : q.axes) fields.emplace_back("axis", to_string(axis));
   for (const Requirement& r : q.requirements)
@@ -200,19 +201,20 @@ Verb& declare(Verb& command, PlanOptions& o) {
   Verb& verb = command.verb(
       "plan", fmt::format("Find the shortest path that meets requirements: rotations and rests on a table or by hand ({}), or maneuvers of a drive",
                           planning_method().name));
-  verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.bias <= 1 ug\"").required();
-  verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
-  verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its white noise, flicker and walk in place of the grade's").reads();
-  verb.option("--margin", o.margin, "the path reaches this part of each limit: an IMU is seldom as good as its data")
-      .in_range(0.1, 1.)
+  verb.option("--require LIMITS", o.require, "limits that the path must meet, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.bias <= 1 ug\"")
+      .required();
+  std::vector<std::string> names;
+  for (const Grade& of : grades()) names.emplace_back(of.name);
+  verb.option("--grade GRADE", o.grade, "grade of the IMU's noise").one_of(names).show_default();
+  verb.option("--noise FILE", o.noise, "noise.json: its white noise, flicker and random walk in place of the grade's").reads();
+  verb.option("--margin FRACTION", o.margin, "the part of each limit to reach").in_range(0.1, 1.).show_default();
+  verb.option("--latitude DEG", o.latitude_deg, "latitude of the site").in_range(-90, 90).show_default().called("latitude_deg");
+  verb.option("--gravity G", o.gravity, "gravity in m/s^2, measured to 1e-5; absent: normal gravity, known to 3e-4").in_range(9.7, 9.9);
+  verb.option("--axes AXES", o.axes, "the table's axes: 1 (outer, vertical), 2 (middle and inner), 3, or names such as outer,inner; hand: no table")
       .show_default();
-  verb.option("--latitude", o.latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default().called("latitude_deg");
-  verb.option("--gravity", o.gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4").in_range(9.7, 9.9);
-  verb.option("--axes AXES", o.axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
-      .show_default();
-  verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, longest_path);
-  verb.option("--rest", o.rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
-  verb.option("--mission FILE", o.mission, "add maneuvers to this drive of a vehicle with [[aid]], for the method that takes aids")
+  verb.option("--within SECONDS", o.within, "find the best path within this time, instead of the shortest path").in_range(60, longest_path);
+  verb.option("--rest SECONDS", o.rest, "duration of each rest, whole seconds; absent: chosen for each").in_range(6, 600, true);
+  verb.option("--mission FILE", o.mission, "add maneuvers to this drive with [[aid]]: figure eights, hard braking, slopes, rests")
       .reads()
       .of_command();
   effects_option(verb, o.effects);
@@ -234,7 +236,7 @@ PlanTask task_of(const PlanOptions& o) {
                 .gravity = o.gravity,
                 .axes = axes_of(o.axes),
                 .by_hand = o.axes == "hand",
-                .time = o.time,
+                .time = o.within,
                 .rest = o.rest,
                 .effects = o.effects == "table"};
   task.sharing = o.shared.sharing();

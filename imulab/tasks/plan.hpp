@@ -17,7 +17,7 @@ struct PlanOptions : ShowOptions {
   std::string require, grade = "navigation", axes = "3", effects = "table", prior;
   std::optional<std::string> noise;  ///< file of an analysis, in place of the grade's terms
   double latitude_deg = 45, margin = 0.8;
-  std::optional<double> gravity, time, rest;
+  std::optional<double> gravity, within, rest;
   std::optional<std::string> mission;  ///< of a drive, in place of a path: drive_plan.hpp
   SharingOptions shared;
 };

@@ -48,23 +48,22 @@ Verb& declare(Verb& command, PredictOptions& o) {
   Verb& verb = command.verb("predict", "Predict the uncertainties of a calibration and what limits them");
   verb.option("procedure", o.procedure, "the procedure or session to predict; of a drive the mission, with [[aid]]").required().reads();
   verb.option("--method METHOD", o.method,
-              fmt::format("the method of the calibration; Monte Carlo and tolerances are of {} alone", names_of_methods(&Method::takes_runs)))
+              fmt::format("method of the calibration; Monte Carlo and tolerances only for {}", names_of_methods(&Method::takes_runs)))
       .one_of(offered_methods(true))
       .show_default();
-  verb.option("--terms TERMS", o.terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
-      .show_default();
+  verb.option("--terms TERMS", o.terms, "coefficients to estimate, as for imulab calibrate; all others are taken as zero").show_default();
   effects_option(verb, o.effects);
   verb.option("--require LIMITS", o.require,
-              "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.bias <= 20 ug\"; finds which table, "
-              "timing and noise meet them");
-  verb.option("--runs", o.runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
+              "limits, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.bias <= 20 ug\"; on a turntable also finds the "
+              "coarsest table, timing and noise that meet them; exit code 1 otherwise");
+  verb.option("--runs", o.runs, "number of Monte Carlo procedures of a turntable, at least 100; 0 for none").check(bad_runs).show_default();
   seed_option(verb, o.seed);
-  verb.option("--classical", o.classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
-  verb.option("-o,--output FILE", o.output, "with --part: the part's file").writes().of_command();
+  verb.option("--classical", o.classical, "Zhang's own estimator: weights from the sensors' noise alone, a separate gyro bias in rotations");
+  verb.option("-o,--output FILE", o.output, "the part's file, with --part").writes().of_command();
   sharing_options(verb, o.shared);
   report_option(verb, o.report);
   json_option(verb, o.json);
-  verb.option("-v,--verbose", o.verbose, "print also first and second order and the Monte Carlo, with more digits").of_command();
+  verb.option("-v,--verbose", o.verbose, "also print first and second order and the Monte Carlo, with more digits").of_command();
   verb.example("imulab procedure zhang-24 -o procedure.toml");
   verb.example("imulab predict procedure.toml --require \"gyro.matrix.off_diagonal <= 5 arcsec\"");
   return verb;

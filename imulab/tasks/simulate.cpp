@@ -79,7 +79,7 @@ void take_grade(ImuDeclaration& imu, const std::string& name) {
   if (name.ends_with(".json"))
     take_noise(imu, name);
   else
-    imu.grade = grade(name).name;
+    imu.grade = errors_of_option("grade", [&] { return grade(name); }).name;
 }
 
 /// An aid is of one recording.
@@ -130,8 +130,8 @@ Verb& declare(Verb& command, SimulateOptions& o) {
   Verb& verb = command.verb("simulate", "Simulate a procedure: write a session folder with recordings and truth.json");
   verb.option("procedure", o.procedure, "the procedure or session to carry out").required().reads();
   verb.option("-o,--output FOLDER", o.output, "the folder to create").required().creates().of_command();
-  verb.option("--unit FILE", o.unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
-  verb.option("--grade GRADE", o.grade, "a grade by its name, or noise.json: the noise of a log at rest, in place of the procedure's");
+  verb.option("--unit FILE", o.unit, "truth.json or calibration.json: simulate this IMU in place of the procedure's");
+  verb.option("--grade GRADE", o.grade, "a grade, or noise.json for the noise of a log, in place of the procedure's");
   seed_option(verb, o.seed);
   json_option(verb, o.json, "print what was written as JSON");
   verb.example("imulab simulate procedure.toml -o session --seed 7");

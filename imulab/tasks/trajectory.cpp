@@ -185,8 +185,8 @@ Verb& declare(Verb& command, TrajectoryOptions& o) {
   Verb& verb = command.verb("trajectory", "Simulate an ideal IMU on a mission: write a session folder with truth.csv");
   verb.option("mission", o.mission, "the mission file: segments, or a recorded track").required().reads();
   verb.option("-o,--output FOLDER", o.output, "the folder to create").required().creates().of_command();
-  VerbOption& errors = verb.option("--errors", o.errors, "give the IMU the errors of the mission's [errors] table");
-  verb.option("--unit FILE", o.unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
+  VerbOption& errors = verb.option("--errors", o.errors, "draw the errors of the mission's [errors], and give them to the IMU");
+  verb.option("--unit FILE", o.unit, "truth.json or calibration.json: write the raw readings of this IMU, with the noise of [errors]")
       .reads()
       .excludes(errors);
   seed_option(verb, o.seed, "random seed of errors and noise; the same seed gives the same result");

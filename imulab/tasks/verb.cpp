@@ -105,7 +105,7 @@ void expect_command_of_part(const Verb& verb, const std::vector<std::string>& wo
 }
 
 VerbOption& report_option(Verb& verb, std::string& file) {
-  return verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained")
+  return verb.option("--report FILE", file, "also write the result as a page, one self-contained HTML file")
       .check([](const std::string& text) { return text == "-" ? "-; expected a file to write" : ""; })
       .writes()
       .of_command();
@@ -124,15 +124,16 @@ VerbOption& prior_option(Verb& verb, std::string& store) {
 }
 
 VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {
-  return verb.option("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its biases or matrices");
+  return verb.option("--allow-undetermined", allowed, "use a calibration although the data did not determine some of its biases or matrices");
 }
 
 void sharing_options(Verb& verb, SharingOptions& o) {
   o.verb = &verb, verb.sharing = &o;
-  verb.option("--part K/N", o.part,
-              "do the K-th of N parts alone and write it to -o FILE, for imulab join; auto: by Slurm, mpirun or Kubernetes, and -o is a folder")
+  verb.option(
+          "--part K/N", o.part,
+          "do only the K-th of N parts, and write it to -o FILE for imulab join; auto: K and N from Slurm, mpirun or Kubernetes; -o is then a folder")
       .of_command();
-  verb.option("--checkpoint DIR", o.checkpoint, "a folder for what is finished: after any end the same command goes on from there").of_command();
+  verb.option("--checkpoint DIR", o.checkpoint, "a folder for finished work: after an interruption the same command resumes there").of_command();
 }
 
 std::string Answer::headline() const {

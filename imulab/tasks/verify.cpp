@@ -25,7 +25,8 @@ std::string files_in_state(const Files& files, FileState state) {
 std::string shortcomings(const std::string& calibration, const Files& files) {
   const std::string changed = files_in_state(files, FileState::changed), missing = files_in_state(files, FileState::missing);
   if (!changed.empty()) return fmt::format("{}: not what it was made from: {}", calibration, changed);
-  if (!missing.empty()) return fmt::format("{}: not found: {}; expected them there, or their session's new place", calibration, missing);
+  if (!missing.empty())
+    return fmt::format("{}: not found: {}; expected them there, or --session-at with the new place of their session", calibration, missing);
   return "";
 }
 
@@ -58,7 +59,7 @@ std::string text_of(const Files& files) {
 Verb& declare(Verb& command, VerifyOptions& o) {
   Verb& verb = command.verb("verify", "Check that the recordings and the session of a calibration are still the same files");
   verb.option("CALIBRATION", o.calibration, "calibration.json").required().reads();
-  verb.option("--session SESSION", o.session, "the session's folder or file, if it is not where it was");
+  verb.option("--session-at PLACE", o.session_at, "the session's folder or file, if it has moved");
   json_option(verb, o.json);
   verb.example("imulab verify calibration.json");
   return verb;
@@ -77,7 +78,7 @@ AnswerOf<Files> verify(const VerifyOptions& o) {
   const Calibration calibration = read_calibration(o.calibration);
   if (calibration.sources.empty())
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
-  const auto files = std::make_shared<const Files>(verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file)));
+  const auto files = std::make_shared<const Files>(verify_sources(calibration, find_session(o.session_at, o.calibration, calibration.session_file)));
   return {{.json = [files] { return json_of(*files); },
            .table = [files](bool) { return text_of(*files); },
            .shortcomings = shortcomings(o.calibration, *files),

@@ -11,7 +11,7 @@
 namespace imulab {
 
 struct VerifyOptions : ShowOptions {
-  std::string calibration, session;
+  std::string calibration, session_at;
 };
 /// The verb `verify`, which sets these.
 Verb& declare(Verb& command, VerifyOptions& o);

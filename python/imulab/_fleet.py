@@ -56,11 +56,11 @@ class Fleet:
         columns = ("serial", "name", "calibrations", "first", "last", "method", "verdict", "station")
         return _tables.table(columns, [[unit[c] for c in columns] for unit in self.units])
 
-    def add(self, *files: PathLike, unit: str = "", station: str = "", operator: str = "", time: str = "") -> list[str]:
+    def add(self, *files: PathLike, unit: str = "", station: str = "", operator: str = "", measured: str = "") -> list[str]:
         """Adds calibrations, sessions or noise.json (with `unit`); what each is: "calibration", with " (known)" where the store had it."""
         if not files:
             raise TypeError("expected files to add")
-        return _imulab.fleet_add(self.store, [path("file", f) for f in files], unit, station, operator, time)
+        return _imulab.fleet_add(self.store, [path("file", f) for f in files], unit, station, operator, measured)
 
     def calibrate(
         self,
@@ -69,7 +69,7 @@ class Fleet:
         terms: str = "auto",
         station: str = "",
         operator: str = "",
-        time: str = "",
+        measured: str = "",
         retry: bool = False,
         progress: Callable[[float], object] | None = None,
         executor: Executor | None = None,
@@ -85,7 +85,7 @@ class Fleet:
         if progress is not None and not callable(progress):
             raise TypeError(f"progress: expected a callable, got {type(progress).__name__}")
         below = [path("place", p) for p in places]
-        options = (method, terms, station, operator, time)
+        options = (method, terms, station, operator, measured)
         done = _parts.by_parts(executor, parts, progress, _parts.fleet, below, *options)
         return _parts.join_fleet(self.store, done) if done else _imulab.fleet_calibrate(self.store, below, *options, retry, progress, "")
 

@@ -51,7 +51,7 @@ def test_predict(method, name, command, tmp_path):
 
 def test_plan(command):
     require = "gyro.offset <= 0.1 deg/h"
-    assert imulab.plan(require, time=120, rest=20).data == command("plan", "--require", require, "--time", "120", "--rest", "20", "--json")
+    assert imulab.plan(require, within=120, rest=20).data == command("plan", "--require", require, "--within", "120", "--rest", "20", "--json")
 
 
 def test_noise(rest_log, command, tmp_path):

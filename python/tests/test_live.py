@@ -147,7 +147,7 @@ def test_verify(hand_session, command, tmp_path):
     session.rename(tmp_path / "elsewhere")
     missing = imulab.verify(file)
     assert not missing and "not found" in missing.shortcomings and {f.state for f in missing.files} == {"missing"}
-    assert [f.state for f in imulab.verify(file, session=tmp_path / "elsewhere").files] == ["unchanged", "changed"]
+    assert [f.state for f in imulab.verify(file, session_at=tmp_path / "elsewhere").files] == ["unchanged", "changed"]
     with pytest.raises(imulab.Error, match="no page"):
         missing.report(tmp_path / "page.html")
 

@@ -47,7 +47,7 @@ def results(calibration, by_hand, hand_session, tmp_path_factory):
         "comparison": imulab.compare(calibration, by_hand.truth),
         "comparison of three": imulab.compare(calibration, by_hand.truth, by_hand.truth),
         "prediction": imulab.predict(imulab.procedure("handheld", poses=12), method="handheld", require="gyro.offset <= 1 deg/h"),
-        "plan": imulab.plan("gyro.offset <= 0.1 deg/h", time=120),
+        "plan": imulab.plan("gyro.offset <= 0.1 deg/h", within=120),
         "noise": imulab.noise(still),
         "navigation": imulab.navigate(None, flight),
         "budget": imulab.budget(folder / "mission.toml", grade="navigation", runs=5),

@@ -10,6 +10,7 @@
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
 #include "imulab/navigation/motion/flight.hpp"
+#include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/simulate_aid.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 #include "imulab/units.hpp"
@@ -138,7 +139,8 @@ AidedCase drawn_case(std::uint64_t seed, bool effects) {
   if (effects) {
     session.imu.simulated_effects.emplace();
     for (const Effect& effect : imulab::effects())
-      session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade));
+      if (effect.columns(setting_of(session)) > 0)
+        session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade));
   }
   c.unit = draw_truth(session, seed);
   c.unit.accel_noise.turn_on = c.unit.gyro_noise.turn_on = {};  // of one recording: a calibration of it does not separate them from the offsets

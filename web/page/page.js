@@ -322,7 +322,7 @@ async function startModule() {
   await prepare(new Response(packed.body.pipeThrough(new DecompressionStream("gzip")), { headers }));
   const { output } = await command(["--version"]);
   at("version").textContent = new TextDecoder().decode(output).split("\n")[0];
-  await offerChoices("plan", /grade of the IMU's noise: ([a-z0-9, -]*[a-z0-9])/, at("work-form").elements.grade);
+  await offerChoices("plan", /grade of the IMU's noise \[([a-z0-9, -]*)\]/, at("work-form").elements.grade);
   document.documentElement.dataset.ready = "true";
 }
 

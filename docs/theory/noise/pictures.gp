@@ -25,6 +25,7 @@ plot 1 lc rgb "#888888" notitle, \
      $lengths using ($1*1.06):2:($2*(1-1.28*$3)):($2*(1+1.28*$3)) with yerrorbars lw 2 pt 7 ps 0.6 lc rgb "#0072b2" \
        title "likelihood, where it determines K, with its stated 80 %"
 set output "least.svg"
+set key top center
 N = 1; K = 0.02
 deviation(x) = sqrt(N**2 / x + K**2 * x / 3)
 flat = sqrt(2 * N * K / sqrt(3))

@@ -13,7 +13,7 @@ do for [triad in "accel gyro"] {
     names = term == 1 ? "offset.x offset.y offset.z" : term == 2 ? "matrix.xx matrix.yy matrix.zz" : \
             triad eq "accel" ? "matrix.yx matrix.zx matrix.zy" : "matrix.xy matrix.xz matrix.yx matrix.yz matrix.zx matrix.zy"
     unit = term == 1 ? (triad eq "accel" ? 9.80665e-6 : pi / 180 / 3600) : term == 2 ? 1e-6 : pi / 180 / 3600
-    set ylabel term == 1 ? (triad eq "accel" ? "bias, ug" : "bias, deg/h") : term == 2 ? "scale factor, ppm" : "misalignment, arcsec"
+    set ylabel term == 1 ? (triad eq "accel" ? "bias, ug" : "bias, deg/h") : term == 2 ? "scale factor, ppm" : (triad eq "accel" ? "nonorthogonality, arcsec" : "misalignment, arcsec")
     reach = term == 1 ? (triad eq "accel" ? 300 : 0.3) : term == 2 ? 2000 : 400  # the first minutes exceed it
     set yrange [-reach:reach]
     plot for [i = 1:words(names)] "curves.csv" using 1:(column(triad . "." . word(names, i)) / unit) with lines lw 2 title word(names, i)[strstrt(word(names, i), ".") + 1:]

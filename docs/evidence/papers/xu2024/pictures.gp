@@ -27,7 +27,7 @@ set xlabel "time, s"
 set xrange [0:712]
 
 set terminal svg size 900,900 font "sans-serif,13" background "white"
-set key inside left top vertical reverse Left samplen 3 opaque
+set key above  # a legend inside would hide curves
 do for [kind = 0:2] {
   name = word("position velocity attitude", kind + 1)
   set output name . ".svg"
@@ -49,10 +49,10 @@ set output "sources.svg"
 set ylabel "horizontal position, m"
 set logscale y
 set yrange [0.1:5000]
-set key outside right top
+set key outside right top vertical
 kinds = "bias 'white noise' misalignment scale"
 starts = "'attitude: level' 'attitude: heading' velocity position"
-size(name) = strcol(1) eq name ? sqrt($3 * $3 + $4 * $4 + $6 * $6 + $7 * $7) : NaN
-plot for [i = 1:4] "draws/sources.csv" using 2:(size("gyro " . word(kinds, i))) skip 1 with lines lw 2 lc i title "gyro " . word(kinds, i), \
-     for [i = 1:4] "" using 2:(size("accelerometer " . word(kinds, i))) skip 1 with lines lw 2 lc i dt 2 title "accelerometer " . word(kinds, i), \
-     for [i = 1:4] "" using 2:(size("start " . word(starts, i))) skip 1 with lines lw 2 lc i dt 3 title "start " . word(starts, i)
+rows(name) = "< grep '^" . name . ",' draws/sources.csv"
+plot for [i = 1:4] rows("gyro " . word(kinds, i)) using 2:(sqrt($3 * $3 + $4 * $4 + $6 * $6 + $7 * $7)) with lines lw 2 lc i title "gyro " . word(kinds, i), \
+     for [i = 1:4] rows("accelerometer " . word(kinds, i)) using 2:(sqrt($3 * $3 + $4 * $4 + $6 * $6 + $7 * $7)) with lines lw 2 lc i dt 2 title "accelerometer " . word(kinds, i), \
+     for [i = 1:4] rows("start " . word(starts, i)) using 2:(sqrt($3 * $3 + $4 * $4 + $6 * $6 + $7 * $7)) with lines lw 2 lc i dt 3 title "start " . word(starts, i)
