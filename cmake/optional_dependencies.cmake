@@ -1,75 +1,43 @@
-# Libraries that not every user needs: used where they are found, unless IMULAB_WITH_... is OFF. A program that is linked with a static library of
-# imulab needs those that this one was built with. Name; module of pkg-config, or CMake's package; its target; what needs it; its Debian package;
-# how pkg-config names it, or the linker; what is linked with it: the target imulab or files, or the program imulab-read.
-set(IMULAB_OPTIONAL_DEPENDENCIES
-    "TBB|TBB|TBB::tbb|work on several threads|libtbb-dev|tbb|imulab"
-    "LZ4|liblz4|PkgConfig::IMULAB_LZ4|bags compressed with LZ4|liblz4-dev|liblz4|files"
-    "ZSTD|libzstd|PkgConfig::IMULAB_ZSTD|bags compressed with Zstandard|libzstd-dev|libzstd|files"
-    "BZIP2|BZip2|BZip2::BZip2|bags compressed with bzip2|libbz2-dev|-lbz2|files"
-    "ARCHIVE|libarchive|PkgConfig::IMULAB_ARCHIVE|archives other than zip, and texts compressed otherwise than by gzip|libarchive-dev|libarchive|files"
-    "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite, fleet stores|libsqlite3-dev|sqlite3|files"
-    "HDF5|hdf5|PkgConfig::IMULAB_HDF5|recordings in HDF5|libhdf5-dev|hdf5|imulab-read"
-    "MATIO|matio|PkgConfig::IMULAB_MATIO|recordings in MATLAB files|libmatio-dev|matio|imulab-read"
-    "SECCOMP|libseccomp|PkgConfig::IMULAB_SECCOMP|sandbox of HDF5 and MATLAB files|libseccomp-dev|libseccomp|imulab-read")
-
-macro(imulab_find_optional name module target required)
-  if("${target}" MATCHES "^PkgConfig::")
-    pkg_check_modules(IMULAB_${name} ${required} IMPORTED_TARGET ${module})
-  else()
-    find_package(${module} ${required})
-  endif()
-endmacro()
-
-foreach(dependency IN LISTS IMULAB_OPTIONAL_DEPENDENCIES)
-  string(REPLACE "|" ";" dependency "${dependency}")
-  list(GET dependency 0 name)
-  list(GET dependency 1 module)
-  list(GET dependency 2 target)
-  list(GET dependency 3 what)
-  if(DEFINED IMULAB_BUILT_WITH)
-    list(GET dependency 6 linked_with)
-    if(name IN_LIST IMULAB_BUILT_WITH AND linked_with IN_LIST IMULAB_TARGETS)
-      imulab_find_optional(${name} ${module} ${target} REQUIRED)
-    endif()
-    continue()
-  endif()
-  option(IMULAB_WITH_${name} "${what}" ON)
-  if(IMULAB_WITH_${name})
-    imulab_find_optional(${name} ${module} ${target} QUIET)
-  endif()
-endforeach()
-
-# Tells the given sources, which are units of their own, what was found. IMULAB_BUILT_WITH: its names. IMULAB_BUILD_OPTIONS: rows for
-# cmake/build.cpp.in. For each of imulab, files and read, X: IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's;
+# Libraries that not every user needs: used if they are found, unless IMULAB_WITH_... is OFF. A program that is linked with a static library of imulab
+# needs those that this one was built with (IMULAB_BUILT_WITH). The build gets rows of cmake/build.cpp.in in IMULAB_BUILD_OPTIONS, and for each part X,
+# which is imulab, files or read (the program imulab-read): IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's;
 # IMULAB_X_MODULES and IMULAB_X_LIBRARIES, for pkg-config.
-macro(imulab_tell_of_optional_dependencies)
-  foreach(dependency IN LISTS IMULAB_OPTIONAL_DEPENDENCIES)
-    string(REPLACE "|" ";" dependency "${dependency}")
-    list(GET dependency 0 name)
-    list(GET dependency 2 target)
-    list(GET dependency 3 what)
-    list(GET dependency 4 package)
-    list(GET dependency 5 linked)
-    list(GET dependency 6 linked_with)
-    string(REGEX REPLACE "^imulab-" "" linked_with "${linked_with}")
-    string(TOUPPER "${linked_with}" linked_with)
-    if(IMULAB_WITH_${name} AND TARGET ${target})
-      list(APPEND IMULAB_${linked_with}_WITH ${name})
-      list(APPEND IMULAB_${linked_with}_OPTIONAL ${target})
-      list(APPEND IMULAB_${linked_with}_PACKAGES ${package})
-      if("${linked}" MATCHES "^-l")
-        string(APPEND IMULAB_${linked_with}_LIBRARIES " ${linked}")
-      else()
-        string(APPEND IMULAB_${linked_with}_MODULES " ${linked}")
-      endif()
-      if(NOT linked_with STREQUAL "READ")
-        set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_DEFINITIONS IMULAB_WITH_${name})
-        list(APPEND IMULAB_BUILT_WITH ${name})
-      endif()
-      string(APPEND IMULAB_BUILD_OPTIONS "              {\"${name}\", \"${what}\", true},\n")
-    else()
-      string(APPEND IMULAB_BUILD_OPTIONS "              {\"${name}\", \"${what}\", false},\n")
-      message(STATUS "Without ${name}: no ${what}")
-    endif()
-  endforeach()
+macro(imulab_optional part name module package what) # module: pkg-config's, or the linker's option for bzip2, which has none in Debian 12
+  set(needed REQUIRED)
+  set(found false)
+  if(NOT DEFINED IMULAB_BUILT_WITH)
+    set(needed QUIET)
+    option(IMULAB_WITH_${name} "${what}" ON)
+  elseif("${name}" IN_LIST IMULAB_BUILT_WITH AND "${part}" IN_LIST IMULAB_TARGETS)
+    set(IMULAB_WITH_${name} ON)
+  endif()
+  if(IMULAB_WITH_${name} AND "${module}" STREQUAL "-lbz2")
+    find_package(BZip2 ${needed})
+    set(target BZip2::BZip2)
+    set(linked LIBRARIES)
+  elseif(IMULAB_WITH_${name})
+    pkg_check_modules(IMULAB_${name} ${needed} IMPORTED_TARGET ${module})
+    set(target PkgConfig::IMULAB_${name})
+    set(linked MODULES)
+  endif()
+  if(IMULAB_WITH_${name} AND TARGET "${target}")
+    set(found true)
+    list(APPEND IMULAB_${part}_WITH ${name})
+    list(APPEND IMULAB_${part}_OPTIONAL ${target})
+    list(APPEND IMULAB_${part}_PACKAGES ${package})
+    string(APPEND IMULAB_${part}_${linked} " ${module}")
+  elseif(needed STREQUAL "QUIET")
+    message(STATUS "Without ${name}: no ${what}")
+  endif()
+  string(APPEND IMULAB_BUILD_OPTIONS "              {\"${name}\", \"${what}\", ${found}},\n")
 endmacro()
+
+imulab_optional(imulab TBB tbb libtbb-dev "work on several threads")
+imulab_optional(files LZ4 liblz4 liblz4-dev "bags compressed with LZ4")
+imulab_optional(files ZSTD libzstd libzstd-dev "bags compressed with Zstandard")
+imulab_optional(files BZIP2 -lbz2 libbz2-dev "bags compressed with bzip2")
+imulab_optional(files ARCHIVE libarchive libarchive-dev "archives other than zip, and texts compressed otherwise than by gzip")
+imulab_optional(files SQLITE sqlite3 libsqlite3-dev "ROS 2 bags in SQLite, fleet stores")
+imulab_optional(read HDF5 hdf5 libhdf5-dev "recordings in HDF5")
+imulab_optional(read MATIO matio libmatio-dev "recordings in MATLAB files")
+imulab_optional(read SECCOMP libseccomp libseccomp-dev "sandbox of HDF5 and MATLAB files")

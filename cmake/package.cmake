@@ -70,8 +70,8 @@ function(imulab_packages variable linked) # then more of them: "a, b", of the ro
   list(JOIN packages ", " packages)
   set(${variable} "${packages}" PARENT_SCOPE)
 endfunction()
-imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS linked ${IMULAB_IMULAB_PACKAGES})
-imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "linked by files" ${IMULAB_FILES_PACKAGES} imulab) # the last for imulab-read
+imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS linked ${IMULAB_imulab_PACKAGES})
+imulab_packages(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "linked by files" ${IMULAB_files_PACKAGES} imulab) # the last for imulab-read
 set(CPACK_DEBIAN_DEV_DESCRIPTION "imulab as a C++ library: static library, headers, CMake and pkg-config files")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-imulab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

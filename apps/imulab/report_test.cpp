@@ -237,6 +237,9 @@ TEST_F(Report, ACertificateStatesWhatWasMeasured) {
   ASSERT_EQ(bare.exit_code, 0) << bare.errors;
   EXPECT_THAT(bare.errors, HasSubstr("the certificate has no number"));
   EXPECT_EQ(run("report log.json --certificate --number 1 -o numbered.html").errors, "");
+  EXPECT_EQ(run("report log.json --certificate --number " + std::string(37, '7') + " -o long.html").errors, "");
+  EXPECT_TRUE(says("long.html", "content:\"Calibration certificate " + std::string(36, '7') + "… (61 characters)\""))
+      << "the head of a page has room for 60";
   for (const char* part : {"ambient as declared (23.0 +/- 0.5) degC", "as its nominal rate says", "<th>time base</th><td>0</td><td>40000</td>",
                            "<tr><th>item</th><td><span class=\"fill\">"})
     EXPECT_TRUE(says("log.html", part)) << part;

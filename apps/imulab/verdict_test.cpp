@@ -6,6 +6,7 @@
 
 #include "tests/recorded_session.hpp"
 #include "tests/still_log.hpp"
+#include <algorithm>
 #include <regex>
 
 namespace imulab {
@@ -197,6 +198,19 @@ TEST(Mission, ItsVerticalChannelAndBarometerReachTheNavigation) {
   ASSERT_EQ(run_imulab(folder, "trajectory m.toml -o ideal").exit_code, 0);
   const OrderedJson ideal = OrderedJson::parse(run_imulab(folder, "navigate none ideal --json").output);
   EXPECT_LT(std::abs(ideal["position_error"]["up_m"].get<double>()), 0.1) << "an ideal barometer";
+}
+
+TEST(Mission, ItsBarometerIsReadTenTimesASecond) {
+  const TemporaryFolder folder;
+  std::string mission = drift_mission;
+  mission.replace(mission.find("\"fixed\""), 7, "\"held\"");
+  mission.replace(mission.find("duration_s = 300"), 16, "duration_s = 2");
+  mission.replace(mission.find("rate_hz = 10"), 12, "rate_hz = 200");
+  folder.write("m.toml", mission);
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml -o flight").exit_code, 0);
+  const std::string heights = read_text(folder / "flight/barometer.csv");
+  EXPECT_EQ(std::count(heights.begin(), heights.end(), '\n'), 22) << "a header, and both ends";
+  EXPECT_THAT(heights, HasSubstr("\n1.900000000,"));
 }
 
 TEST(Mission, AUnitThatCannotAlignItselfIsToldWhatToGive) {

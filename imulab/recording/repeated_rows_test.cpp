@@ -53,6 +53,14 @@ TEST(RepeatedRows, OfASlowSensorComeEvenly) {
   EXPECT_NEAR(1e-9 * static_cast<double>(slow.time_ns[3001] - slow.time_ns[3000]), 0.01 / 0.63, 1e-5);
 }
 
+TEST(RepeatedRows, WithoutThemARecordingStaysAsItIs) {
+  const Recording r = rows_of(1'000, 0.05, [](std::size_t i) { return i; });
+  const Recording same = without_samples(r, {});
+  EXPECT_EQ(same.time_ns, r.time_ns);
+  EXPECT_EQ(same.gyro, r.gyro);
+  EXPECT_EQ(same.accel, r.accel);
+}
+
 TEST(RepeatedRows, OfCoarseReadingsAreChance) {
   for (const double step : {0.5, 2.0, 4.0, 8.0}) {
     const Recording r = rows_of(8'000, step, [](std::size_t i) { return i; });

@@ -1,5 +1,6 @@
 #include "imulab/report/html.hpp"
 
+#include "imulab/report/aided_page.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
@@ -62,6 +63,13 @@ TEST(Html, TicksAreReadable) {
   EXPECT_TRUE(are_raised({0, 10000, 1e6}));
   EXPECT_EQ(tick_text(10000, true), "10⁴") << "all of an axis in one form";
   EXPECT_EQ(tick_text(0, true), "0");
+}
+
+TEST(Page, ConstantsHaveTheDigitsOfTheirUncertainty) {
+  const double unit = quantity_of_constant("gyro.offset.x").unit.size;
+  AidedNavigation n;
+  n.constants = {{"gyro.offset.x", 1.23456 * unit, 0.1 * unit, 5 * unit}};
+  EXPECT_THAT(aided_page("drive", n, {}, {}), testing::HasSubstr("<td>1.23</td><td>0.10</td><td>5.0</td>"));
 }
 
 TEST(Plot, TicksAreRound) {

@@ -67,6 +67,22 @@ TEST(BudgetRequirement, AtTheEndOrAtATimeInMetersOrAsARate) {
   EXPECT_THAT(results[0].note, HasSubstr("without a Monte Carlo"));
 }
 
+/// 100 runs that end 1 m, 2 m ... 100 m off: fewer than half of them within 40 m, or more within 61 m, would have p < 0.025 (a binomial's sigma is
+/// 5).
+TEST(BudgetRequirement, RunsLeaveAnIntervalOfARadius) {
+  const ErrorBudget b = budget_that_grows();
+  ErrorDistribution sampled{.time = b.time, .runs = 100};
+  sampled.median.setConstant(budget_quantities + 1, static_cast<Eigen::Index>(b.time.size()), 51);
+  sampled.mean = sampled.sigma = sampled.low = sampled.high = sampled.median;
+  sampled.end = BudgetRows::Zero(budget_quantities, 100);
+  for (Eigen::Index i = 0; i < 100; ++i) sampled.end(i % 2, i) = static_cast<double>(100 - i);
+  const auto results = assess(b, sampled, "CEP <= 60 m, CEP <= 62 m, CEP <= 39 m");
+  EXPECT_FALSE(results[0].met);
+  EXPECT_THAT(results[0].note, HasSubstr("undecided, with 95 % in 40 to 61 m"));
+  EXPECT_TRUE(results[1].met);
+  EXPECT_FALSE(results[2].met);
+}
+
 TEST(BudgetRequirement, RefusesWhatThereIsNot) {
   const auto refused = [](const char* limits) { return refusal_of([&] { assess(budget_that_grows(), std::nullopt, limits); }); };
   EXPECT_THAT(refused("CEP <= 1 nmi/h at 600 s"), HasSubstr("a rate is of the whole motion"));

@@ -47,6 +47,7 @@ TEST(Drift, IntervalsCoverTheTruth) {
       for (const UnitDrift& u : d.units) {
         const double truth = slopes[static_cast<std::size_t>(u.unit)];
         covered += u.low <= truth && truth <= u.high, all += 1;
+        EXPECT_NEAR(u.last, u.level + u.slope * u.since_middle, 1e-9) << "the line at the last calibration";
       }
     }
     std::printf("drift, repeatability %g (found %.2f): the interval covers in %.2f %%\n", repeat, repeatability, 100.0 * covered / all);
@@ -144,6 +145,10 @@ TEST(ControlChart, RulesFireAtTheStatedRate) {
     const double expected = run_rules()[k].false_alarm * static_cast<double>(units), found = static_cast<double>(chart.fired[k].size());
     std::printf("%s: %.0f times, expected %.0f\n", std::string(run_rules()[k].name).c_str(), found, expected);
     EXPECT_NEAR(found, expected, 10 * std::sqrt(expected));  // runs come in clusters: 4 standard deviations of clusters of up to six
+    EXPECT_FALSE(stands_out(chart, k));
+    ControlChart twice = chart;
+    twice.fired[k].insert(twice.fired[k].end(), chart.fired[k].begin(), chart.fired[k].end());
+    EXPECT_TRUE(stands_out(twice, k));
   }
 }
 

@@ -71,6 +71,14 @@ TEST(Outliers, AreFound) {
   EXPECT_LE(others, 10);  // 2 expected at 1 % of 200
 }
 
+TEST(Outliers, TheFarthestCoefficientIsStatedInSigmas) {
+  DrawnFleet d(1, 60, 1, 0.1, 0.5);  // of one coefficient they are the distance
+  d.input.values(7, 0) -= 20;
+  const std::vector<FleetOutlier> found = find_outliers(d.input).outliers;
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].worst_sigmas, -found[0].distance, 1e-9 * found[0].distance);
+}
+
 TEST(Outliers, AUnitMeasuredBadlyIsNoOutlier) {
   DrawnFleet d(1, 60, 3, 0.1, 0.1);
   d.input.values(7, 0) += 6;

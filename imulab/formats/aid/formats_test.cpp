@@ -208,6 +208,13 @@ TEST(BagAids, FixesAndTwists) {
   EXPECT_THAT(aid_text_error(twists), HasSubstr("has several topics of an aid; expected file = \"aid:TOPIC\" with one of /vel, /odom"));
   EXPECT_EQ(read_aid_text(twists, AidKind::gnss, "/vel").record.velocity[0], Eigen::Vector3d(1, 2, 3));
   EXPECT_THAT(read_aid_text(twists, AidKind::wheels, "/odom").record.value, ElementsAre(1.0));
+  std::string known = twist;  // and a covariance of six rows, the velocity's first
+  for (int i = 0; i < 36; ++i) known += packed(i == 0 ? 0.25 : i == 7 ? 0.16 : i == 14 ? 0.01 : i > 20 ? 9.0 : 0.001);
+  const std::string with_covariance = aid_bag("geometry_msgs/msg/TwistWithCovarianceStamped", {"/vel"}, known);
+  const AidRecord velocity = read_aid_text(with_covariance, AidKind::gnss).record;
+  EXPECT_EQ(velocity.velocity[0], Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(velocity.velocity_sigma[0], Eigen::Vector3d(0.5, 0.4, 0.1));
+  EXPECT_THAT(read_aid_text(with_covariance, AidKind::wheels).record.value_sigma, ElementsAre(0.5));
   EXPECT_THAT(aid_text_error(twists, AidKind::heading), HasSubstr("has no topic of kind heading"));
 }
 

@@ -1,5 +1,6 @@
 #include "imulab/navigation/aided/aided_budget.hpp"
 
+#include "imulab/coefficient.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/budget/growth.hpp"
@@ -151,6 +152,17 @@ TEST(AidedBudget, PartsAddUp) {
   const double with = std::sqrt(b.covariance[3](east, east));
   EXPECT_LT(with, 2);
   EXPECT_GT(std::sqrt(b.covariance.back()(east, east)), with);
+}
+
+TEST(AidedBudget, NamesOnceEachSourceWithoutAState) {
+  ErrorSources s = no_errors();
+  EXPECT_EQ(beyond_aided_budget(s), "");
+  for (const char* name : {"gyro.offset.x", "gyro.quadratic.x", "gyro.quadratic.y", "accel.cubic.z"})
+    s.coefficients.push_back(coefficient_index(name));
+  s.fixed = Eigen::VectorXd::Constant(4, 1e-3);
+  s.covariance = Eigen::MatrixXd::Zero(4, 4);
+  s.gyro_noise.Q = 1e-6;
+  EXPECT_EQ(beyond_aided_budget(s), "gyro nonlinearity, accelerometer nonlinearity, gyro quantization");
 }
 
 TEST(AidedBudget, OnlyAnAidThatMeasuresCanBeLost) {

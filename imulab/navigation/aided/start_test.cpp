@@ -106,6 +106,14 @@ TEST(AidedStart, ALateFixIsNotTheStart) {
   }
 }
 
+TEST(AidedStart, AWithheldFixIsNotTheStart) {
+  StartedLate d = started_late(0, 0, 0.02);
+  d.session.initial.reset();
+  d.aids[0].outages = {{0, 14.5}};
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), d.session, ideal_readings(d.motion), d.aids, {});
+  EXPECT_NEAR(n.solution.time.front(), 14.6, 0.03) << "fixes come each 0.2 s";
+}
+
 // On a level road, a gyro's offset and its g-sensitivity to gravity form a single number, also at rest.
 TEST(AidedStart, ARestDoesNotTellAnOffsetFromGSensitivity) {
   const StartedLate d = started_late(0, 20, 0.02);

@@ -1,6 +1,7 @@
 // Text as people write it: one recording in every dialect reads the same; what two conventions could mean is an error that says what to declare.
 #include "imulab/error.hpp"
 #include "imulab/formats/recording/signals.hpp"
+#include "imulab/formats/recording/text/encoding.hpp"
 #include "imulab/formats/recording/text/number_form.hpp"
 #include "imulab/formats/recording/text/stream.hpp"
 
@@ -12,6 +13,7 @@
 #include <functional>
 #include <string>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -257,6 +259,47 @@ TEST(NumberForm, SaysWhatANumberShows) {
                 .groups,
             ' ');
   for (const char* text : {"", "-", "1,", "1,2,3", "1,23,456", "abc", "1e", "1.2.3", "0x10", "1 23"}) EXPECT_FALSE(number_form(text).number) << text;
+}
+
+using recording_io::Decoder;
+using recording_io::Encoding;
+
+/// Two bytes a unit, as UTF-16 with the low byte first or last.
+std::string bytes_of(const std::u16string& text, Encoding encoding) {
+  std::string out;
+  for (const char16_t unit : text) {
+    const char low = static_cast<char>(unit & 0xFFU), high = static_cast<char>(unit >> 8U);
+    out += encoding == Encoding::utf16_low_first ? std::string{low, high} : std::string{high, low};
+  }
+  return out;
+}
+
+/// Decodes bytes that come in two parts.
+std::string decoded(const std::string& bytes, Encoding encoding, std::size_t first) {
+  Decoder decoder({encoding, 0});
+  std::string out;
+  decoder.add(std::string_view(bytes).substr(0, first), false, out);
+  decoder.add(std::string_view(bytes).substr(first), true, out);
+  return out;
+}
+
+TEST(Utf16, CharactersOfEachLengthAreThoseOfUtf8WhereverTheirBytesAreCut) {
+  // The first and the last character of each length in UTF-8, and one with different bits in each of its bytes; the compiler encodes both sides.
+  const std::vector<std::pair<std::u16string, std::string>> texts{{u"\u007F\u0080\u00B0", "\u007F\u0080\u00B0"},
+                                                                  {u"\u07FF\u0800\u2074", "\u07FF\u0800\u2074"},
+                                                                  {u"\uFFFD\U00010000\U0001F6F0", "\uFFFD\U00010000\U0001F6F0"},
+                                                                  {u"t\U0010FFFFs", "t\U0010FFFFs"}};
+  for (const auto& [text, expected] : texts)
+    for (const Encoding encoding : {Encoding::utf16_low_first, Encoding::utf16_high_first}) {
+      const std::string bytes = bytes_of(text, encoding);
+      for (std::size_t first = 0; first <= bytes.size(); ++first) EXPECT_EQ(decoded(bytes, encoding, first), expected) << first;
+    }
+}
+
+TEST(Utf16, HalfOfAPairIsAnUnknownCharacter) {
+  const std::vector<std::pair<std::u16string, std::string>> texts{
+      {{u'a', 0xD83D, u'b'}, "a\uFFFDb"}, {{u'a', 0xDE80, u'b'}, "a\uFFFDb"}, {{0xD83D, 0xD83D, 0xDE80}, "\uFFFD\U0001F680"}};
+  for (const auto& [text, expected] : texts) EXPECT_EQ(decoded(bytes_of(text, Encoding::utf16_low_first), Encoding::utf16_low_first, 1), expected);
 }
 
 }  // namespace
