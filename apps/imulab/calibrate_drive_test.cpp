@@ -106,8 +106,9 @@ TEST(CalibrateDriveCommand, StatesWhatADriveShowsAndNamesTheRest) {
   // What is as uncertain as before is no result: neither in the rows, nor on a card, nor for firmware.
   EXPECT_THAT(on_one_line(result.output), ContainsRegex("not determined, as uncertain as before the data: .*accel.matrix.zz.*gyro.matrix.xx"));
   EXPECT_THAT(page, AllOf(HasSubstr("Not determined, as uncertain as before the data: accel.matrix.z"), Not(HasSubstr("imulab export to firmware"))));
-  EXPECT_THAT(on_one_line(result.output),
-              ContainsRegex("good: nothing contradicts the stated uncertainties; not determined: [0-9]+ of 21 biases, scale factors and misalignments"));
+  EXPECT_THAT(
+      on_one_line(result.output),
+      ContainsRegex("good: nothing contradicts the stated uncertainties; not determined: [0-9]+ of 21 biases, scale factors and misalignments"));
   const CommandResult required = run_imulab(folder, "calibrate drive --method drive --require 'gyro.matrix.xx <= 50000 ppm' -o r.json");
   EXPECT_EQ(required.exit_code, 1);
   EXPECT_THAT(on_one_line(required.output), ContainsRegex("gyro.matrix.xx <= 50000 ppm: not met .*not determined"));

@@ -163,8 +163,8 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
         if (use == read) will_read(file), streams += file == "-";
       }
     }
-  for (const auto& [row, option] : options)  // a page is made from its result: --report replaces it
-    if (row->file == written && row->names != "--report")
+  for (const auto& [row, option] : options)
+    if (row->keeps)
       for (const std::string& file : option->results()) expect_free(shortest_name(*row), file);
   if (streams > 1) throw Error("-: standard input is named twice; expected it once");
   verb.does();
@@ -276,10 +276,8 @@ void add_common(Verb& verb, CommonOptions& o, bool top = true) {
   };
   if (has("--topic") && !has("--verbose"))  // it reads recordings
     inherit("-v,--verbose", o.verbose, "also print why a recording is read as it is");
-  const auto is_file = [&](const VerbOption& row) {
-    return row.names.ends_with("--output") && (row.value_name == "FILE" || verb.sharing != nullptr);
-  };
-  if (std::ranges::any_of(verb.options, is_file)) verb.option("--force", o.force, "replace existing files").of_command();
+  if (std::ranges::any_of(verb.options, [](const VerbOption& row) { return row.keeps; }))
+    verb.option("--force", o.force, "replace existing files").of_command();
   inherit("--memory MB", o.memory_mb, "refuse recordings that need more memory (default: physical memory)");
   for (Verb& own : verb.verbs) add_common(own, o, false);
 }

@@ -114,7 +114,7 @@ void compensate_files(const CompensateOptions& options) {
   const Session session = open_session(options.session, {options.declarations, options.topics}, numbers_inspected, Purpose::compensation);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
-  for (const fs::path& file : files) will_write("-o", file), expect_free("-o", file);
+  for (const fs::path& file : files) will_write("-o", file);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   std::optional<NewFolder> folder;
@@ -178,7 +178,7 @@ void compensate_stream(const CompensateOptions& options) {
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
   const auto [calibration, warnings] = read_usable(options.calibration, options.allow_undetermined);
-  will_write("-o", options.output), expect_free("-o", options.output);
+  will_write("-o", options.output);
   const Session session = session_at(options.stream_session);
   const RecordingSource& source = named_recording(session, options.recording);
   check_thermal_units(calibration, source);

@@ -27,11 +27,11 @@ std::vector<std::string> joined(std::vector<std::string> files, const std::vecto
 }
 
 const std::vector<Row> written_by{
-    {"procedure", "-o", "procedure zhang-24 -o @ --force", {}},
+    {"procedure", "-o", "procedure zhang-24 -o @", {}},
     {"inspect", "-o", "inspect S/recording.csv -o @ --force", {"S/recording.csv"}},
     {"inspect", "--report", "inspect S/recording.csv --report @", {"S/recording.csv"}},
     {"calibrate", "-o", "calibrate S --method handheld -o @ --force", session_files},
-    {"calibrate", "--curves", "calibrate S --method hybrid --curves @ --force", session_files},
+    {"calibrate", "--curves", "calibrate S --method hybrid --curves @", session_files},
     {"calibrate", "--report", "calibrate S --method handheld --report @", session_files},
     {"live", "-o", "live S/recording.csv --session S -o @ --force", session_files},
     {"live", "--save", "live S/recording.csv --session S --save @ --force", session_files},
@@ -39,21 +39,21 @@ const std::vector<Row> written_by{
     {"noise", "-o", "noise S S2 -o @ --force", {"S2/recording.csv"}},
     {"noise", "--report", "noise S --report @", session_files},
     {"compare", "--report", "compare c.json t.json --report @", {"c.json", "t.json"}},
-    {"report", "-o", "report c.json --session S -o @ --force", joined(session_files, {"c.json"})},
+    {"report", "-o", "report c.json --session S -o @", joined(session_files, {"c.json"})},
     {"predict", "--report", "predict p.toml --method handheld --report @", {"p.toml"}},
-    {"predict", "-o", "predict z.toml --runs 200 --part 1/1 -o @ --force", {"z.toml"}},
-    {"join", "-o", "join part -o @ --force", {"part"}},
+    {"predict", "-o", "predict z.toml --runs 200 --part 1/1 -o @", {"z.toml"}},
+    {"join", "-o", "join part -o @", {"part"}},
     {"join", "--report", "join part --report @", {"part"}},
-    {"plan", "-o", "plan --require 'accel.offset <= 1000 ug' -o @ --force", {}},
+    {"plan", "-o", "plan --require 'accel.offset <= 1000 ug' -o @", {}},
     {"plan", "--report", "plan --require 'accel.offset <= 1000 ug' --report @", {}},
-    {"compensate", "-o", "compensate c.json S -o @ --force", joined(session_files, {"c.json"})},
-    {"compensate", "-o", "compensate c.json - --session S -o @ --force < rows.csv", joined(session_files, {"c.json", "rows.csv"})},
+    {"compensate", "-o", "compensate c.json S -o @", joined(session_files, {"c.json"})},
+    {"compensate", "-o", "compensate c.json - --session S -o @ < rows.csv", joined(session_files, {"c.json", "rows.csv"})},
     {"compensate", "--report", "compensate c.json S -o fresh.csv --report @", joined(session_files, {"c.json"})},
     {"export", "-o", "export c.json --noise noise.json --to kalibr -o @ --force", {"c.json", "noise.json"}},
     {"import", "-o", "import c.json --gyro t.json -o @ --force", {"c.json", "t.json"}},
-    {"navigate", "-o", "navigate c.json S --truth rows.csv -o @ --force", joined(session_files, {"c.json", "rows.csv"})},
+    {"navigate", "-o", "navigate c.json S --truth rows.csv -o @", joined(session_files, {"c.json", "rows.csv"})},
     {"navigate", "--report", "navigate c.json S --report @", joined(session_files, {"c.json"})},
-    {"budget", "-o", "budget m.toml --runs 4 --part 1/1 -o @ --force", {"m.toml", "track.csv", "noise.json"}},
+    {"budget", "-o", "budget m.toml --runs 4 --part 1/1 -o @", {"m.toml", "track.csv", "noise.json"}},
     {"budget", "--report", "budget m.toml --runs 0 --report @", {"m.toml", "track.csv", "noise.json"}},
 };
 
@@ -104,22 +104,6 @@ TEST_F(Files, NoOutputReplacesAnInput) {  // ctest: once
         expect_refused(row, name, testing::AnyOf(HasSubstr("would overwrite "), HasSubstr(row.verb == "compensate" ? "a .csv" : "would overwrite ")));
       EXPECT_EQ(read_text(folder / input), before) << row.command;
     }
-}
-
-TEST_F(Files, OnlyForceReplacesAFile) {  // ctest: once
-  for (Row row : written_by) {
-    if (row.option == "--report") continue;  // a page is made from its result
-    row.command.erase(row.command.find(" --force"), std::string(" --force").size());
-    const std::string file = row.verb == "compensate" ? "there.csv" : "there";
-    folder.write(file, "mine");
-    expect_refused(row, file, HasSubstr("exists; expected a new file, or --force to replace it"));
-    EXPECT_EQ(read_text(folder / file), "mine") << row.command;
-  }
-  folder.write("there", "mine");
-  EXPECT_EQ(run_imulab(folder, "export c.json --to csv -o there --force").exit_code, 0);
-  EXPECT_THAT(read_text(folder / "there"), HasSubstr("accel.offset.x"));
-  EXPECT_EQ(run_imulab(folder, "report c.json --session S -o there --force").exit_code, 0);
-  EXPECT_THAT(read_text(folder / "there"), HasSubstr("<html"));
 }
 
 TEST_F(Files, NoOutputReplacesAFolderOrATruth) {  // ctest: once

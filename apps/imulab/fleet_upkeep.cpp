@@ -130,7 +130,7 @@ void add_fleet_upkeep(Verb& fleet) {
   Verb& exporting = upkeep(fleet, "export", "Write all calibrations as a table, or the file of one", exported, export_it);
   exporting.option("--csv", exported->csv, "a row for each calibration: coefficients and standard uncertainties in SI");
   exporting.option("--calibration N", exported->calibration, "the file of this calibration");
-  exporting.option("-o,--output FILE", exported->output, "the file to write; absent: standard output").writes();
+  exporting.option("-o,--output FILE", exported->output, "the file to write; absent: standard output").writes().keeps_existing();
   exporting.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
 
   Verb& removing = upkeep(fleet, "remove", "Remove calibrations from lists and statistics; they remain as history", removed, remove);

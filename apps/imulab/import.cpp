@@ -44,7 +44,7 @@ void add_import(Verb& app) {
               "a file of Kalibr, OpenVINS, imu_tk, imucal, PSINS, PX4, ArduPilot or VectorNav, or a matrix and a bias; its content decides")
       .required()
       .reads();
-  verb.option("-o,--output FILE", o->output, "the calibration to write; - for standard output").required().writes();
+  verb.option("-o,--output FILE", o->output, "the calibration to write; - for standard output").required().writes().keeps_existing();
   verb.option("--gyro FILE", o->gyro, "the gyros' file, if a file has one triad: imu_tk, a matrix and a bias").reads();
   verb.option("--raw UNIT", o->raw, "unit of the readings, if the file does not state it").one_of({"si", "count"});
   verb.option("--instance N", o->instance, "number of the IMU in the file, from 0").in_range(0, 9).show_default();

@@ -136,8 +136,9 @@ void add_live(Verb& app) {
               "stop when these limits are met; absent: by hand " + usual_live_requirement("m/s^2") + ", of a drive at the end of the stream");
   verb.option("--rest SECONDS", o->rest, "duration of each rest by hand; absent: 4").in_range(1, 600);
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
-      .writes();
-  verb.option("--save FILE", o->save, "a file that gets all rows as they come").writes();
+      .writes()
+      .keeps_existing();
+  verb.option("--save FILE", o->save, "a file that gets all rows as they come").writes().keeps_existing();
   verb.option("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");
   verb.does = [o] { run_live(*o); };

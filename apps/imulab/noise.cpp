@@ -71,7 +71,6 @@ Answer without_log(const NoiseVerbOptions& o) {
 
 void run(const NoiseVerbOptions& given) {
   NoiseVerbOptions o = given;
-  expect_free("-o", o.output, o.force);
   if (o.require) errors_of_option("require", [&] { expect_noise_limits(*o.require); });
   if (!o.moving.empty() && o.recordings.size() > 1) throw Error("--moving: is compared with one log at rest; expected one RECORDING before it");
   for (const std::string& path : o.moving) o.moving_inputs.push_back(given_after_moving(path, o));

@@ -83,7 +83,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   std::string summaries;
   for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
   verb.option("--method METHOD", o.method, summaries).required().one_of(offered_methods());
-  verb.option("-o,--output FILE", o.output, "the calibration file to write; - for standard output").writes().of_command();
+  verb.option("-o,--output FILE", o.output, "the calibration file to write; - for standard output").writes().keeps_existing().of_command();
   verb.option("--terms TERMS", o.terms,
               fmt::format("coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full ({}): "
                           "all, significant or not",

@@ -140,6 +140,7 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
           ExportTarget::instance);
   allow_undetermined_option(verb, o.allow_undetermined);
   add_c_header_options(verb, o);
+  verb.option("--force", o.force, "replace existing files of --to all").of_command();
   json_option(verb, o.json, "print what was written, and what it leaves out, as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");

@@ -28,7 +28,7 @@ struct ExportVerbOptions {
   };
 
   std::string calibration, target, output = "-", noise, three_axes = "worst";
-  bool allow_undetermined = false, json = false;
+  bool allow_undetermined = false, force = false, json = false;
   ExportOptions choices;
   CHeaderArguments c_header;
   std::vector<OfTargets> of_targets;

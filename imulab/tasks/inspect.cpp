@@ -36,7 +36,7 @@ Verb& declare(Verb& command, InspectOptions& o) {
               "the files of one recording, or its folder: text, bags, logs, arrays, archives; also aids, or a session; - for standard input")
       .required()
       .reads();
-  verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
+  verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().keeps_existing().of_command();
   verb.option("--for SECONDS", o.longest_s, "longest time to read a stream that does not end, such as a serial port")
       .in_range(0.1, 86400)
       .show_default()

@@ -121,7 +121,7 @@ Verb& declare(Verb& command, NoiseVerbOptions& o) {
       .in_range(1, 1e6)
       .show_default()
       .of_command();
-  verb.option("-o,--output FILE", o.output, "write the result as JSON, with the whole curve").writes().of_command();
+  verb.option("-o,--output FILE", o.output, "write the result as JSON, with the whole curve").writes().keeps_existing().of_command();
   json_option(verb, o.json);
   report_option(verb, o.report);
   verb.example("imulab noise night.csv -o noise.json");

@@ -63,6 +63,7 @@ class VerbOption {
   VerbOption& excludes(VerbOption& other) { return excluded.push_back(&other), *this; }
   VerbOption& reads() { return file = File::read, *this; }                           ///< its values name files that are read, or sessions
   VerbOption& writes() { return file = File::written, *this; }                       ///< its value names a file that is written
+  VerbOption& keeps_existing() { return keeps = true, *this; }                       ///< only --force replaces a file that it names
   VerbOption& creates() { return file = File::created, *this; }                      ///< its value names a folder that is made, but of a --part
   VerbOption& called(std::string name) { return keyword = std::move(name), *this; }  ///< another keyword in Python than its long name
   VerbOption& of_command() { return keyword.clear(), *this; }                        ///< Python does not take it
@@ -84,6 +85,7 @@ class VerbOption {
   std::optional<int> at_least;
   File file = File::none;
   bool is_required = false, is_repeated = false, is_whole = false;
+  bool keeps = false;
   bool given = false;      ///< on the command line
   bool inherited = false;  ///< the command itself takes it; the row is for help
 };
