@@ -11,7 +11,7 @@ if(NOT IMULAB_read_WITH MATCHES "HDF5|MATIO")
 endif()
 # It starts for each file: of the library it has what it needs, and nothing else.
 set(sources ${IMULAB_SOURCES})
-list(FILTER sources INCLUDE REGEX "imulab/(core/(memory|nearest_name|text)|recording/unit_names\
+list(FILTER sources INCLUDE REGEX "imulab/(core/(memory|nearest_name|text|unit_expression)|recording/unit_names\
 |formats/text/(file|printable|reading|reading_meter|several_files|unfinished)\
 |formats/recording/(arrays/arrays|logs/binary|child/(child|child_channel|child_tables|read_program)|table))\\.cpp$")
 add_executable(imulab_read apps/imulab_read/main.cpp ${sources} ${PROJECT_BINARY_DIR}/build.cpp)

@@ -24,7 +24,7 @@ NoiseAnalysis analysis_with_limits() {
     NoiseFit fit;
     fit.N = {size, 0.05 * size, 0.9 * size, 1.1 * size, true};
     fit.B = fit.K = fit.Q = fit.R = undetermined_below(gyro ? 2 * unit::deg_per_h : 30 * unit::ug);
-    out.axes.push_back({name, gyro ? "rad/s" : "m/s^2", {}, fit, ""});
+    out.axes.push_back({.name = name, .unit = gyro ? "rad/s" : "m/s^2", .fit = fit});
   }
   return out;
 }

@@ -139,7 +139,7 @@ AidedCase drawn_case(std::uint64_t seed, bool effects) {
   if (effects) {
     session.imu.simulated_effects.emplace();
     for (const Effect& effect : imulab::effects())
-      if (effect.columns(setting_of(session)) > 0)
+      if (effect.columns(simulate::setting_of(session)) > 0)
         session.imu.simulated_effects->try_emplace(std::string(effect.name), effect_sigma(effect, {}, *session.imu.grade));
   }
   c.unit = draw_truth(session, seed);
