@@ -105,8 +105,7 @@ inline std::map<std::string, std::set<TableKey>> keys_of_session_files() {
   }
   keys["(root)"].insert({"format", true});
   for (const Effect& effect : effects()) keys["[imu]"].erase({std::string(effect.declared()), false});  // which have a table of their own
-  keys["effects"].clear();
-  for (const Effect& effect : effects()) keys["effects"].insert({std::string(effect.name), false});
+  for (const char* shown : {"effects", "orthogonality_arcsec", "zero_arcsec"}) keys.erase(shown);  // in a table of effects, and in their own rows
   return keys;
 }
 

@@ -268,7 +268,7 @@ TEST(BadInput, NamesOfAnyBytes) {
     EXPECT_THAT(printed.errors, testing::Not(HasSubstr("json.exception"))) << command;
     EXPECT_EQ((printed.output + printed.errors).find_first_of("\x1b\xff"), std::string::npos) << command;
   }
-  EXPECT_EQ(run_imulab(folder, "verify c.json --session " + place).exit_code, 0);
+  EXPECT_EQ(run_imulab(folder, "verify c.json --session-at " + place).exit_code, 0);
 }
 
 TEST(BadInput, ACalibrationFromANewerFormat) {

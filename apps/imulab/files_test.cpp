@@ -39,7 +39,7 @@ const std::vector<Row> written_by{
     {"noise", "-o", "noise S S2 -o @ --force", {"S2/recording.csv"}},
     {"noise", "--report", "noise S --report @", session_files},
     {"compare", "--report", "compare c.json t.json --report @", {"c.json", "t.json"}},
-    {"report", "-o", "report c.json --session S -o @", joined(session_files, {"c.json"})},
+    {"report", "-o", "report c.json --session-at S -o @", joined(session_files, {"c.json"})},
     {"predict", "--report", "predict p.toml --method handheld --report @", {"p.toml"}},
     {"predict", "-o", "predict z.toml --runs 200 --part 1/1 -o @", {"z.toml"}},
     {"join", "-o", "join part -o @", {"part"}},

@@ -52,16 +52,16 @@ TEST_F(Report, WhatIsMissingIsSaidWithTheReason) {
                 .exit_code,
             0);
   ASSERT_EQ(run("report away/moved.json -o moved.html").exit_code, 0);
-  EXPECT_TRUE(says("moved.html", "gone/session.toml was not found; --session gives the place of the session"));
+  EXPECT_TRUE(says("moved.html", "gone/session.toml was not found; --session-at names its new place"));
   EXPECT_FALSE(says("moved.html", "<section id=\"recording\">"));
   EXPECT_TRUE(says("moved.html", "<section id=\"coefficients\">"));
-  ASSERT_EQ(run("report away/moved.json --session hand -o found.html").exit_code, 0);
+  ASSERT_EQ(run("report away/moved.json --session-at hand -o found.html").exit_code, 0);
   EXPECT_TRUE(says("found.html", "<section id=\"recording\">"));
 }
 
 TEST_F(Report, AChangedRecordingIsNotShown) {
   ASSERT_EQ(run_shell(*folder_, "cp -r hand changed && echo >> changed/recording.csv").exit_code, 0);
-  ASSERT_EQ(run("report hand.json --session changed -o changed.html").exit_code, 0);
+  ASSERT_EQ(run("report hand.json --session-at changed -o changed.html").exit_code, 0);
   EXPECT_TRUE(says("changed.html", "changed/recording.csv is not the file that was calibrated (its SHA-256 differs)"));
   EXPECT_FALSE(says("changed.html", "<section id=\"recording\">"));
 }

@@ -34,7 +34,7 @@ TEST(VerifyCommand, KnowsTheFilesOfACalibration) {
   EXPECT_EQ(same.exit_code, 0) << same.errors;
   EXPECT_THAT(same.output, HasSubstr("session/recording.csv: unchanged"));
   ASSERT_EQ(run_shell(folder, "mv session elsewhere").exit_code, 0);
-  EXPECT_EQ(run_imulab(folder, "verify c.json --session elsewhere").exit_code, 0);
+  EXPECT_EQ(run_imulab(folder, "verify c.json --session-at elsewhere").exit_code, 0);
   const CommandResult gone = run_imulab(folder, "verify c.json");
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_THAT(gone.output, HasSubstr("session/recording.csv: missing"));

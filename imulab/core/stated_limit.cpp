@@ -50,7 +50,7 @@ StatedLimit parse_limit(std::string_view text, std::string_view form, std::strin
 
 bool is_decimal_comma(std::string_view text, std::size_t at) {
   constexpr std::string_view digits = "0123456789";
-  if (at + 1 >= text.size() || text[at] != ',' || digits.find(text[at + 1]) == std::string_view::npos) return false;
+  if (at >= text.size() || at + 1 == text.size() || text[at] != ',' || digits.find(text[at + 1]) == std::string_view::npos) return false;
   const std::string_view before = text.substr(0, at);
   const std::size_t last = before.find_last_not_of(digits);  // the "^" of "m/s^2,95 %" is no begin of a number
   return before.size() > (last == std::string_view::npos ? 0 : last + 1) &&

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
-#include <vector>
+#include <string>
+#include <utility>
 
 namespace imulab::noise {
 namespace {
@@ -74,6 +76,41 @@ NoiseCoefficient drift_factor(const SlowChange& slow, const NoiseFit& fit) {
                             .high = slow.walk(size + margin, B) / least});
 }
 
+/// The mean force at rest; nothing if an accelerometer has no noise, or the file no means.
+std::optional<Force> force_at_rest(const NoiseAnalysis& rest) {
+  Force force{NAN, NAN, NAN};
+  for (const NoiseAxis& axis : rest.axes)
+    if (axis.name.starts_with("accel.")) force[static_cast<std::size_t>(axis.name.back() - 'x')] = axis.mean;
+  return std::isfinite(length_of(force)) ? std::optional(force) : std::nullopt;
+}
+
+struct MeanShift {
+  double size = 0, tilt = 0;  ///< tilt: of a horizontal accelerometer, the angle [rad] that shifts it as much
+  std::string missing = {};   ///< why there is no shift
+};
+
+/// The change of the mean from the log at rest. Of the accelerometers, the nearly vertical one has that of the length of the force.
+MeanShift mean_shift(const NoiseAnalysis& rest, const NoiseAxis& axis, const RecordingView& log, std::size_t column, const Range& range) {
+  if (std::isnan(axis.mean)) return {.missing = "the noise at rest has no mean readings: give the log itself"};
+  MeanShift out{.size = mean_in(log, column, range) - axis.mean};
+  const std::optional<Force> before = force_at_rest(rest);
+  if (!before || !log.has(accel_columns)) {
+    if (column >= accel_columns) out.missing = "the attitude is unknown without three accelerometers";
+    return out;
+  }
+  const Force after = mean_force(log, range), &b = *before;
+  const double length = length_of(b), cosine = (b[0] * after[0] + b[1] * after[1] + b[2] * after[2]) / (length * length_of(after));
+  if (const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)); angle > same_attitude)
+    return {.missing = fmt::format("the attitude differs by {:.2g} deg from that of the log at rest", angle / unit::deg)};
+  if (column < accel_columns) return out;
+  const double vertical = b[column - accel_columns] / length;
+  if (std::abs(vertical) < nearly_vertical)
+    out.tilt = std::abs(out.size) / length;
+  else
+    out.size = std::copysign(1.0, vertical) * (length_of(after) - length);
+  return out;
+}
+
 }  // namespace
 
 NoiseCoefficient determined_factor(const FactorRange& f) {
@@ -108,7 +145,7 @@ MovingCause drift_cause(const NoiseAxis& rest, const RecordingView& log, std::si
       const double vertical = before[column - accel_columns] / length_of(before);
       if (std::abs(vertical) < nearly_vertical)
         return without_factor("drift", "K", "the log moves, and between its rests only the force along the vertical is known");
-      slow.change = std::copysign(length_of(after) - length_of(before), vertical);
+      slow.change = std::copysign(1.0, vertical) * (length_of(after) - length_of(before));
     }
     if (log.has(thermometer)) out.temperature_change = mean_in(log, thermometer, parts.second) - mean_in(log, thermometer, parts.first);
   }
@@ -119,38 +156,27 @@ MovingCause drift_cause(const NoiseAxis& rest, const RecordingView& log, std::si
 
 MovingCause rectification_cause(const NoiseAnalysis& rest, const NoiseAxis& axis, const RecordingView& log, std::size_t column, const Range& range,
                                 double floor) {
-  const auto missing = [](std::string reason) { return without_factor("rectification", "bias", std::move(reason)); };
-  if (std::isnan(axis.mean)) return missing("the noise at rest has no mean readings: give the log itself");
-  double shift = mean_in(log, column, range) - axis.mean, vertical = 1;
-  if (log.has(accel_columns) && rest.axes.size() == 6) {
-    const Force before{rest.axes[3].mean, rest.axes[4].mean, rest.axes[5].mean}, after = mean_force(log, range);
-    const double cosine = (before[0] * after[0] + before[1] * after[1] + before[2] * after[2]) / (length_of(before) * length_of(after));
-    if (const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)); angle > same_attitude)
-      return missing(fmt::format("the attitude differs by {:.2g} deg from that of the log at rest", angle / unit::deg));
-    if (column >= accel_columns) {
-      vertical = before[column - accel_columns] / length_of(before);
-      if (std::abs(vertical) >= nearly_vertical) shift = std::copysign(length_of(after) - length_of(before), vertical);
-    }
-  }
+  const MeanShift shift = mean_shift(rest, axis, log, column, range);
+  if (!shift.missing.empty()) return without_factor("rectification", "bias", shift.missing);
   const NoiseFit& fit = *axis.fit;
   const double m = bias_instability(axis), K = fit.K.determined ? fit.K.value : 0, N2 = fit.N.value * fit.N.value;
-  const double rest_s = rest.end_s - rest.begin_s, log_s = duration(log, range), between = log.time_s(range.begin) - rest.end_s;
+  const double rest_s = rest.end_s - rest.begin_s, log_s = duration(log, range), between_s = log.time_s(range.begin) - rest.end_s;
   constexpr double one_clock_s = 86400;  // logs of one clock follow each other within a day
-  const double walk_s = rest_s / 3 + log_s / 3 + (between >= 0 && between < one_clock_s ? between : 0);
+  const bool follows = between_s >= 0 && between_s < one_clock_s;
+  const double walk_s = rest_s / 3 + log_s / 3 + (follows ? between_s : 0);
   const double u = std::sqrt(N2 / rest_s + floor * N2 / log_s + 2 * m * m + K * K * walk_s);
   const auto factor = [&](double size) { return std::sqrt(1 + std::max(0.0, size * size - u * u) / (m * m)); };
-  const double size = std::abs(shift), margin = two_sided * u;
+  const double size = std::abs(shift.size), margin = two_sided * u;
   MovingCause out{.name = "rectification", .parameter = "bias"};
-  out.size = shift;
-  if (std::abs(vertical) < nearly_vertical) {
+  out.size = shift.size;
+  if (shift.tilt > 0) {
     out.factor = {NAN, NAN, 0, factor(size + margin), false};
-    out.reason = fmt::format("a tilt by {:.2g} deg shifts a horizontal accelerometer as much",
-                             size / (std::abs(length_of({rest.axes[3].mean, rest.axes[4].mean, rest.axes[5].mean})) * unit::deg));
+    out.reason = fmt::format("a tilt by {:.2g} deg shifts a horizontal accelerometer as much", shift.tilt / unit::deg);
     return out;
   }
-  out.factor =
-      determined_factor({.value = size > margin ? factor(size) : 1, .low = size > margin ? factor(size - margin) : 1, .high = factor(size + margin)});
-  if (walk_s == rest_s / 3 + log_s / 3) out.reason = "includes any change of the bias between the logs";
+  const bool significant = size > margin;
+  out.factor = determined_factor({significant ? factor(size) : 1, significant ? factor(size - margin) : 1, factor(size + margin)});
+  if (!follows) out.reason = "includes any change of the bias between the logs";
   return out;
 }
 

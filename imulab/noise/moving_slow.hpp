@@ -4,8 +4,6 @@
 #include "imulab/noise.hpp"
 #include "imulab/recording/recording_view.hpp"
 
-#include <optional>
-
 namespace imulab::noise {
 
 /// Factors of at least one for sizes from `low` to `high`.
@@ -24,11 +22,11 @@ struct SlowParts {
 /// Returns the bias instability: 0.664 B, or the least deviation, or the bound of 0.664 B.
 double bias_instability(const NoiseAxis& rest);
 
-/// Equation (6) of moving.hpp. `vertical`: cosine between an accelerometer's axis and the vertical; of a log that moves, only the change of the force
-/// along it is known. `floor`: F_w^2.
+/// Equation (6) of moving.hpp. Of the accelerometers of a log that moves, only the force along the vertical is known. `column`: of the axis in the
+/// log; `floor`: F_w^2.
 MovingCause drift_cause(const NoiseAxis& rest, const RecordingView& log, std::size_t column, const SlowParts& parts, double floor);
 
-/// Equation (5), for a log at rest. `rest_s`, `between_s`: length of the log at rest, and time from its end to the beginning of this one if known.
+/// Equation (5), for a log at rest in `range`; `axis`: the noise of the axis at rest.
 MovingCause rectification_cause(const NoiseAnalysis& rest, const NoiseAxis& axis, const RecordingView& log, std::size_t column, const Range& range,
                                 double floor);
 

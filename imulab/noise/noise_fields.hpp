@@ -153,7 +153,8 @@ void describe(Fields& f, NoiseAnalysis& analysis) {
   f("axes", analysis.axes);
   fields::expect(f, !analysis.from_data_sheet() || std::ranges::all_of(analysis.axes, [](const NoiseAxis& axis) { return axis.fit.has_value(); }),
                  "axes", "coefficients of every axis of a data sheet");
-  f("data_sheet", analysis.sheet, fields::if_any), f("moving", analysis.moving, fields::if_any), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
+  f("data_sheet", analysis.sheet, fields::if_any), f("moving", analysis.moving, fields::if_any), f("notes", analysis.notes, fields::optional),
+      f("warnings", analysis.warnings, fields::optional);
 }
 
 /// Describes a coefficient of several logs.

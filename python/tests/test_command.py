@@ -61,6 +61,14 @@ def test_noise(rest_log, command, tmp_path):
     assert own.data == command("noise", tmp_path / "rest.csv", *(a for k, v in units.items() for a in ("--set", f"{k}={v}")), "--json")
 
 
+def test_noise_in_motion(rest_log):
+    axes = imulab.noise(rest_log, moving=[rest_log])["moving"]["axes"]
+    assert [axis["name"] for axis in axes] == ["gyro.x", "gyro.y", "gyro.z", "accel.x", "accel.y", "accel.z"]
+    assert all(0.95 < axis["N"]["factor"] < 1.05 for axis in axes)  # the log itself, whose N is known to 0.4 %
+    with pytest.raises(TypeError):
+        imulab.noise(rest_log, moving=5)
+
+
 def test_inspect(hand_session, command):
     file = hand_session / "recording.csv"
     own = imulab.inspect(file, declare={"latitude_deg": "45"})
