@@ -24,8 +24,8 @@ set_source_files_properties(apps/imulab_read/main.cpp apps/imulab_read/matio_rea
                             PROPERTIES UNITY_GROUP apps_imulab_read)
 set_target_properties(imulab_read PROPERTIES OUTPUT_NAME imulab-read RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/libexec UNITY_BUILD_MODE GROUP)
 add_dependencies(imulab_command imulab_read) # they are one
-# The archives of these libraries if all are installed: libhdf5 as a shared library brings thirty others, those for files on the network, and takes longer to
-# start than most files to read.
+# The archives of these libraries if all are installed: libhdf5 as a shared library brings thirty others, those for files on the network, and takes
+# longer to start than most files to read.
 foreach(name matio hdf5 sz aec) # in this order: that of MATLAB files needs HDF5
   find_library(IMULAB_ARCHIVE_${name} lib${name}.a PATHS ${IMULAB_HDF5_LIBRARY_DIRS})
   list(APPEND archives ${IMULAB_ARCHIVE_${name}})

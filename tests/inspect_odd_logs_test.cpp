@@ -20,6 +20,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 const Recording& hand_motion() {
   static const Recording cached = [] {
@@ -96,6 +97,19 @@ TEST(InspectOddLogs, SeveralSensorsAreAskedAbout) {
   const Inspection declared = inspected_log(text, {{"gyro.columns", "imu0_gx,imu0_gy,imu0_gz"}, {"accel.columns", "imu0_ax,imu0_ay,imu0_az"}});
   EXPECT_THAT(declared.ambiguous(), IsEmpty());
   EXPECT_EQ(declared.source.gyro.columns, (std::vector<Column>{"imu0_gx", "imu0_gy", "imu0_gz"}));
+}
+
+TEST(InspectOddLogs, DeclaredAccelerometersOfSeveralAreTakenWithoutGyros) {
+  const Recording& r = hand_motion();
+  std::string text = "t,imu0_ax,imu0_ay,imu0_az,imu1_ax,imu1_ay,imu1_az\n";
+  for (std::size_t i = 0; i < r.size(); ++i)
+    text +=
+        fmt::format("{},{},{},{},{},{},{}\n", seconds(i), r.accel[0][i], r.accel[1][i], r.accel[2][i], r.accel[1][i], -r.accel[0][i], r.accel[2][i]);
+  EXPECT_THAT(inspected_log(text).ambiguous(), Not(IsEmpty()));
+  const Inspection declared = inspected_log(text, {{"accel.columns", "imu1_ax,imu1_ay,imu1_az"}});
+  EXPECT_THAT(declared.ambiguous(), IsEmpty());
+  EXPECT_EQ(declared.source.accel.columns, (std::vector<Column>{"imu1_ax", "imu1_ay", "imu1_az"}));
+  EXPECT_TRUE(declared.source.gyro.columns.empty());
 }
 
 TEST(InspectOddLogs, RowsOutOfOrderAreAProblemAndNoWrap) {

@@ -140,7 +140,7 @@ TEST(Package, TheTutorialNamesItsDependencies) {
                                                     {"BZIP2", "libbz2-dev"},   {"SQLITE", "libsqlite3-dev"},  {"HDF5", "libhdf5-dev"},
                                                     {"MATIO", "libmatio-dev"}, {"SECCOMP", "libseccomp-dev"}, {"ARCHIVE", "libarchive-dev"}};
   const std::string optional_list = read_text(IMULAB_SOURCE "/cmake/optional_dependencies.cmake");
-  const std::regex row("\"(\\w+)[|]");
+  const std::regex row("imulab_optional\\(\\w+ (\\w+) ");
   std::size_t rows = 0;
   for (std::sregex_iterator i(optional_list.begin(), optional_list.end(), row), end; i != end; ++i, ++rows) {
     ASSERT_TRUE(optional.contains((*i)[1])) << (*i)[1];

@@ -1,9 +1,13 @@
 // The white noise of the rests, which every method of one recording writes into its calibration.
+#include "imulab/estimate/kernel/rest_noise.hpp"
+
 #include "imulab/estimate/method.hpp"
 #include "imulab/files.hpp"
 #include "imulab/tasks/simulate.hpp"
 
 #include <gmock/gmock.h>
+
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -23,6 +27,17 @@ TEST(RestNoise, IsTheWhiteNoiseThatWasSimulated) {
     EXPECT_DOUBLE_EQ(c.rest_noise->interval_s, simulated.recordings.front().interval_s) << name;
     EXPECT_EQ(parse_calibration(calibration_text(c), "c.json").rest_noise, c.rest_noise) << name;
   }
+}
+
+TEST(RestNoise, SecondsOfRecordingsAddUp) {
+  const Simulation simulated = simulate_session(method("handheld").example({}), {.seed = 1});
+  std::vector<Recording> two = simulated.recordings;
+  two.push_back(two.front());
+  const Calibration c = calibrate("handheld", {simulated.session, simulated.recordings}).calibration;
+  const auto once = kernel::rest_noise(c, {simulated.session, simulated.recordings}), twice = kernel::rest_noise(c, {simulated.session, two});
+  ASSERT_TRUE(once && twice);
+  EXPECT_NEAR(twice->seconds, 2 * once->seconds, 1e-9);
+  EXPECT_EQ(twice->rests, 2 * once->rests);
 }
 
 }  // namespace

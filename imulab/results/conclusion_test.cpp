@@ -1,10 +1,14 @@
 #include "imulab/results/conclusion.hpp"
 
 #include "imulab/error.hpp"
+#include "imulab/results/aided.hpp"
 #include "imulab/results/summary.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <tuple>
 
 namespace imulab {
 namespace {
@@ -51,6 +55,17 @@ TEST(ConclusionJson, ComesBackWithItsResult) {
   EXPECT_EQ(back.requirements, a_conclusion.requirements);
   EXPECT_EQ(parse_answer(text, "p.json").conclusion.verdict, Verdict::none) << "of an earlier version";
   EXPECT_THROW(parse_answer(R"({"verdict": "perfect", "format": "imulab.prediction/1", "coefficients": {}, "undetermined": []})", "p.json"), Error);
+}
+
+TEST(OutageSummary, IsTheRmsTheMedianAndTheLargest) {
+  std::vector<OutageResult> outages(3);
+  for (const auto& [k, horizontal, ratio] : {std::tuple{0u, 5.0, 2.0}, {1u, 70.0, 1.0}, {2u, 6.0, 2.0}})
+    outages[k].predicted.horizontal = horizontal, outages[k].predicted.ratio = ratio;
+  const OutageSummary s = outage_summary(outages, &OutageResult::predicted);
+  EXPECT_DOUBLE_EQ(s.ratio, std::sqrt(3.0));
+  EXPECT_EQ(s.median, 6);
+  EXPECT_EQ(s.worst, 70);
+  EXPECT_EQ(outage_summary(outages, &OutageResult::smoothed).ratio, 0);
 }
 
 }  // namespace

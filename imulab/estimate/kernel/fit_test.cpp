@@ -49,6 +49,10 @@ TEST(DropSuspects, TheLevelIsSharedAmongAll) {
   EXPECT_THAT(drop_suspects(Values{{}}, 1e-3).dropped, IsEmpty());
 }
 
+TEST(Improbable, TheLeastProbableComesFirst) {
+  EXPECT_THAT(improbable({{"first", -100}, {"probable", -1}, {"least", -200}}, 1e-3), ElementsAre(2, 0));
+}
+
 TEST(Improbable, WhatIsNoNumberIsNotExplainedByChance) { EXPECT_THAT(improbable({{"good", -1}, {"nan", std::nan("")}}, 1e-3), ElementsAre(1)); }
 
 }  // namespace
