@@ -195,7 +195,7 @@ TEST(Extension, EveryRecordingFormatIsDocumentedAndFuzzed) {
 }
 
 TEST(Extension, EveryTargetAndImportIsDocumentedAndFuzzed) {
-  const std::string targets = rows_below("reference/export.md", "| target | for |"), imports = rows_below("reference/export.md", "| format |");
+  const std::string targets = rows_below("reference/export.md", "| target | contents |"), imports = rows_below("reference/export.md", "| format |");
   for (const ExportTarget& target : export_targets()) EXPECT_THAT(targets, HasSubstr("\n| `" + std::string(target.name) + "` |"));
   std::vector<std::string> seeds;
   for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/tests/imports")) seeds.push_back(read_text(entry.path()));

@@ -123,7 +123,7 @@ UsableCalibration calibration_of(const ExportVerbOptions& o) {
 
 void run(const ExportVerbOptions& o) {
   expect_options_of_target(o);
-  if (!o.is_of_all()) will_write("-o", o.output), expect_free("-o", o.output);
+  if (!o.is_of_all()) will_write("-o", o.output);
   const auto [calibration, warnings] = calibration_of(o);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);
