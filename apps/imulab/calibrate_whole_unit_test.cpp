@@ -39,7 +39,7 @@ TEST_F(CalibrateWholeUnit, WhatCannotBeDoneSaysSo) {
   EXPECT_THAT(part.errors, HasSubstr("the data do not determine:"));
   EXPECT_TRUE(std::filesystem::exists(folder / "part.json"));
   const std::string before = read_text(folder / "session/chamber.csv");
-  const CommandResult over = imulab("calibrate session --method whole-unit -o session/chamber.csv");
+  const CommandResult over = imulab("calibrate session --method whole-unit -o session/chamber.csv --force");
   EXPECT_EQ(over.exit_code, 2);
   EXPECT_THAT(over.errors, HasSubstr("would overwrite session/chamber.csv"));
   EXPECT_EQ(read_text(folder / "session/chamber.csv"), before);

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace imulab::export_io {
 
@@ -27,7 +28,7 @@ struct FilterState {
 struct FilterNoise {
   double rate_hz = 0;
   std::vector<FilterState> states;
-  std::array<double, 6> R{};  // variance of the white noise of a reading
+  std::array<double, 6> R{};  // variance of the white noise of a reading; negative: unknown
   Sentences facts;
 };
 
@@ -49,6 +50,7 @@ ExportInput bounded(ExportInput input) {
 FilterNoise filter_noise(const ExportInput& input) {
   const NoiseValues values = noise_values_by_axis(bounded(input), "A filter");
   FilterNoise out{.rate_hz = values.rate_hz(), .states = {}, .R = {}, .facts = {}};
+  out.R.fill(-1);
   for (int axis = 0; axis < 6; ++axis) {
     const auto& noise = (axis < 3 ? input.noise->gyro : input.noise->accel)[static_cast<std::size_t>(axis % 3)];
     if (noise) add_axis(out, axis, *noise->bound);
@@ -58,6 +60,8 @@ FilterNoise filter_noise(const ExportInput& input) {
                "States: of each axis a walk, then its Gauss-Markov processes. A reading is the motion, the sum of its states, and white noise.",
                "At no frequency is this noise below what the log permits. Add the variance of the bias at switch-on to P0 of each walk.",
                "Correct the readings with `imulab compensate` before."};
+  for (const auto& [unit, value] : {std::pair(&input.noise->gyro_unit, &values.gyro_N), {&input.noise->accel_unit, &values.accel_N}})
+    if (unit->empty()) out.facts.push_back("R = -1 is no variance: " + value->comment);
   out.facts.push_back(values.facts.front());
   return out;
 }

@@ -57,7 +57,7 @@ TEST(Requirement, BadTextIsRefused) {
            {"accel.offset <= 1e999 ug", "accel.offset <= 1e999 ug: expected a number above 0"},
            {"accel.offset <= 1", "accel.offset <= 1: no unit after the number; expected one of ug, mg, g, m/s^2"},
            {"accel.offset <= 1 arcsec", "accel.offset <= 1 arcsec: \"arcsec\" is no unit of accel.offset; expected one of ug, mg, g, m/s^2"},
-           {"gyro.matrix <= 1 mm", "gyro.matrix <= 1 mm: \"mm\" is no unit of gyro.matrix; expected one of ppm, arcsec, rad"},
+           {"gyro.matrix <= 1 mm", "gyro.matrix <= 1 mm: \"mm\" is no unit of gyro.matrix; did you mean ppm?"},
            {"gyro.offset <= 1 deg/h <= 2 deg/h", "\"deg/h <= 2 deg/h\" is no unit of gyro.offset"},
            {"accel.quadratic <= 1 ug", "accel.quadratic: cannot be required; expected coefficients of offset (or bias), matrix or g_sensitivity"},
            {"accel.lever_arm.xx <= 1 mm", "accel.lever_arm.xx: cannot be required"},

@@ -67,7 +67,7 @@ def test_a_wrong_value_is_named_with_its_keyword(by_hand):
         imulab.navigate(None, by_hand, heading_sigma_deg=1)
     with pytest.raises(imulab.Error, match="^classical: belongs to"):
         imulab.predict(procedure, method="static", classical=True)
-    with pytest.raises(imulab.Error, match='^grade = "nosuch": unknown'):
+    with pytest.raises(imulab.Error, match='^grade: grade = "nosuch": unknown'):
         imulab.simulate(procedure, grade="nosuch")
     with pytest.raises(TypeError, match="method: expected str, got int"):
         imulab.calibrate(by_hand, method=5)
