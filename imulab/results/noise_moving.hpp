@@ -11,9 +11,9 @@ namespace imulab {
 
 /// A cause of one triad: of the axis with the largest factor.
 struct MovingCell {
-  std::string axis;                         ///< "x"; empty: the triad has no such cause
-  std::string factor = "-", interval = "";  ///< "4.1", "3.9 to 4.3"
-  double value = 0, low = 0, high = 0;      ///< for a picture; 0: not determined
+  std::string axis;                     ///< "x"; empty: the triad has no such cause
+  std::string factor = "-", interval;   ///< "4.1", "3.9 to 4.3"
+  double value = 0, low = 0, high = 0;  ///< for a picture; 0: not determined
 };
 struct MovingRow {
   std::string cause, parameter;
