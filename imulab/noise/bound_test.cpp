@@ -15,8 +15,6 @@
 namespace imulab {
 namespace {
 
-using std::numbers::pi;
-
 constexpr double interval = 0.01, horizon = 600;
 
 std::vector<UpperDensity> spectrum(const std::vector<double>& hz, const auto& density) {
@@ -34,7 +32,7 @@ std::vector<double> white_log(std::size_t samples, std::uint64_t seed) {
 }
 
 TEST(NoiseBound, WhiteNoiseWithWalkIsItsOwn) {
-  const auto walk = [](double f) { return std::pow(interval / (2 * std::sin(pi * f * interval)), 2); };
+  const auto walk = [](double f) { return std::pow(interval / (2 * std::sin(std::numbers::pi * f * interval)), 2); };
   const NoiseBound bound = noise::tightest_bound(spectrum(noise::bound_frequencies(interval, horizon), [&](double f) { return 4 + 0.01 * walk(f); }),
                                                  interval, {.horizon_s = horizon});
   EXPECT_NEAR(bound.N, 2, 1e-9);
@@ -44,7 +42,7 @@ TEST(NoiseBound, WhiteNoiseWithWalkIsItsOwn) {
 }
 
 TEST(NoiseBound, IsNowhereBelowFlickerAndClose) {
-  const auto flicker = [](double f) { return 1 + 0.05 / (2 * pi * f); };
+  const auto flicker = [](double f) { return 1 + 0.05 / (2 * std::numbers::pi * f); };
   const std::vector<double> hz = noise::bound_frequencies(interval, horizon);
   const NoiseBound bound = noise::tightest_bound(spectrum(hz, flicker), interval, {.horizon_s = horizon});
   EXPECT_EQ(bound.markov.size(), 2U);
@@ -61,7 +59,7 @@ TEST(NoiseBound, DensityIsThatOfTheSampledStates) {
   const NoiseBound bound{.markov = {{2, 0.5}}};
   const double f = 0.7, a = std::exp(-interval / 0.5);
   double sum = 4;
-  for (int k = 1; k < 4000; ++k) sum += 8 * std::pow(a, k) * std::cos(2 * pi * f * interval * k);
+  for (int k = 1; k < 4000; ++k) sum += 8 * std::pow(a, k) * std::cos(2 * std::numbers::pi * f * interval * k);
   EXPECT_NEAR(noise::density(bound, f, interval), interval * sum, 1e-9);
 }
 
