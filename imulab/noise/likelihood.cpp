@@ -22,7 +22,7 @@ constexpr double fewest_intervals = 2, fewest_times = 10;
 
 }  // namespace
 
-SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms)
+SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, const Terms& terms)
     : terms_(terms), resolution_(resolution), longest_time_(spectrum.record_s / fewest_times) {
   std::vector<SpectrumBin> used;
   for (const SpectrumBin& bin : spectrum.bins)
@@ -60,7 +60,7 @@ SpectrumLikelihood SpectrumLikelihood::at(const std::vector<double>& hz) const {
   return out;
 }
 
-SpectrumLikelihood SpectrumLikelihood::with(Terms terms) const {
+SpectrumLikelihood SpectrumLikelihood::with(const Terms& terms) const {
   SpectrumLikelihood other = *this;
   other.terms_ = terms;
   if (terms.low_pass != terms_.low_pass) other.filter_ = FilterShares(bins_, terms.low_pass);

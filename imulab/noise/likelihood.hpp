@@ -62,12 +62,12 @@ struct Modeled {
 class SpectrumLikelihood {
  public:
   /// Uses the bins of a spectrum up to a frequency; `resolution` is r of the readings, 0 if they are not rounded.
-  SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms);
+  SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, const Terms& terms);
 
   const std::vector<SpectrumBin>& bins() const { return bins_; }
   const Terms& terms() const { return terms_; }
   double Q_scale() const { return Q_scale_; }
-  SpectrumLikelihood with(Terms terms) const;
+  SpectrumLikelihood with(const Terms& terms) const;
 
   Modeled modeled(const Parameters& at) const;
   Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }

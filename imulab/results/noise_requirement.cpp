@@ -82,7 +82,7 @@ void expect_no_noise_time(const StatedLimit& limit) {
 /// find_figure, which also names the key that a usual name such as gyro.ARW means.
 FoundFigure find_noise_figure(const StatedLimit& limit, const std::vector<StatedFigure>& figures) {
   std::string meant = meant_noise_key(limit.name);
-  if (meant.ends_with(".stability")) meant = meant.substr(0, meant.find('.')) + ".B";
+  if (meant.ends_with(".stability")) meant.replace(meant.find('.'), std::string::npos, ".B");
   if (!meant.empty()) throw Error(fmt::format("{}: no figure of this result; did you mean {}?", limit.name, meant));
   return find_figure(limit, figures);
 }
