@@ -85,7 +85,8 @@ TEST(ExportCommand, FailsWhereATargetOfAllCouldNotBeWritten) {
   folder.write("counts.json", calibration_text(c));
   const CommandResult result = run_imulab(folder, "export counts.json --to all -o out --allow-undetermined");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.errors, testing::HasSubstr("counts.json: 6 of 9 targets could not be written: dlio, fusion, realsense, px4, ardupilot, vectornav"));
+  EXPECT_THAT(result.errors,
+              testing::HasSubstr("counts.json: 6 of 9 targets could not be written: dlio, fusion, realsense, px4, ardupilot, vectornav"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/calibration.csv"));
 }
 

@@ -89,7 +89,6 @@ void will_fill(const std::string& option, const fs::path& folder) {
 }
 
 void replace_files() { replaces = true; }
-bool replaces_files() { return replaces; }
 
 void expect_free(const std::string& option, const fs::path& file) {
   std::error_code none;

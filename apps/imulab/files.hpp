@@ -21,11 +21,10 @@ void will_write(const std::string& option, const std::filesystem::path& file);
 void will_fill(const std::string& option, const std::filesystem::path& folder);
 void will_create(const std::string& option, const std::filesystem::path& folder);
 
-/// Nothing is replaced by accident. Throws Error where the file of the option exists, but for --force.
+/// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where the file of the option exists, unless files
+/// are replaced.
 void expect_free(const std::string& option, const std::filesystem::path& file);
-/// The command has --force.
-void replace_files();
-bool replaces_files();
+void replace_files();  ///< from now on, as --force says
 
 /// read_session; the verb reads all files that the session names.
 Session session_at(const std::filesystem::path& path);

@@ -19,6 +19,12 @@ std::string manual_page(const Verb& verb, const std::string& version);
 std::string completion(const Verb& command, const std::string& shell);
 inline const std::vector<std::string> completion_shells{"bash", "zsh", "fish"};
 
+/// Declares `imulab help`.
+void add_help(Verb& command);
+
+/// The verb that the words lead to. Throws Error for a word that is none of its verbs (CLI11 says only that one is required); it ends at an option.
+const Verb& verb_at(const Verb& command, const std::vector<std::string>& words);
+
 /// "imulab report CALIBRATION [options]".
 std::string usage(const Verb& verb);
 

@@ -1,6 +1,5 @@
 // imulab join PART...
 #include "apps/imulab/command.hpp"
-#include "apps/imulab/files.hpp"
 #include "imulab/error.hpp"
 
 #include <memory>
@@ -32,7 +31,6 @@ void join(const Options& o) {
   if (!o.report.empty()) own.insert(own.end(), {"--report", o.report});
   if (o.json) own.emplace_back("--json");
   if (o.verbose) own.emplace_back("--verbose");
-  if (replaces_files()) own.emplace_back("--force");
   join_parts(std::move(words), own, o.parts);
 }
 

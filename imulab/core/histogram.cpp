@@ -13,12 +13,12 @@ namespace imulab {
 namespace {
 
 constexpr int dropped_bits = 15;  // of the 23 of a number's fraction
-constexpr std::uint32_t sign = 0x80000000;
+constexpr std::uint32_t sign_bit = 0x80000000;
 
 std::int32_t key_of(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
-  const auto leading = static_cast<std::int32_t>((bits & ~sign) >> dropped_bits);
-  return (bits & sign) != 0 ? -1 - leading : leading;
+  const auto leading = static_cast<std::int32_t>((bits & ~sign_bit) >> dropped_bits);
+  return (bits & sign_bit) != 0 ? -1 - leading : leading;
 }
 
 /// The end of a bin nearer to zero, or the other one.

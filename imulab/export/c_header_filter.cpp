@@ -110,7 +110,7 @@ std::string filter_text() { return with_filter_constants(filter_source); }
 namespace {
 
 /// As imulab_filter; distances are exact, what is usual has 16 bits behind the point.
-constexpr std::string_view source =
+constexpr std::string_view fixed_filter_source =
     R"(/* imulab_filter in integers, for readings as imulab_compensate_fixed takes them. A replaced reading is rounded down to an integer. */
 typedef struct {
   int32_t window[5][6];
@@ -188,6 +188,6 @@ static inline int imulab_filter_fixed_flush(imulab_filter_fixed* f, int32_t out[
 
 }  // namespace
 
-std::string fixed_filter_text() { return with_filter_constants(source); }
+std::string fixed_filter_text() { return with_filter_constants(fixed_filter_source); }
 
 }  // namespace imulab::firmware

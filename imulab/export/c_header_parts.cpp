@@ -176,7 +176,7 @@ std::string row_text(const Numbers& numbers) {
 
 std::array<double, 6> outputs(const Motion& m) { return {m.force[0], m.force[1], m.force[2], m.rate[0], m.rate[1], m.rate[2]}; }
 
-constexpr const char* comment =
+constexpr const char* selftest_comment =
     "/* 0 where this compiler and processor compute what imulab computes: {} samples, each output within 16 machine epsilons of imulab_real "
     "(3.6e-15\n"
     " * in double, 1.9e-6 in float) of the sum of the absolute values of its terms. Otherwise the place, from 1 on, of the first output that does\n"
@@ -218,8 +218,8 @@ std::string selftest_text(const SensorModel& model, const Input& accel, const In
   const auto table = [](const char* name, int columns, const std::string& rows) {
     return fmt::format("  static const imulab_real {}[{}][{}] = {{\n{}  }};\n", name, sample_count, columns, rows);
   };
-  return fmt::format(comment, sample_count) + "static inline int imulab_selftest(void) {\n" + table("in", 12, in) + table("expected", 6, expected) +
-         table("terms", 6, terms) + fmt::format(code, sample_count);
+  return fmt::format(selftest_comment, sample_count) + "static inline int imulab_selftest(void) {\n" + table("in", 12, in) +
+         table("expected", 6, expected) + table("terms", 6, terms) + fmt::format(code, sample_count);
 }
 
 namespace {

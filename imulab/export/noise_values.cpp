@@ -226,7 +226,7 @@ ImuNoise with_bounds(ImuNoise noise, const ExportOptions& options) {
       if (!axis) continue;
       if (!axis->bound) throw Error("noise: has no bound; expected a noise.json from `imulab noise LOG --bound -o noise.json`");
       const NoiseBound& whole = *axis->bound;
-      const NoiseBound two = noise::tightest_bound(whole.upper, noise.interval_s, {whole.horizon_s, whole.confidence}, {.processes = 0});
+      const NoiseBound two = noise::tightest_bound(whole.upper, noise.interval_s, {whole.horizon_s, whole.confidence}, 0);
       // Programs refuse a walk of zero. One that equals the white noise after ten horizons changes nothing.
       const double N = two.N, K = std::max(two.K, std::sqrt(3.0) * N / (10 * whole.horizon_s));
       axis->N = {N, NAN, 0, N, true}, axis->K = {K, NAN, 0, K, true};

@@ -52,11 +52,12 @@ std::string topic_text(const ExportInput& input) {
   const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '/' || c == '_'; };
   if (topic.front() == '/' && std::all_of(topic.begin(), topic.end(), is_plain)) return topic;
   std::string quoted = "\"";
-  for (const unsigned char c : topic) {
+  for (const char c : topic) {
+    const auto code = static_cast<unsigned char>(c);
     if (c == '"' || c == '\\')
-      quoted += {'\\', static_cast<char>(c)};
+      quoted += {'\\', c};
     else
-      quoted += c < 0x20 || c == 0x7f ? fmt::format("\\x{:02X}", c) : std::string(1, static_cast<char>(c));
+      quoted += code < 0x20 || code == 0x7f ? fmt::format("\\x{:02X}", code) : std::string(1, c);
   }
   return quoted + "\"";
 }

@@ -34,17 +34,19 @@ VectorXd least_sum_above_one(const MatrixXd& A) {
   MatrixXd table(m + 1, n + m + 1);  // columns y, slacks, right side; the last row are the reduced costs
   table << A.transpose(), MatrixXd::Identity(m, m), VectorXd::Ones(m), -Eigen::RowVectorXd::Ones(n), Eigen::RowVectorXd::Zero(m + 1);
   constexpr double rounding = 1e-11;
-  for (;;) {
+  constexpr int most_pivots = 1000;  // usually a dozen; rounding could let it go in a circle
+  for (int pivots = 0; pivots < most_pivots; ++pivots) {
     Index column = 0, row = -1;
     if (table.row(m).head(n + m).minCoeff(&column) > -rounding) return table.row(m).segment(n, m).transpose();
     for (Index i = 0; i < m; ++i)
       if (table(i, column) > rounding && (row < 0 || table(i, n + m) / table(i, column) < table(row, n + m) / table(row, column))) row = i;
-    if (row < 0) throw Error("noise bound: no model is above the spectrum; expected finite densities above zero");
+    if (row < 0) break;
     const Eigen::RowVectorXd pivot = table.row(row) / table(row, column);
     table.row(row) = pivot;
     for (Index i = 0; i <= m; ++i)
       if (const double factor = table(i, column); i != row) table.row(i) -= factor * pivot;
   }
+  throw Error("noise bound: no model is above the spectrum; expected densities of a log at rest");
 }
 
 /// A model above the spectrum with processes of given times.
@@ -56,18 +58,18 @@ struct Candidate {
 
 class Programs {
  public:
-  Programs(const std::vector<UpperDensity>& upper, double interval_s, bool walk) : T_(interval_s), walk_(walk) {
+  Programs(const std::vector<UpperDensity>& upper, double interval_s) : T_(interval_s) {
     for (const UpperDensity& u : upper) hz_.push_back(u.hz), over_.push_back(1 / u.density);
   }
 
   Candidate with(std::vector<double> times) const {
-    const auto n = static_cast<Index>(hz_.size()), m = static_cast<Index>(1 + times.size() + (walk_ ? 1 : 0));
+    const auto n = static_cast<Index>(hz_.size()), m = static_cast<Index>(2 + times.size());
     MatrixXd A(n, m);
     for (Index j = 0; j < n; ++j) {
       const double f = hz_[static_cast<std::size_t>(j)], over = over_[static_cast<std::size_t>(j)];
       A(j, 0) = over;
       for (std::size_t k = 0; k < times.size(); ++k) A(j, static_cast<Index>(1 + k)) = over * process_density(f, T_, times[k]);
-      if (walk_) A(j, m - 1) = over * walk_density(f, T_);
+      A(j, m - 1) = over * walk_density(f, T_);
     }
     const VectorXd means = A.colwise().mean();
     const VectorXd shares = least_sum_above_one(A * means.cwiseInverse().asDiagonal());
@@ -76,7 +78,6 @@ class Programs {
 
  private:
   double T_;
-  bool walk_;
   std::vector<double> hz_, over_;
 };
 
@@ -127,21 +128,22 @@ std::vector<UpperDensity> at_frequencies(const std::vector<UpperDensity>& upper,
   return out;
 }
 
-NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, const BoundTerms& terms) {
+NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, int most_processes) {
+  if (!(interval_s > 0)) throw Error("noise bound: no sampling interval; expected that of the log");
   for (const UpperDensity& u : upper)
     if (!(std::isfinite(u.density) && u.density > 0))
       throw Error(fmt::format("noise bound: density {:g} at {:g} Hz: expected a positive number", u.density, u.hz));
-  const Programs programs(upper, interval_s, terms.walk);
-  const std::vector<double> times = terms.time_s ? std::vector{*terms.time_s} : times_between(2 * interval_s, 1 / (2 * pi * upper.front().hz));
-  Candidate best = best_with(programs, terms.time_s ? terms.processes : 0, times);
-  for (int processes = 1; !terms.time_s && processes <= terms.processes; ++processes)
+  const Programs programs(upper, interval_s);
+  const std::vector<double> times = times_between(2 * interval_s, 1 / (2 * pi * upper.front().hz));
+  Candidate best = best_with(programs, 0, times);
+  for (int processes = 1; processes <= most_processes; ++processes)
     if (Candidate more = best_with(programs, processes, times); more.mean < best.mean * (1 - worth_a_process)) best = std::move(more);
   NoiseBound out;
   out.confidence = options.confidence, out.horizon_s = options.horizon_s, out.tightness = best.mean;
   out.N = std::sqrt(best.squares[0]);
   for (std::size_t k = 0; k < best.times.size(); ++k)
     if (const double square = best.squares[static_cast<Index>(1 + k)]; square > 0) out.markov.push_back({std::sqrt(square), best.times[k]});
-  if (terms.walk) out.K = std::sqrt(std::max(0.0, best.squares[best.squares.size() - 1]));
+  out.K = std::sqrt(std::max(0.0, best.squares[best.squares.size() - 1]));
   out.start_sigma = std::sqrt(2 * upper.front().hz * upper.front().density);
   out.upper = std::move(upper);
   return out;

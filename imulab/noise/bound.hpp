@@ -10,17 +10,9 @@
 
 #include "imulab/noise.hpp"
 
-#include <optional>
 #include <vector>
 
 namespace imulab::noise {
-
-/// Terms that a model may have, in addition to white noise.
-struct BoundTerms {
-  int processes = 2;
-  bool walk = true;
-  std::optional<double> time_s = {};  ///< the time of the process, if there is one; absent: the best
-};
 
 /// The frequencies [Hz] at which a bound is compared, from 1 / (10 horizon) to half the rate.
 std::vector<double> bound_frequencies(double interval_s, double horizon_s);
@@ -28,9 +20,9 @@ std::vector<double> bound_frequencies(double interval_s, double horizon_s);
 /// Returns the bounds at other frequencies: power laws between the given ones, below them rising as 1 / f^2, above them constant.
 std::vector<UpperDensity> at_frequencies(const std::vector<UpperDensity>& upper, const std::vector<double>& hz);
 
-/// Returns the tightest model above `upper`, which is given at the frequencies of `bound_frequencies`. Fewer processes are taken if they cost at most
-/// 1 %. `coast` remains empty.
-NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, const BoundTerms& terms = {});
+/// Returns the tightest model above `upper`, which is given at the frequencies of `bound_frequencies`, with at most two processes. Fewer ones are
+/// taken if they cost at most 1 %. `coast` remains empty. Throws Error for an interval or a density that is not positive.
+NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, int most_processes = 2);
 
 /// Returns the model's two-sided density at a frequency, for states at this interval.
 double density(const NoiseBound& bound, double hz, double interval_s);

@@ -49,7 +49,7 @@ TEST(NoiseBound, IsNowhereBelowFlickerAndClose) {
   for (double f = hz.front(); f <= hz.back(); f *= 1.01)  // between the frequencies of the program, too
     EXPECT_GE(noise::density(bound, f, interval), 0.99 * flicker(f)) << f;
   EXPECT_LT(bound.tightness, 1.1);  // two processes reach 1.08 of flicker over six decades
-  const NoiseBound two = noise::tightest_bound(spectrum(hz, flicker), interval, {.horizon_s = horizon}, {.processes = 0});
+  const NoiseBound two = noise::tightest_bound(spectrum(hz, flicker), interval, {.horizon_s = horizon}, 0);
   EXPECT_GT(two.tightness, bound.tightness);
   EXPECT_TRUE(two.markov.empty());
 }

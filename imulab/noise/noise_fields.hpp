@@ -69,9 +69,15 @@ void describe(Fields& f, NoiseBound& bound) {
   });
   fields::check(f, bound.N >= 0 && bound.K >= 0 && bound.start_sigma >= 0 && bound.N + bound.K > 0, "",
                 "expected sizes from 0 on, not all of them 0");
+  fields::check(f, bound.confidence > 0.5 && bound.confidence < 1, "confidence", "expected a number from 0.5 to 1");
+  fields::check(f, bound.horizon_s > 0, "horizon_s", "expected a positive time");
   const auto positive = [](const UpperDensity& u) { return u.hz > 0 && u.density > 0; };
-  fields::check(f, bound.upper.size() >= 2 && std::ranges::all_of(bound.upper, positive), "upper",
-                "expected densities above zero at two or more frequencies");
+  const auto rises = [](const UpperDensity& a, const UpperDensity& b) { return a.hz < b.hz; };
+  constexpr std::size_t most = 1000;  // of a year at 1 MHz: 140
+  fields::check(f,
+                bound.upper.size() >= 2 && bound.upper.size() <= most && std::ranges::all_of(bound.upper, positive) &&
+                    std::ranges::is_sorted(bound.upper, rises),
+                "upper", "expected densities above zero at two to 1000 rising frequencies");
 }
 
 template <class Fields>

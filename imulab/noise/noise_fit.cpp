@@ -42,9 +42,12 @@ NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::Chosen
   return undetermined_below(std::max(c.upper, other.upper));
 }
 
-void check(const BoundOptions& bound, double record_s) {
+void check(const BoundOptions& bound, double interval_s, double record_s) {
   if (!(bound.confidence > 0.5 && bound.confidence < 1)) throw Error(fmt::format("confidence {:g}: expected 0.5 to 1", bound.confidence));
-  if (!(bound.horizon_s > 0)) throw Error(fmt::format("horizon {:g} s: expected a positive time", bound.horizon_s));
+  constexpr double fewest_intervals = 10;  // a tenth of 1 / horizon is then far below half the rate
+  if (!(bound.horizon_s >= fewest_intervals * interval_s))
+    throw Error(fmt::format("horizon {:g} s: expected {:g} s or more, {:g} sampling intervals", bound.horizon_s, fewest_intervals * interval_s,
+                            fewest_intervals));
   if (3 * bound.horizon_s > record_s)
     throw Unsupported(fmt::format("a bound for {:g} s needs {:g} s at rest, and there are {:.4g} s; expected a longer log, or a horizon of {:.4g} s",
                                   bound.horizon_s, 3 * bound.horizon_s, record_s, std::floor(record_s / 3)));
@@ -80,7 +83,7 @@ double resolution_of(std::span<const double> rate) {
 
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseFitOptions& options) {
   check(rate, interval_s);
-  if (options.bound) check(*options.bound, static_cast<double>(rate.size()) * interval_s);
+  if (options.bound) check(*options.bound, interval_s, static_cast<double>(rate.size()) * interval_s);
   NoiseFit fit;
   fit.resolution = options.step ? *options.step : resolution_of(rate);
   const double half_rate = 0.5 / interval_s;

@@ -155,7 +155,7 @@ Result result_of(std::uint64_t seed, double length_s) {
   fitted = noise::at_frequencies(fitted, noise::bound_frequencies(reading_s, bound.horizon_s));
   Result out;
   out.filter = stated_over_true(truth, with_turn_on(bound, unit.turn_on));
-  out.two_numbers = stated_over_true(truth, with_turn_on(noise::tightest_bound(bound.upper, reading_s, {}, {.processes = 0}), unit.turn_on));
+  out.two_numbers = stated_over_true(truth, with_turn_on(noise::tightest_bound(bound.upper, reading_s, {}, 0), unit.turn_on));
   out.fitted = stated_over_true(truth, with_turn_on(noise::tightest_bound(std::move(fitted), reading_s, {}), unit.turn_on));
   out.ten = stated_over_true(truth, {.N = 10 * size(fit.N), .K = 10 * size(fit.K), .start = unit.turn_on, .markov = {}});
   return out;
