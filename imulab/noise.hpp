@@ -191,11 +191,11 @@ struct NoiseFitOptions {
   std::optional<BoundOptions> bound = {};
 };
 
-/// Fits the noise terms to readings `rate` at intervals `interval_s` [s]. Q, N, B, K and the ramp are always fitted; up to two Markov processes, a
-/// low-pass and up to eight lines only if significant. The intervals of B and K also allow for one more process unless the spectrum excludes it.
-/// A term that a given model has not is not determined, with a bound of 0. Throws Error for fewer than 64 readings, a
-/// reading that is not finite or an interval that is not positive; throws Unsupported for constant readings. With `bound`, the fit has one; its
-/// horizon is at most a third of the record, or Unsupported is thrown.
+/// Fits the noise terms to readings `rate` at intervals `interval_s` [s]. N and the ramp are always fitted, and without a `model` also Q, B and K; up
+/// to two Markov processes, a low-pass and up to eight lines only if significant. The intervals of B and K also allow for one more process unless the
+/// spectrum excludes it. A term that a given `model` does not have is not determined, with a bound of 0. With `bound`, the fit has one. Throws Error
+/// for fewer than 64 readings, a reading that is not finite or an interval that is not positive; throws Unsupported for constant readings, or a
+/// horizon longer than a third of the record.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseFitOptions& options = {});
 
 struct NoiseAxis {

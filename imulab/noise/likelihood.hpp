@@ -21,7 +21,7 @@ namespace imulab::noise {
 struct Terms {
   int markov = 0;  ///< number of processes, at most two
   LowPassShape low_pass{};
-  std::array<bool, 4> has{true, true, true, true};  ///< Q, N, B, K; those that the model has not are zero
+  std::array<bool, 4> has{true, true, true, true};  ///< Q, N, B, K; those that the model does not have are zero
   /// Indices in Point::at and, below 4, in `has`.
   static constexpr int Q = 0, N = 1, B = 2, K = 3;
   static int sigma(int process) { return 4 + 2 * process; }
