@@ -272,7 +272,7 @@ int parse_and_do(std::vector<std::string> arguments, const std::vector<std::stri
       ->check(range_check(1e-3, 1e9, false));
   app.add_flag_callback("-v,--verbose", [] { show_evidence(true); });
   if (arguments.empty()) {
-    fmt::print(stderr, "{}", help_text(command));
+    print(help_text(command), stderr);
     return 2;
   }
   for (std::size_t i = 1; i < arguments.size(); ++i)

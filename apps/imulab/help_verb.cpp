@@ -1,4 +1,5 @@
 // imulab help
+#include "apps/imulab/command.hpp"
 #include "apps/imulab/help.hpp"
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
@@ -56,8 +57,8 @@ void add_help(Verb& command) {
   verb.example("imulab help calibrate");
   verb.example("source <(imulab help --completion bash)");
   verb.does = [a, &command, &verb] {
-    if (!a->shell.empty()) return fmt::print("{}", completion(command, a->shell));
-    if (a->manual.empty()) return fmt::print("{}", help_text(a->verb.empty() ? verb : verb_at(command, a->verb)));
+    if (!a->shell.empty()) return print(completion(command, a->shell));
+    if (a->manual.empty()) return print(help_text(a->verb.empty() ? verb : verb_at(command, a->verb)));
     std::filesystem::create_directories(a->manual);
     write_manual_pages(command, a->manual);
   };
