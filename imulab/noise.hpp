@@ -64,8 +64,8 @@ struct BoundCoast {
   double time_s = 0, ratio = 1;
 };
 
-/// A noise model for a filter whose spectrum is nowhere below the largest that the log permits, from 1 / (10 horizon) to half the rate
-/// (docs/theory/noise.md). Units as NoiseModel.
+/// A noise model for a filter whose spectrum is nowhere below the largest that the log permits, or the logs in motion that were compared with it, from
+/// 1 / (10 horizon) to half the rate (docs/theory/noise.md). Units as NoiseModel.
 struct NoiseBound {
   double N = 0;
   std::vector<BoundProcess> markov = {};  ///< at most two, in the order of decreasing times
@@ -75,6 +75,13 @@ struct NoiseBound {
   double tightness = 1;  ///< mean of the model's density over the bound's, over the logarithm of the frequency
   std::vector<BoundCoast> coast = {};
   std::vector<UpperDensity> upper = {};
+  bool in_motion = false;  ///< true if a log in motion raised `upper`
+};
+
+/// The Allan deviation of bias instability and random walk together at the averaging time where a log determines it best.
+struct JointNoise {
+  double tau_s = 0;
+  NoiseCoefficient deviation;
 };
 
 /// The noise coefficients of one axis.
@@ -163,6 +170,7 @@ struct SpectrumPoint {
 };
 
 struct NoiseFit : NoiseCoefficients {
+  std::optional<JointNoise> joint = {};  ///< if the log determines neither B nor K, but both together
   std::optional<LowPass> low_pass = {};
   std::vector<NoiseLine> lines = {};         ///< sorted by frequency; lines above half the sampling rate appear at their alias below it
   double resolution = 0;                     ///< step of the readings; 0: not rounded, or the step is negligible

@@ -254,6 +254,31 @@ TEST(ExportConsumers, StatesOfAFilterHaveTheSpectrumOfTheBound) {
   EXPECT_THAT(exported("filter-c", {c, &noise}), HasSubstr(fmt::format("#define IMULAB_FILTER_STATES {}\n", filter["states"].size())));
 }
 
+/// As in the test KfGins: b' = (1 - dt / T) b + w, var w = (Phi Q Phi + Q) dt / 2.
+TEST(ExportConsumers, KfGinsHasOneProcessAboveAllBounds) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  const std::string text = exported("kf-gins", {c, &noise, {.bound = true}});
+  EXPECT_THAT(text, testing::AllOf(HasSubstr("are BOUNDS"), HasSubstr("processes that together with N")));
+  const YAML::Node n = YAML::Load(text)["imunoise"];
+  const double T = n["corrtime"].as<double>() * 3600, Phi = 1 - dt / T;
+  double least = INFINITY;
+  const auto expect_above = [&](const NoiseBound& bound, double N, double sigma) {
+    const double q = 2 / T * sigma * sigma, w = (Phi * q * Phi + q) * dt / 2;
+    for (const UpperDensity& u : bound.upper) {
+      const double ratio = (N * N + dt * w / std::norm(1.0 - std::polar(Phi, -2 * M_PI * u.hz * dt))) / u.density;
+      EXPECT_GE(ratio, 1 - 0.1 * dt / T - 1e-6) << u.hz << " Hz, " << T << " s";
+      least = std::min(least, ratio);
+    }
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto value = [&](const char* key) { return n[key].as<std::vector<double>>().at(i); };
+    expect_above(*noise.gyro[i]->bound, value("arw") * M_PI / 180 / 60, value("gbstd") * M_PI / 180 / 3600);
+    expect_above(*noise.accel[i]->bound, value("vrw") / 60, value("abstd") * 1e-5);
+  }
+  EXPECT_NEAR(least, 1, 1e-3) << "none is tight";
+}
+
 TEST(ExportConsumers, BoundsAreAboveTheSpectrumAndFactorsAreSaid) {
   const Calibration c = si_unit();
   ImuNoise noise = some_noise();

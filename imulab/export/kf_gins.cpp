@@ -17,8 +17,8 @@ namespace imulab::export_io {
 
 namespace {
 
-constexpr double correlation_h = 4;  // the drives that KF-GINS processes are shorter
-constexpr double mGal = 1e-5;        // m/s^2
+constexpr double usual_correlation_h = 4;  // the drives that KF-GINS processes are shorter
+constexpr double mGal = 1e-5;              // m/s^2
 
 std::string axes_line(const char* key, const NoiseValue& value, double factor, const char* unit, const char* density_unit) {
   const std::array<double, 3> v = each_axis(value);
@@ -40,12 +40,15 @@ std::string scale_line(const ExportInput& input, const char* key, const char* tr
 }  // namespace
 
 std::string kf_gins_text(const ExportInput& input) {
-  const NoiseValues n = noise_values_by_axis(input, "KF-GINS");
-  const double walk_s = std::sqrt(correlation_h * unit::hour / 2);
+  const auto [n, correlation_s] = noise_values_of_process(input, "KF-GINS", usual_correlation_h * unit::hour);
+  const double walk_s = std::sqrt(correlation_s / 2), correlation_h = correlation_s / unit::hour;
   const Grade& mems = grade("mems");
   const Sentences facts{
       "Holds: N as arw and vrw, K as gbstd and abstd of each axis, CONTINUOUS values: no rate is needed.",
-      fmt::format("gbstd, abstd = K sqrt(corrtime / 2): walks over times far below {:g} h. They are not the bias instability B.", correlation_h),
+      input.options.bound
+          ? "gbstd, abstd, corrtime: processes that together with N are the bounds below; K = gbstd sqrt(2 / corrtime)."
+          : fmt::format("gbstd, abstd = K sqrt(corrtime / 2): walks over times far below {:g} h. They are not the bias instability B.",
+                        correlation_h),
       "Without initbgstd and initbastd, KF-GINS takes gbstd and abstd also as what the first biases are uncertain by.",
       "Biases that change from one turn-on to the next are not in the noise: give their size as initbgstd [deg/h] and initbastd [mGal].",
       "Correct the readings with `imulab compensate` before: then the initial errors below are zero. KF-GINS' axes are forward, right, down.",

@@ -92,10 +92,9 @@ std::optional<double> stream_rate(const ExportInput& input, double interval_s) {
   return input.options.rate_hz ? rate_hz : std::round(rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
 }
 
-/// Factors of motion are never used without being asked for.
-constexpr const char* in_motion = " These are the values at rest: the factors of motion that noise.json also contains are NOT in them.";
-
-std::string source_fact(const ImuNoise& n) {
+/// Factors of motion are never used without being asked for; bounds contain the logs in motion.
+std::string source_fact(const ImuNoise& n, bool bound) {
+  const char* const in_motion = bound ? "" : " These are the values at rest: the factors of motion that noise.json also contains are NOT in them.";
   if (n.from_data_sheet)
     return "Noise: values of a DATA SHEET, not fitted to a log" + (n.recording.empty() ? "." : fmt::format(": \"{}\".", plain(n.recording))) +
            (n.has_moving ? in_motion : "");
@@ -217,44 +216,69 @@ Sentences left_out_of_matlab(const ExportInput& input) { return all_but_noise_le
 
 namespace {
 
-/// The tightest N and K above the spectra that the log permits.
-ImuNoise with_bounds(ImuNoise noise, const ExportOptions& options) {
+/// The axes that have noise. Throws Error if one has no bound, or if the options do not suit bounds.
+std::vector<NoiseCoefficients*> bounded_axes(ImuNoise& noise, const ExportOptions& options) {
   if (options.inflate) throw Error("--inflate: multiplies noise that is not a bound; expected it without --bound");
   if (options.axes == AxisChoice::mean) throw Error("--three-axes mean: a mean of bounds is none; expected --three-axes worst with --bound");
+  std::vector<NoiseCoefficients*> out;
   for (auto* const triad : {&noise.gyro, &noise.accel})
     for (std::optional<NoiseCoefficients>& axis : *triad) {
       if (!axis) continue;
       if (!axis->bound) throw Error("noise: has no bound; expected a noise.json from `imulab noise LOG --bound -o noise.json`");
-      const NoiseBound& whole = *axis->bound;
-      const NoiseBound two = noise::tightest_bound(whole.upper, noise.interval_s, {whole.horizon_s, whole.confidence}, 0);
-      // Programs refuse a walk of zero. One that equals the white noise after ten horizons changes nothing.
-      const double N = two.N, K = std::max(two.K, std::sqrt(3.0) * N / (10 * whole.horizon_s));
-      axis->N = {N, NAN, 0, N, true}, axis->K = {K, NAN, 0, K, true};
+      out.push_back(&*axis);
     }
+  return out;
+}
+
+/// Programs refuse a walk of zero. One that equals the white noise after ten horizons changes nothing.
+void set_bound(NoiseCoefficients& axis, double N, double K) {
+  const double walk = std::max(K, std::sqrt(3.0) * N / (10 * axis.bound->horizon_s));
+  axis.N = {N, NAN, 0, N, true}, axis.K = {walk, NAN, 0, walk, true};
+}
+
+/// The tightest N and K above the spectra that the log permits.
+ImuNoise with_bounds(ImuNoise noise, const ExportOptions& options) {
+  for (NoiseCoefficients* const axis : bounded_axes(noise, options)) {
+    const NoiseBound two = noise::tightest_bound(axis->bound->upper, noise.interval_s, {axis->bound->horizon_s, axis->bound->confidence}, 0);
+    set_bound(*axis, two.N, two.K);
+  }
   return noise;
+}
+
+/// The same of processes in place of walks; returns their time.
+double bound_by_process(ImuNoise& noise, const ExportOptions& options, double usual_s) {
+  const std::vector<NoiseCoefficients*> axes = bounded_axes(noise, options);
+  std::vector<std::vector<UpperDensity>> upper;
+  for (const NoiseCoefficients* const axis : axes) upper.push_back(axis->bound->upper);
+  const auto common = noise::bounds_with_common_process(upper, noise.interval_s);
+  if (!common) return usual_s;
+  for (std::size_t i = 0; i < axes.size(); ++i) set_bound(*axes[i], common->N[i], common->sigma[i] * std::sqrt(2 / common->time));
+  return common->time;
 }
 
 /// Facts of bounds, for the head of a file.
 Sentences facts_of_bounds(const ImuNoise& noise) {
+  const NoiseBound* any = nullptr;
+  bool in_motion = false;
   for (const auto* const triad : {&noise.gyro, &noise.accel})
     for (const std::optional<NoiseCoefficients>& axis : *triad)
-      if (axis)
-        return {fmt::format("N and K are BOUNDS: white noise and walk together are at no frequency below what the log permits with {:g} %,",
-                            100 * axis->bound->confidence),
-                fmt::format("for filters that run up to {:g} s without aids. The bias at switch-on is not part of them.", axis->bound->horizon_s)};
-  return {};
+      if (axis) any = &*axis->bound, in_motion = in_motion || axis->bound->in_motion;
+  if (any == nullptr) return {};
+  return {fmt::format("N and K are BOUNDS: white noise and walk together are at no frequency below what the {} with {:g} %,",
+                      in_motion ? "logs at rest and in motion permit" : "log permits", 100 * any->confidence),
+          fmt::format("for filters that run up to {:g} s without aids. The bias at switch-on is not part of them.", any->horizon_s)};
 }
 
 }  // namespace
 
-NoiseValues noise_values(const ExportInput& input, const std::string& program) {
+namespace {
+
+void expect_noise_of_bound(const ExportInput& input) {
   if (input.options.bound && input.noise == nullptr) throw Error("--bound: expected --noise with a noise.json from `imulab noise LOG --bound`");
-  if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
-  if (input.noise == nullptr)
-    throw Error(program +
-                " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
-                "-o noise.json`");
-  const ImuNoise n = input.options.bound ? with_bounds(*input.noise, input.options) : *input.noise;
+}
+
+/// `n`: the log's, or its bounds.
+NoiseValues values_of(const ExportInput& input, const ImuNoise& n) {
   const bool accel = !n.accel_unit.empty(), gyro = !n.gyro_unit.empty();
   if ((accel && n.accel_unit != "m/s^2") || (gyro && n.gyro_unit != "rad/s"))
     throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
@@ -265,11 +289,37 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   out.gyro_N = gyro ? noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice, n.from_data_sheet) : missing_value(true);
   out.gyro_K = gyro ? noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice, n.from_data_sheet) : missing_value(true);
   out.stream_rate_hz = stream_rate(input, n.interval_s);
-  out.facts.push_back(source_fact(n));
+  out.facts.push_back(source_fact(n, input.options.bound));
   if (input.options.bound)
     for (std::string& fact : facts_of_bounds(n)) out.facts.push_back(std::move(fact));
   out.facts.emplace_back(choice_fact(choice));
   inflate(out, input.options);
+  return out;
+}
+
+}  // namespace
+
+NoiseValues noise_values(const ExportInput& input, const std::string& program) {
+  expect_noise_of_bound(input);
+  if (input.noise == nullptr && input.calibration.rest_noise) return of_rests(input, *input.calibration.rest_noise);
+  if (input.noise == nullptr)
+    throw Error(program +
+                " needs the noise of the IMU, and this calibration has none of its rests; expected a noise.json, from `imulab noise "
+                "-o noise.json`");
+  return input.options.bound ? values_of(input, with_bounds(*input.noise, input.options)) : values_of(input, *input.noise);
+}
+
+ProcessValues noise_values_of_process(const ExportInput& input, const std::string& program, double usual_s) {
+  expect_noise_of_bound(input);
+  ProcessValues out{{}, usual_s};
+  if (input.options.bound) {
+    ImuNoise bounds = *input.noise;
+    out.time_s = bound_by_process(bounds, input.options, usual_s);
+    out.noise = values_of(input, bounds);
+  } else {
+    out.noise = noise_values(input, program);
+  }
+  out.noise.facts.pop_back();
   return out;
 }
 

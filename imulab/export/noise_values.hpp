@@ -40,6 +40,14 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program);
 /// The same for a target that has numbers for each axis: the facts are without the axis chosen.
 NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& program);
 
+/// The same for a program whose biases are processes of one correlation time and standard deviations K sqrt(time / 2): of bounds, the time that makes
+/// them tightest, else `usual_s`.
+struct ProcessValues {
+  NoiseValues noise;
+  double time_s = 0;
+};
+ProcessValues noise_values_of_process(const ExportInput& input, const std::string& program, double usual_s);
+
 /// B of a triad, [m/s^2] or [rad/s]; zero where nothing is known of it, with a comment that says so.
 NoiseValue bias_instability(const ExportInput& input, bool gyro);
 

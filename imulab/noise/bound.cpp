@@ -62,14 +62,14 @@ class Programs {
     for (const UpperDensity& u : upper) hz_.push_back(u.hz), over_.push_back(1 / u.density);
   }
 
-  Candidate with(std::vector<double> times) const {
-    const auto n = static_cast<Index>(hz_.size()), m = static_cast<Index>(2 + times.size());
+  Candidate with(std::vector<double> times, bool walk = true) const {
+    const auto n = static_cast<Index>(hz_.size()), m = static_cast<Index>(times.size()) + (walk ? 2 : 1);
     MatrixXd A(n, m);
     for (Index j = 0; j < n; ++j) {
       const double f = hz_[static_cast<std::size_t>(j)], over = over_[static_cast<std::size_t>(j)];
       A(j, 0) = over;
       for (std::size_t k = 0; k < times.size(); ++k) A(j, static_cast<Index>(1 + k)) = over * process_density(f, T_, times[k]);
-      A(j, m - 1) = over * walk_density(f, T_);
+      if (walk) A(j, m - 1) = over * walk_density(f, T_);
     }
     const VectorXd means = A.colwise().mean();
     const VectorXd shares = least_sum_above_one(A * means.cwiseInverse().asDiagonal());
@@ -126,6 +126,25 @@ std::vector<UpperDensity> at_frequencies(const std::vector<UpperDensity>& upper,
     }
   }
   return out;
+}
+
+std::optional<CommonProcess> bounds_with_common_process(const std::vector<std::vector<UpperDensity>>& upper, double interval_s) {
+  if (upper.empty()) return {};
+  std::vector<Programs> programs;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& axis : upper) programs.emplace_back(axis, interval_s), lowest = std::min(lowest, axis.front().hz);
+  CommonProcess best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double time : times_between(2 * interval_s, 10 / (2 * pi * lowest))) {  // ten times the longest that shows: a walk
+    CommonProcess now{.time = time};
+    double mean = 0;
+    for (const Programs& axis : programs) {
+      const Candidate c = axis.with({time}, false);
+      now.N.push_back(std::sqrt(c.squares[0])), now.sigma.push_back(std::sqrt(c.squares[1])), mean += c.mean;
+    }
+    if (mean < least) least = mean, best = std::move(now);
+  }
+  return best;
 }
 
 NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, int most_processes) {

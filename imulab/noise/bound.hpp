@@ -10,6 +10,7 @@
 
 #include "imulab/noise.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace imulab::noise {
@@ -23,6 +24,14 @@ std::vector<UpperDensity> at_frequencies(const std::vector<UpperDensity>& upper,
 /// Returns the tightest model above `upper`, which is given at the frequencies of `bound_frequencies`, with at most two processes. Fewer ones are
 /// taken if they cost at most 1 %. `coast` remains empty. Throws Error for an interval or a density that is not positive.
 NoiseBound tightest_bound(std::vector<UpperDensity> upper, double interval_s, const BoundOptions& options, int most_processes = 2);
+
+/// White noise of each axis and a process each, all of one correlation time [s].
+struct CommonProcess {
+  double time = 0;
+  std::vector<double> N, sigma;
+};
+/// Returns the tightest such models above the densities of several axes, for filters that have one correlation time and no walk. Empty without axes.
+std::optional<CommonProcess> bounds_with_common_process(const std::vector<std::vector<UpperDensity>>& upper, double interval_s);
 
 /// Returns the model's two-sided density at a frequency, for states at this interval.
 double density(const NoiseBound& bound, double hz, double interval_s);

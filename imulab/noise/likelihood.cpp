@@ -197,7 +197,8 @@ Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precisi
   for (int iteration = 0; iteration < iterations; ++iteration) {
     const ArrayXd& S = now.density;
     MatrixXd D = sensitivity(point.at, now);
-    if (fixed.parameter >= 0) D.col(fixed.parameter).setZero();
+    for (const int parameter : {fixed.parameter, fixed.second})
+      if (parameter >= 0) D.col(parameter).setZero();
     VectorXd gradient = D.transpose() * (counts_ * (1 - power(point.ramp) / S)).matrix();
     if (!fixed.ramp) {
       const ArrayXd ramp = ramp_information(S);

@@ -45,6 +45,7 @@ struct Point {
 struct Fixed {
   int parameter = -1;
   std::optional<double> ramp;
+  int second = -1;  ///< another parameter
 };
 
 /// A reward during a fit: the density of one bin without quantization is raised. The fit then minimizes -2 ln likelihood - weight ln S(bin).

@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/error.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/noise/moving_slow.hpp"
 #include "imulab/units.hpp"
 
@@ -109,6 +110,24 @@ MovingNoise moving_noise(const NoiseAnalysis& rest, const std::vector<MovingEvid
   }
   for (MovingAxis& axis : out.axes) add_totals(axis, *std::ranges::find(rest.axes, axis.name, &NoiseAxis::name));
   return out;
+}
+
+void raise_bounds(NoiseAnalysis& rest, const std::vector<MovingEvidence>& evidence) {
+  for (NoiseAxis& axis : rest.axes) {
+    if (!axis.fit || !axis.fit->bound) continue;
+    NoiseBound& bound = *axis.fit->bound;
+    std::vector<UpperDensity> upper = bound.upper;
+    bool raised = false;
+    for (const MovingEvidence& e : evidence)
+      if (const auto of_log = e.upper.find(axis.name); of_log != e.upper.end()) {
+        raised = true;
+        for (std::size_t i = 0; i < upper.size(); ++i) upper[i].density = std::max(upper[i].density, of_log->second[i].density);
+      }
+    if (!raised) continue;
+    bound = noise::tightest_bound(std::move(upper), rest.interval_s, {bound.horizon_s, bound.confidence});
+    bound.in_motion = true;
+    noise::set_coasts(bound, *axis.fit);
+  }
 }
 
 }  // namespace imulab

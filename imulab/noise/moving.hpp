@@ -23,6 +23,7 @@
 #include "imulab/noise.hpp"
 #include "imulab/recording.hpp"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,8 @@ struct MovingEvidence {
   std::string file;              ///< with what it is
   std::vector<MovingAxis> axes;  ///< without totals
   std::vector<std::string> warnings = {};
+  /// Of a log: the densities that it and the log at rest permit, of each axis whose bound it raises.
+  std::map<std::string, std::vector<UpperDensity>> upper = {};
 };
 
 /// Evidence of a log with vibration at the place of the log at rest, or in motion. Throws Unsupported if it has less than 30 s without a gap, or
@@ -45,5 +48,8 @@ MovingEvidence moving_calibration(const NoiseAnalysis& rest, const Calibration& 
 
 /// Of each cause the largest factor, and what the filter should use (7).
 MovingNoise moving_noise(const NoiseAnalysis& rest, const std::vector<MovingEvidence>& evidence);
+
+/// Makes each axis's bound one above the densities of the logs in motion, too.
+void raise_bounds(NoiseAnalysis& rest, const std::vector<MovingEvidence>& evidence);
 
 }  // namespace imulab

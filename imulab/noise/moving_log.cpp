@@ -193,11 +193,9 @@ std::vector<MovingCause> spectral_causes(const NoiseFit& rest, const MovingLog& 
 }
 
 /// All causes of one axis; `quieter` becomes true if the log scatters less than that at rest.
-MovingAxis axis_causes(const NoiseAnalysis& rest, const NoiseAxis& axis, const MovingLog& log, bool& quieter) {
+MovingAxis axis_causes(const NoiseAnalysis& rest, const NoiseAxis& axis, const MovingLog& log, std::span<const double> readings, bool& quieter) {
   MovingAxis out{.name = axis.name, .unit = axis.unit};
   const std::size_t column = column_of(axis);
-  std::vector<double> buffer;
-  const std::span<const double> readings = log.view.samples(column, log.range, buffer);
   if (std::ranges::all_of(readings, [&](double r) { return r == readings[0]; }))
     throw Unsupported(fmt::format("{}: all readings of {} are equal: no noise can be seen", log.view.name, axis.name));
   const MovingSpectrum s = noise::moving_spectrum(readings, log.view.interval_s, *axis.fit, log.vibration_hz, log.groups);
@@ -229,9 +227,15 @@ MovingEvidence moving_log(const NoiseAnalysis& rest, Recording recording) {
   std::size_t quieter_axes = 0;
   for (const NoiseAxis& axis : rest.axes) {
     if (!axis.fit || !axis.fit->N.determined || !log.view.has(column_of(axis))) continue;
+    std::vector<double> buffer;
+    const std::span<const double> readings = log.view.samples(column_of(axis), log.range, buffer);
     bool quieter = false;
-    out.axes.push_back(axis_causes(rest, axis, log, quieter));
+    out.axes.push_back(axis_causes(rest, axis, log, readings, quieter));
     quieter_axes += quieter ? 1 : 0;
+    if (!axis.fit->bound) continue;
+    std::vector<UpperDensity> upper = axis.fit->bound->upper;
+    if (noise::raise_to_motion(upper, readings, log.view.interval_s, *axis.fit, log.moves ? log.vibration_hz : 0, axis.fit->bound->confidence))
+      out.upper.emplace(axis.name, std::move(upper));
   }
   if (!rest.from_data_sheet() && 2 * quieter_axes > out.axes.size())
     throw Unsupported(fmt::format("{}: scatters more at rest than {} after --moving; expected the log at rest first: imulab noise {} --moving {}",

@@ -1,5 +1,6 @@
 #include "imulab/noise/moving_slow.hpp"
 
+#include "imulab/noise/spectral_terms.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,6 @@ namespace imulab::noise {
 namespace {
 
 constexpr double two_sided = 1.96;
-const double flicker_floor_squared = 2 * std::numbers::ln2 / std::numbers::pi;  // Allan variance of B = 1
 constexpr double nearly_vertical = 0.9, same_attitude = 5 * unit::deg;
 
 double known_or_bound(const NoiseCoefficient& c) { return c.determined ? c.value : c.upper; }

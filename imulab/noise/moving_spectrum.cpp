@@ -141,4 +141,32 @@ MovingSpectrum moving_spectrum(std::span<const double> readings, double interval
   return out;
 }
 
+bool raise_to_motion(std::vector<UpperDensity>& upper, std::span<const double> readings, double interval_s, const NoiseFit& rest, double lowest_hz,
+                     double confidence) {
+  constexpr std::size_t pieces = 8, shortest_piece = 16;
+  constexpr double by_chance = 0.001;
+  const WelchSpectrum spectrum = welch_spectrum(readings, interval_s, std::bit_floor(std::max(shortest_piece, readings.size() / pieces)));
+  const double bins_freedom = 2 * hann_share * interval_s * static_cast<double>(readings.size()) * spectrum.spacing_hz;
+  const auto bin_at = [&](double hz) {
+    return std::min(spectrum.density.size(), static_cast<std::size_t>(std::max(0.0, hz / spectrum.spacing_hz - 0.5)));
+  };
+  bool raised = false;
+  for (std::size_t i = 0; i < upper.size(); ++i) {
+    const double below = i > 0 ? std::sqrt(upper[i - 1].hz * upper[i].hz) : upper[i].hz;
+    const double above = i + 1 < upper.size() ? std::sqrt(upper[i].hz * upper[i + 1].hz) : upper[i].hz;
+    const std::size_t begin = bin_at(below), end = bin_at(above);
+    if (below < std::max(lowest_hz, spectrum.spacing_hz) || begin == end) continue;
+    const double freedom = bins_freedom * static_cast<double>(end - begin);
+    const double power = std::accumulate(spectrum.density.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         spectrum.density.begin() + static_cast<std::ptrdiff_t>(end), 0.0) /
+                         static_cast<double>(end - begin);
+    const double Q = rest.Q.determined ? 2 * rest.Q.value * std::sin(std::numbers::pi * upper[i].hz * interval_s) : 0,
+                 quantization = Q * Q / interval_s;
+    if (power * freedom / chi_square_quantile(1 - by_chance, freedom) <= upper[i].density + quantization) continue;
+    upper[i].density = std::max(upper[i].density, power * freedom / chi_square_quantile(1 - confidence, freedom) - quantization);
+    raised = true;
+  }
+  return raised;
+}
+
 }  // namespace imulab::noise

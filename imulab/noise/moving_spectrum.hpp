@@ -28,4 +28,10 @@ struct MovingSpectrum {
 /// Requires groups of at least 16 readings.
 MovingSpectrum moving_spectrum(std::span<const double> readings, double interval_s, const NoiseFit& rest, double vibration_hz, std::size_t groups);
 
+/// Raises the densities that a log at rest permits to the upper bounds of a log in motion, each a mean over the frequencies nearer to it than to its
+/// neighbors, and returns true if any was raised. A density is raised only if it explains the log in motion with a probability below 0.1 %: a short
+/// log excludes little, and where it does not contradict the one at rest, that one counts. `rest`: its quantization is not part of the densities.
+bool raise_to_motion(std::vector<UpperDensity>& upper, std::span<const double> readings, double interval_s, const NoiseFit& rest, double lowest_hz,
+                     double confidence);
+
 }  // namespace imulab::noise

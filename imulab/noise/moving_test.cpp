@@ -3,6 +3,7 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
+#include "imulab/noise/bound.hpp"
 #include "imulab/noise/noise_analysis.hpp"
 
 #include <gmock/gmock.h>
@@ -24,6 +25,7 @@ struct Sizes {
   double drift_gyro = 0, drift_accel = 0;                           // over the log
   double shift_gyro = 0, shift_accel = 0;                           // of the mean
   double stamps_s = 0, turn = 0, turn_hz = 0.2;                     // turn: amplitude of a rate about z, which is vertical
+  double Q_gyro = 0;                                                // quantization
   double warming = 0;                                               // over the log
   double rate_factor = 1;
 };
@@ -31,7 +33,7 @@ struct Sizes {
 Recording log_of(const Sizes& s, std::uint64_t seed) {
   const auto n = static_cast<std::size_t>(s.seconds / T);
   std::vector<double> t(n), temperature(n);
-  std::vector<double> draws(n), steps(n), late(n);
+  std::vector<double> draws(n), steps(n), late(n), angles(n);
   RandomStream(seed, 99).normals(0, late);
   for (std::size_t i = 0; i < n; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(n);
@@ -42,13 +44,17 @@ Recording log_of(const Sizes& s, std::uint64_t seed) {
     const bool gyro = k < 3;
     const double N = gyro ? N_gyro : N_accel, K = gyro ? K_gyro : K_accel, line = gyro ? s.line_gyro : s.line_accel;
     RandomStream(seed, 2 * k).normals(0, draws), RandomStream(seed, 2 * k + 1).normals(0, steps);
-    double walk = 0;
+    RandomStream(seed, 20 + k).normals(0, angles);
+    double walk = 0, turned = 0;
     auto& column = triads[gyro ? 0 : 1][k % 3];
     for (std::size_t i = 0; i < n; ++i) {
       const double time = T * static_cast<double>(i), share = time / s.seconds;
       const bool at_rest = time < s.rest_s || time >= s.seconds - s.rest_s;
       walk += K * std::sqrt(T) * steps[i];
-      double value = walk + (at_rest ? 1 : s.floor) * N / std::sqrt(T) * draws[i] + (gyro ? s.drift_gyro : s.drift_accel) * share;
+      const double before = turned;
+      turned = gyro ? s.Q_gyro * angles[i] : 0;
+      double value =
+          walk + (turned - before) / T + (at_rest ? 1 : s.floor) * N / std::sqrt(T) * draws[i] + (gyro ? s.drift_gyro : s.drift_accel) * share;
       if (!at_rest) value += line * std::sin(2 * pi * s.line_hz * time + static_cast<double>(k)) + (gyro ? s.shift_gyro : s.shift_accel);
       if (k == 2 && !at_rest) value += s.turn * std::sin(2 * pi * s.turn_hz * (time - s.rest_s));
       column.push_back(value + (k == 5 ? g : 0));
@@ -197,6 +203,46 @@ TEST(MovingNoise, RefusesWhatCannotBeCompared) {
   EXPECT_THAT(cause_of(moving_log(forces, blind).axes[0], "rectification").reason, HasSubstr("the attitude is unknown"));
   Recording swapped = log_of({.floor = 0.5}, 4);
   EXPECT_THAT(refusal_of([&] { with(swapped); }), HasSubstr("expected the log at rest first: imulab noise flight.csv --moving night.csv"));
+}
+
+/// The spectrum of the log with motors is known: 1.3^2 of the white noise, and the line's A^2 / 4 over the frequencies that a node stands for.
+TEST(MovingNoise, RaisesTheBoundToItsSpectrum) {
+  Recording quiet = log_of({.seconds = 3600}, 1);
+  NoiseAnalysis rest = analyze_noise(std::move(quiet), any_session(), {.bound = BoundOptions{.horizon_s = 60}});
+  const NoiseAnalysis alone = rest;
+  const Sizes s{.seconds = 300, .floor = 1.3, .line_gyro = 3e-4};
+  const MovingEvidence motors = moving_log(rest, log_of(s, 2));
+  raise_bounds(rest, {motors});
+  double nodes = 0, above = 0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const NoiseBound &before = *alone.axes[k].fit->bound, &after = *rest.axes[k].fit->bound;
+    const bool gyro = k < 3;
+    const double white = std::pow(1.3 * (gyro ? N_gyro : N_accel), 2);
+    EXPECT_TRUE(after.in_motion);
+    ASSERT_EQ(after.upper.size(), before.upper.size());
+    for (std::size_t i = 1; i + 1 < after.upper.size(); ++i) {
+      const double hz = after.upper[i].hz, low = std::sqrt(hz * after.upper[i - 1].hz), high = std::sqrt(hz * after.upper[i + 1].hz);
+      if (hz < 0.05) EXPECT_EQ(after.upper[i].density, before.upper[i].density) << "the walk is the same, and the log short";
+      if (hz < 3) continue;  // a few samples' scatter
+      const double line = gyro && low < s.line_hz && s.line_hz < high ? std::pow(s.line_gyro, 2) / 4 / (high - low) : 0;
+      const double ratio = after.upper[i].density / (white + line);
+      EXPECT_GT(ratio, 0.9) << rest.axes[k].name << " " << hz;  // at 3 Hz a density has a scatter of 7 %
+      ++nodes, above += ratio > 1;
+      EXPECT_LT(ratio, line > 0 ? 1.35 : 1.3) << rest.axes[k].name << " " << hz;  // 95 % of 24 degrees of freedom or more
+      EXPECT_GE(noise::density(after, hz, T), 0.9999 * after.upper[i].density);
+    }
+    EXPECT_GT(after.coast[0].ratio, before.coast[0].ratio);
+  }
+  EXPECT_GT(above / nodes, 0.9) << "a confidence of 95 %, of " << nodes;
+}
+
+/// Neither a quiet log nor its quantization, which a bound leaves out, raises anything but by chance.
+TEST(MovingNoise, AQuietLogRaisesNoBound) {
+  NoiseAnalysis rest = analyze_noise(log_of({.seconds = 3600, .Q_gyro = 1e-5}, 1), any_session(), {.bound = BoundOptions{.horizon_s = 60}});
+  const NoiseAnalysis alone = rest;
+  raise_bounds(rest, {moving_log(alone, log_of({.seconds = 300, .Q_gyro = 1e-5}, 3))});
+  for (std::size_t k = 0; k < 6; ++k)
+    EXPECT_NEAR(rest.axes[k].fit->bound->coast[0].ratio / alone.axes[k].fit->bound->coast[0].ratio, 1, 0.1) << rest.axes[k].name;
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ template <class Fields>
 void describe(Fields& f, NoiseBound& bound) {
   f("N", bound.N), f("markov", bound.markov), f("K", bound.K), f("start_sigma", bound.start_sigma), f("confidence", bound.confidence);
   f("horizon_s", bound.horizon_s), f("tightness", bound.tightness), f("coast", bound.coast);
+  f("in_motion", bound.in_motion, fields::optional);
   f.table("upper", [&](auto& t) {
     fields::column(t, "hz", bound.upper, true, {}, [](UpperDensity& u) -> double& { return u.hz; });
     fields::column(t, "density", bound.upper, false, {}, [](UpperDensity& u) -> double& { return u.density; });
@@ -78,6 +79,11 @@ void describe(Fields& f, NoiseBound& bound) {
                 bound.upper.size() >= 2 && bound.upper.size() <= most && std::ranges::all_of(bound.upper, positive) &&
                     std::ranges::is_sorted(bound.upper, rises),
                 "upper", "expected densities above zero at two to 1000 rising frequencies");
+}
+
+template <class Fields>
+void describe(Fields& f, JointNoise& joint) {
+  f("tau_s", joint.tau_s), f("deviation", joint.deviation);
 }
 
 template <class Fields>
@@ -97,7 +103,8 @@ void describe(Fields& f, NoiseFit& fit) {
     describe_size(t, "N", fit.N), describe_size(t, "B", fit.B), describe_size(t, "K", fit.K), describe_size(t, "Q", fit.Q), t("R", fit.R);
   });
   f("markov", fit.markov, fields::optional), f("lines", fit.lines, fields::optional);
-  f("bound", fit.bound, fields::if_any), f("low_pass", fit.low_pass, fields::if_any), f("resolution", fit.resolution, fields::optional);
+  f("joint", fit.joint, fields::if_any), f("bound", fit.bound, fields::if_any), f("low_pass", fit.low_pass, fields::if_any),
+      f("resolution", fit.resolution, fields::optional);
   const auto spectrum = [&](auto& t) {
     fields::column(t, "hz", fit.spectrum, true, {}, [](P& p) -> double& { return p.hz; });
     fields::column(t, "density", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.density; });

@@ -198,5 +198,27 @@ TEST(NoiseFit, RefusesWhatSaysNothing) {
   EXPECT_THROW(fit_noise(rate, 1), Error);
 }
 
+/// The interval of both is that of logs which determine neither, a choice that the same noise makes.
+TEST(NoiseFit, BAndKTogetherWhereNeitherIsDetermined) {
+  constexpr std::size_t logs = 60;
+  const NoiseModel truth{.N = 1, .B = 0.2, .K = 0.02};
+  std::vector<NoiseFit> fits(logs);
+  parallel_for(logs, [&](std::size_t k) { fits[k] = fit_noise(constructed(truth, 12000, 100 + k), interval); });
+  double joint = 0, held = 0;
+  for (const NoiseFit& f : fits) {
+    if (!f.joint) continue;
+    EXPECT_FALSE(f.B.determined || f.K.determined);
+    const double variance = 2 * std::numbers::ln2 / std::numbers::pi * truth.B * truth.B + truth.K * truth.K * f.joint->tau_s / 3;
+    const NoiseCoefficient& c = f.joint->deviation;
+    EXPECT_LT(c.lower, c.value);
+    EXPECT_LT(c.value, c.upper);
+    EXPECT_LE(c.upper, std::hypot(std::sqrt(2 * std::numbers::ln2 / std::numbers::pi) * f.B.upper, f.K.upper * std::sqrt(f.joint->tau_s / 3)) * 1.02)
+        << "both at their bounds is more than the log permits";
+    ++joint, held += c.lower * c.lower <= variance && variance <= c.upper * c.upper;
+  }
+  EXPECT_GE(joint, 15) << "of 60 logs";
+  EXPECT_GE(held, binomial_quantile(0.001, static_cast<int>(joint), 0.95));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -92,6 +92,51 @@ double degrees_below_ramp(const SpectrumLikelihood& problem, const Point& best) 
   return std::max(1.0, 2 / squared_norm_in(information, direction));
 }
 
+/// B^2 and K^2 of a model.
+struct SlowSquares {
+  double B = 0, K = 0;
+  double allan_variance(double tau_s) const { return flicker_floor_squared * B + K * tau_s / 3; }
+};
+
+/// Returns the edge of the permitted B^2 for a fixed K^2, between one inside and one outside, of which the smaller may be 0.
+double edge_of_B(const SpectrumLikelihood& problem, const Point& inside, double B_inside, double B_outside, double limit) {
+  constexpr int halvings = 7;
+  constexpr double least = 1e-4;  // of the inside, in place of 0
+  double in = std::log(B_inside), out = std::log(std::max(B_outside, least * B_inside));
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (in + out);
+    Point point = inside;
+    point.at[Terms::B] = middle;
+    (problem.fitted(point, {Terms::K, {}, Terms::B}, profile_precision).misfit < limit ? in : out) = middle;
+  }
+  return std::exp(in);
+}
+
+/// Returns the edge of the region of B and K whose misfit is below a limit.
+std::vector<SlowSquares> slow_region(const SpectrumLikelihood& problem, const Point& best, double largest_K, double limit) {
+  constexpr int steps = 8;
+  std::vector<SlowSquares> out;
+  for (int i = 0; i <= steps; ++i) {
+    const double K = std::pow(largest_K * i / steps, 2);
+    Point start = problem.revived(best);
+    start.at[Terms::K] = K > 0 ? std::log(K) : absent;
+    const Point at = problem.fitted(start, {Terms::K, {}}, profile_precision);
+    if (!(at.misfit < limit)) continue;
+    const double B = std::exp(at.at[Terms::B]);
+    out.push_back({B, K});
+    double outside = 2 * B;
+    const auto permitted = [&](double square) {
+      Point point = at;
+      point.at[Terms::B] = square > 0 ? std::log(square) : absent;
+      return problem.fitted(point, {Terms::K, {}, Terms::B}, profile_precision).misfit < limit;
+    };
+    while (permitted(outside)) outside *= 2;
+    out.push_back({edge_of_B(problem, at, B, outside, limit), K});
+    out.push_back({permitted(0) ? 0 : edge_of_B(problem, at, B, 0, limit), K});
+  }
+  return out;
+}
+
 }  // namespace
 
 NoiseCoefficient size_of(const SpectrumLikelihood& problem, const Point& best, int parameter, double widening) {
@@ -151,6 +196,21 @@ NoiseCoefficient ramp_of(const SpectrumLikelihood& problem, const Point& best, d
   c.value = slope + best.ramp;
   c.standard_uncertainty = (c.upper - c.lower) / (2 * quantile);
   return c;
+}
+
+std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_K, double longest_s, double widening) {
+  if (!problem.terms().has[Terms::B] || !problem.terms().has[Terms::K] || !(largest_K > 0) || !std::isfinite(largest_K)) return {};
+  const std::vector<SlowSquares> region = slow_region(problem, best, largest_K, best.misfit + rise_of_95 * widening);
+  const SlowSquares fitted{std::exp(best.at[Terms::B]), std::exp(best.at[Terms::K])};
+  std::optional<JointNoise> out;
+  for (double tau = longest_s; tau > longest_s / 1000; tau /= 2) {
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    for (const SlowSquares& at : region) least = std::min(least, at.allan_variance(tau)), most = std::max(most, at.allan_variance(tau));
+    NoiseCoefficient c{std::sqrt(fitted.allan_variance(tau)), 0, std::sqrt(least), std::sqrt(most), true};
+    c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(rise_of_95));
+    if (least > 0 && c.lower < c.value && (!out || c.upper / c.lower < out->deviation.upper / out->deviation.lower)) out = {tau, c};
+  }
+  return out;
 }
 
 }  // namespace imulab::noise

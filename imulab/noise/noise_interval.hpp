@@ -10,6 +10,8 @@
 #include "imulab/noise.hpp"
 #include "imulab/noise/likelihood.hpp"
 
+#include <optional>
+
 namespace imulab::noise {
 
 /// Returns the size for a parameter from its square: Q, N, B, K or sigma of a process. `widening`: factor on the required rise of the misfit.
@@ -20,5 +22,9 @@ NoiseCoefficient scale_of(const SpectrumLikelihood& problem, const Point& best, 
 
 /// Returns the ramp, which has a sign; `slope` was removed before. Bounds follow Student's distribution because the power has few degrees of freedom.
 NoiseCoefficient ramp_of(const SpectrumLikelihood& problem, const Point& best, double slope, double widening);
+
+/// Returns the interval of B and K together, from the range of their Allan variance over all B and K that the spectrum permits, at the time up to
+/// `longest_s` where the interval is narrowest. Empty if zero is not excluded at any time. `largest_K`: upper bound of K.
+std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_K, double longest_s, double widening);
 
 }  // namespace imulab::noise

@@ -4,9 +4,12 @@
 #include "imulab/noise/spectrum.hpp"
 
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 namespace imulab::noise {
+
+inline constexpr double flicker_floor_squared = 2 * std::numbers::ln2 / std::numbers::pi;  ///< Allan variance for B^2 = 1
 
 /// Densities for Q^2, B^2, K^2 = 1 (imulab/grade.hpp); the density for N^2 = 1 is 1.
 struct Densities {

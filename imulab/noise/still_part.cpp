@@ -9,6 +9,7 @@
 #include "imulab/recording/rest_or_motion.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/recording/slow_motion.hpp"
+#include "imulab/recording/spikes.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
 
@@ -201,10 +202,12 @@ bool worth_filling(const RecordingView& recording) {
 
 StillPart still_part(Recording recording, const Session& session) {
   validate(recording);
+  const std::size_t spikes = remove_spikes(recording);
   FilledRecording filled{std::move(recording), 0};
   if (worth_filling(filled.recording)) filled = with_short_gaps_filled(std::move(filled.recording));
-  StillRange found = still_range(filled.recording, session, filled.filled);
+  StillRange found = still_range(filled.recording, session, filled.filled - std::min(filled.filled, spikes));
   filled.recording.interval_s = found.interval_s;
+  if (spikes > 0) found.notes.push_back(fmt::format("{} samples far from those before and after were replaced", spikes));
   return {std::move(found), std::move(filled.recording)};
 }
 

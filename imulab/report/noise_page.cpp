@@ -135,6 +135,8 @@ std::string coefficients_section(const NoiseAnalysis& analysis) {
     if (!axis.fit) continue;
     const NoiseUnit& of_rate = noise_terms()[1].unit(axis.unit);
     const NoiseUnit seconds{1, "s", ""}, hertz{1, "Hz", ""};
+    if (const auto& joint = axis.fit->joint)
+      add_row(t, axis.name, fmt::format("B and K together at {} s", number_text(joint->tau_s, 3)), joint->deviation, of_rate);
     for (const MarkovTerm& term : axis.fit->markov) {
       add_row(t, axis.name, "Markov process", term.sigma, of_rate);
       add_row(t, axis.name, "its correlation time", term.time, seconds);

@@ -100,6 +100,7 @@ std::string other_rows(const NoiseAxis& axis) {
   const auto row = [&](const char* name, const NoiseCoefficient& c, double size, const std::string& unit) {
     out += fmt::format("  {:<8} {:<14} {} {}\n", axis.name, name, value_columns(c, size), unit);
   };
+  if (const auto& joint = axis.fit->joint) row(fmt::format("B, K, {} s", text::number(joint->tau_s)).c_str(), joint->deviation, rate.size, rate.name);
   for (const MarkovTerm& term : axis.fit->markov) {
     row("Markov sigma", term.sigma, rate.size, rate.name);
     row("       time", term.time, 1, "s");
@@ -170,8 +171,9 @@ std::vector<std::string> bound_legend_of(const std::vector<Axis>& axes) {
         break;
       }
   for (const BoundCoast& c : bound.coast) coasts.push_back(text::number(c.time_s));
-  return {fmt::format("bound: noise of a filter for coasts up to {} s, at no frequency below what the log permits with {} %",
-                      text::number(bound.horizon_s), text::number(100 * bound.confidence)),
+  const bool in_motion = std::ranges::any_of(axes, [&](const Axis& axis) { return has_bound(axis) && bound_of(axis)->in_motion; });
+  return {fmt::format("bound: noise of a filter for coasts up to {} s, at no frequency below what the {} with {} %", text::number(bound.horizon_s),
+                      in_motion ? "logs at rest and in motion permit" : "log permits", text::number(100 * bound.confidence)),
           fmt::format("N, standard deviation and time of the processes, K: {}", fmt::join(units, "; ")),
           fmt::format("cost: Allan deviation of the bound over that of the fit at {} s, both without Q, which does not accumulate",
                       fmt::join(coasts, ", "))};

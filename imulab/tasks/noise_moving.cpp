@@ -49,6 +49,7 @@ void add_moving(NoiseAnalysis& rest, const std::vector<MovingInput>& inputs) {
     rest.warnings.insert(rest.warnings.end(), evidence.back().warnings.begin(), evidence.back().warnings.end());
   }
   rest.moving = moving_noise(rest, evidence);
+  raise_bounds(rest, evidence);
 }
 
 }  // namespace imulab

@@ -30,7 +30,11 @@ NoiseModel noise_of(double ratio) {
 struct Walk {
   NoiseCoefficient fitted = {};
   double read_off = 0;  ///< as if the curve's last point were walk alone
-  void fields(auto&& visit) { visit(fitted.value, fitted.standard_uncertainty, fitted.lower, fitted.upper, fitted.determined, read_off); }
+  JointNoise joint = {};
+  void fields(auto&& visit) {
+    visit(fitted.value, fitted.standard_uncertainty, fitted.lower, fitted.upper, fitted.determined, read_off, joint.tau_s, joint.deviation.lower,
+          joint.deviation.upper);
+  }
 };
 
 Walk walk_of(const NoiseModel& truth, std::uint64_t seed) {
@@ -40,7 +44,8 @@ Walk walk_of(const NoiseModel& truth, std::uint64_t seed) {
   rest.add_slow(rate);
   rest.add_fast(0, rate);
   const DeviationPoint last = deviation(rate, unit_interval, {averaging_factors(rate.size()).back()}, DeviationKind::overlapping_allan).back();
-  return {fit_noise(rate, unit_interval).K, last.deviation * std::sqrt(3 / last.tau)};
+  const NoiseFit fit = fit_noise(rate, unit_interval);
+  return {fit.K, last.deviation * std::sqrt(3 / last.tau), fit.joint.value_or(JointNoise{})};
 }
 
 }  // namespace
@@ -55,15 +60,21 @@ std::vector<Check> noise_lengths(int logs) {
     const std::uint64_t first_seed = 1'000'000 * ++row;  // no row shares its logs with another
     by_part([&] {
       const auto walks = runs_of<Walk>(fmt::format("noise-lengths {}", row), logs, [&](std::size_t i) { return walk_of(truth, first_seed + i); });
-      double held = 0;
+      double held = 0, joint = 0, joint_held = 0;
       std::vector<double> stated, over, read_off;
-      for (const auto& [K, read] : walks) {
+      for (const auto& [K, read, both] : walks) {
+        const double deviation = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi * truth.B * truth.B + truth.K * truth.K * both.tau_s / 3);
+        if (both.tau_s > 0) ++joint, joint_held += both.deviation.lower <= deviation && deviation <= both.deviation.upper;
         held += K.lower <= truth.K && truth.K <= K.upper;
         read_off.push_back(read / truth.K);
         if (K.determined) stated.push_back(K.standard_uncertainty / K.value), over.push_back(K.value / truth.K);
       }
       const std::string name = fmt::format("T K^2 / B^2 = {:g}: ", ratio);
       checks.push_back({name + "95 % intervals hold", held / logs, least, 1});
+      if (joint >= 20) {  // conditional on such logs
+        checks.push_back({name + "share in which only B and K together are determined", joint / logs, 0, 1});
+        checks.push_back({name + "intervals of both hold", joint_held / joint, binomial_quantile(0.001, static_cast<int>(joint), 0.95) / joint, 1});
+      }
       checks.push_back({name + "determined", static_cast<double>(stated.size()) / logs, ratio >= 300 ? 0.95 : 0, 1});
       // 400 logs tell these to some percent; the point that is read has five degrees of freedom or fewer.
       checks.push_back({name + "read off, least 10 %", quantile(read_off, 0.1), 0.2, 1});
