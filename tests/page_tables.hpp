@@ -1,12 +1,15 @@
 // Tables of the manual that follow from tables of the program. Each stands in its page between two comments:
 //
 //     <!-- table: units -->      written by the program's own words and names (page_tables_test.cpp)
-//     <!-- keys: [imu] -->       written by hand; its first column has exactly the program's names
+//     <!-- keys: [imu] -->       written by hand; its first column has exactly the program's names. Where the second one is headed "key", each row is
+//                                about the tables "NAME FIRST", by all that the first column or the one above it has
 //     <!-- end -->
 #pragma once
 
 #include "tests/console_page.hpp"
 #include <algorithm>
+#include <map>
+#include <ostream>
 #include <regex>
 #include <set>
 #include <stdexcept>
@@ -69,18 +72,35 @@ struct TableKey {
   std::string name;
   bool required = false;  ///< marked by \*
   auto operator<=>(const TableKey&) const = default;
+  friend void PrintTo(const TableKey& key, std::ostream* out) { *out << key.name << (key.required ? "*" : ""); }
 };
 
-/// The keys in the first column of the tables of a part, each of them code.
-inline std::set<TableKey> keys_of(const std::vector<std::string>& page, const MarkedPart& part) {
-  std::set<TableKey> keys;
-  static const std::regex code("`([^`]+)`(\\\\\\*)?");
+using TableKeys = std::map<std::string, std::set<TableKey>>;  ///< by the name of the table
+
+/// Adds the keys of a part, each of them code.
+inline void add_keys(const std::vector<std::string>& page, const MarkedPart& part, TableKeys& keys) {
+  static const std::regex code("`([^`]+)`(\\\\\\*)?"), cells("\\| ?(.*?) ?\\| ?(.*?) \\|.*");
+  using Codes = std::sregex_iterator;
+  std::vector<std::string> names;
+  bool by_table = false;
   for (std::size_t i = part.begin; i < part.end; ++i) {
-    if (!page[i].starts_with("|")) continue;
-    const std::string cell = page[i].substr(1, page[i].find(" |", 1));
-    for (std::sregex_iterator at(cell.begin(), cell.end(), code), end; at != end; ++at) keys.insert({(*at)[1], (*at)[2].matched});
+    std::smatch row;
+    if (!std::regex_match(page[i], row, cells)) continue;
+    const std::string first = row[1], second = row[2];
+    if (page[i - 1].empty()) {  // the head
+      by_table = second == "key" || second == "keys" || second == "columns";
+      if (!by_table) names = {part.name};
+      continue;
+    }
+    if (by_table && !first.empty()) {
+      names.clear();
+      for (Codes at(first.begin(), first.end(), code), end; at != end; ++at) names.push_back(part.name + " " + (*at)[1].str());
+      if (names.empty()) names = {part.name + " " + first};
+    }
+    const std::string& cell = by_table ? second : first;
+    for (Codes at(cell.begin(), cell.end(), code), end; at != end; ++at)
+      for (const std::string& name : names) keys[name].insert({(*at)[1], (*at)[2].matched});
   }
-  return keys;
 }
 
 }  // namespace imulab

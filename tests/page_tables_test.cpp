@@ -4,6 +4,7 @@
 #include "tests/page_tables.hpp"
 
 #include "imulab/exchange.hpp"
+#include "imulab/inspection/inspection.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/model/finding_table.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -15,7 +16,6 @@
 #include "tests/session_keys.hpp"
 #include <cstdlib>
 #include <functional>
-#include <map>
 
 namespace imulab {
 namespace {
@@ -181,14 +181,16 @@ TEST(PageTables, HaveTheWordsOfTheProgram) {
 }
 
 TEST(PageTables, HaveTheKeysOfTheProgram) {
-  std::map<std::string, std::set<TableKey>> keys = keys_of_session_files();
+  TableKeys keys = keys_of_session_files();
+  keys.merge(keys_of_missions()), keys.merge(keys_of_laboratories()), keys.merge(columns_of_stores());
   for (const Effect& effect : effects()) keys["effects"].insert({std::string(effect.name), false});
   for (const ExportTarget& target : export_targets()) keys["targets"].insert({std::string(target.name), false});
+  for (const std::string& key : declaration_keys()) keys["--set"].insert({key, false});
   for (const fs::path& file : pages_with_tables()) {
     const std::vector<std::string> page = page_lines(read_text(file));
-    std::map<std::string, std::set<TableKey>> shown;
+    TableKeys shown;
     for (const MarkedPart& part : marked_parts(page))
-      if (part.kind == "keys") shown[part.name].merge(keys_of(page, part));
+      if (part.kind == "keys") add_keys(page, part, shown);
     for (const auto& [name, own] : shown) {
       EXPECT_EQ(own, keys[name]) << file << ": " << name;
       keys.erase(name);
@@ -198,11 +200,16 @@ TEST(PageTables, HaveTheKeysOfTheProgram) {
 }
 
 TEST(PageTables, AWrongTableIsFound) {
-  const std::vector<std::string> page{"<!-- keys: [imu] -->", "", "| key |", "| --- |", "| `name`\\*, `serial` | `grade` |", "", "<!-- end -->"};
+  const std::vector<std::string> page{"<!-- keys: [imu] -->", "", "| key | a |", "| --- | --- |", "| `name`\\*, `serial` | `grade` |", "",
+                                      "<!-- end -->"};
   const std::vector<MarkedPart> parts = marked_parts(page);
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].name, "[imu]");
-  EXPECT_EQ(keys_of(page, parts[0]), (std::set<TableKey>{{"name", true}, {"serial", false}}));
+  TableKeys keys;
+  add_keys(page, parts[0], keys);
+  EXPECT_EQ(keys, (TableKeys{{"[imu]", {{"name", true}, {"serial", false}}}}));
+  add_keys({"", "| table | key |", "| --- | --- |", "| `a`, `b` | `x` |", "| | `y`\\* |", "| (root) | `z` |"}, {"keys", "of", 0, 6}, keys = {});
+  EXPECT_EQ(keys, (TableKeys{{"of (root)", {{"z", false}}}, {"of a", {{"x", false}, {"y", true}}}, {"of b", {{"x", false}, {"y", true}}}}));
   EXPECT_THAT(table_lines({{"a", "b"}, {"1", ""}}), testing::ElementsAre("", "| a | b |", "| --- | --- |", "| 1 | |", ""));
   EXPECT_EQ(cell_text("the session's [truth]"), "the session's [truth]");
   EXPECT_EQ(option_head("-o, --outages EVERY,LENGTH"), "`-o`, `--outages EVERY,LENGTH`");

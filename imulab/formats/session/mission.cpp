@@ -59,7 +59,7 @@ void read_point(TomlFields& f, UnitTemperature& profile) {
 }
 
 void read_reading(TomlFields& f, ThermalSource& source) {
-  if (f.has("unit")) f.choice("unit", source.unit, unit_names(Quantity::temperature, false), Presence::optional);
+  f.choice("unit", source.unit, unit_names(Quantity::temperature, false), Presence::optional);
   source.noise = f.number_or("noise", 0, not_negative());
   f.number("at_25_degC", source.at_25_degC, any_number());
   f.number("per_K", source.per_K, any_number());

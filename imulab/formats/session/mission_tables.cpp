@@ -220,7 +220,9 @@ namespace {
 using namespace unit;
 
 void spread(TomlFields& f, std::string_view key, std::optional<Spread>& value, double factor) {
-  if (f.has(key)) f.spread(key, value.emplace(), factor);
+  Spread given;
+  f.spread(key, given, factor);
+  if (f.has(key)) value = given;
 }
 
 void read_shared(TomlFields& f, TriadErrors& t) {
