@@ -208,13 +208,47 @@ std::string completion(const Verb& command, const std::string& shell) {
   return shell == "zsh" ? zsh(command) : bash(command);
 }
 
-std::optional<std::string> unknown_option(const Verb& verb, const std::vector<std::string>& words) {
-  std::vector<std::string> flags;
+namespace {
+
+/// Its words in small letters, with a space before and after each; "whole-unit" is one.
+std::string spaced_words(std::string_view text) {
+  std::string words = " ";
+  for (const char c : text)
+    words += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? static_cast<char>(std::tolower(static_cast<unsigned char>(c))) : ' ';
+  return words + " ";
+}
+
+/// The option that was meant: one with the word in its name, else the one with the nearest name, else the one whose help begins with the word, or has
+/// it soonest in its first clause.
+std::string_view meant_option(const Verb& verb, const std::string& name) {
+  constexpr std::size_t least_letters = 4, dashes = 2;
+  std::vector<std::string_view> flags;
   for (const VerbOption& row : verb.options) flags.insert(flags.end(), row.flags.begin(), row.flags.end());
+  if (name.size() >= least_letters + dashes)
+    for (const std::string_view flag : flags)
+      if (flag.find(std::string_view(name).substr(dashes)) != std::string_view::npos) return flag;
+  if (const std::string_view nearest = nearest_name(name, flags); !nearest.empty()) return nearest;
+  std::string words = spaced_words(name.substr(dashes));
+  std::replace(words.begin(), words.end(), '-', ' ');
+  std::string_view meant;
+  std::size_t earliest = std::string::npos;
+  for (const VerbOption& row : verb.options) {
+    if (row.is_positional() || row.inherited) continue;
+    const std::size_t at = spaced_words(row.value_name + " " + row.help.substr(0, row.help.find_first_of(",;:("))).find(words);
+    if (at < earliest) earliest = at, meant = row.flags.back();
+  }
+  return meant;
+}
+
+}  // namespace
+
+std::optional<std::string> unknown_option(const Verb& verb, const std::vector<std::string>& words) {
   for (const std::string& word : words) {
     const std::string name = word.substr(0, word.find('='));
-    if (name.size() > 2 && name.starts_with("--") && std::find(flags.begin(), flags.end(), name) == flags.end())
-      return fmt::format("{} is not an option of {}{}", excerpt(name), verb.name, did_you_mean(name, flags));
+    const auto has_name = [&](const VerbOption& row) { return std::find(row.flags.begin(), row.flags.end(), name) != row.flags.end(); };
+    if (name.size() <= 2 || !name.starts_with("--") || std::any_of(verb.options.begin(), verb.options.end(), has_name)) continue;
+    const std::string_view meant = meant_option(verb, name);
+    return fmt::format("{} is not an option of {}{}", excerpt(name), verb.name, meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
   }
   return std::nullopt;
 }
