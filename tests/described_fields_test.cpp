@@ -7,11 +7,11 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/page_tables.hpp"
+#include "tests/run_command.hpp"
+#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <regex>
-#include <set>
-#include <sstream>
+#include <iterator>
 
 namespace imulab {
 namespace {
@@ -46,7 +46,7 @@ class FieldNames {
 };
 
 void describe_uncertainties(FieldNames& f, const Calibration&) {
-  for (const char* name : {"standard_uncertainty", "covariance", "coefficients"}) f.names.emplace_back(name);
+  for (const char* name : {"standard_uncertainty", "covariance", "coefficients", "constant"}) f.names.emplace_back(name);
 }
 
 struct Turn {
@@ -109,36 +109,63 @@ TEST(DescribedFields, ErrorsNameFileAndField) {
   EXPECT_EQ(message_of("{\"turns\": [], \"length_m\": -1}"), "path.json: length_m: is negative");
 }
 
-/// Names that stand in no code of the page.
-template <class Value>
-std::vector<std::string> undocumented(const std::string& page) {
-  std::ostringstream text;
-  text << std::ifstream(std::string(IMULAB_SOURCE) + "/docs/" + page).rdbuf();
-  const std::string all = text.str();
-  static const std::regex code("`([^`\n]+)`"), word("[A-Za-z0-9_]+");
+/// The names of all fields that values like these have.
+template <class... Values>
+std::set<std::string> names_of(Values... values) {
+  FieldNames names;
+  (describe(names, values), ...);
+  return {names.names.begin(), names.names.end()};
+}
+
+/// The fields of each part of a page that is marked "fields", by its name.
+std::map<std::string, std::set<std::string>> described_fields() {
+  Calibration recorded;
+  recorded.recorded_accel.emplace();
+  Tolerance met;
+  met.factor = 1;
+  std::map<std::string, std::set<std::string>> fields{
+      {"calibration", names_of(recorded)},
+      {"noise", names_of(NoiseAnalysis(), NoiseFit(), BatchCoefficient(), NoiseBatch())},
+      {"comparison", names_of(CoefficientDifference(), NamedComparison(), ComparedCalibration(), RequirementResult())},
+      {"agreement", names_of(Agreement())},
+      {"comparison of results", names_of(ResultComparison(), ComparedFigure())},
+      {"prediction", names_of(PredictionSummary(), PredictedCoefficient(), AddedManoeuvres(), met)}};
+  fields["comparison"].merge(std::set<std::string>{"calibrations", "requirements"});  // beside the comparison
+  return fields;
+}
+
+/// Words of all code in a text.
+std::set<std::string> words_of_code(const std::string& text) {
+  static const std::regex code("`([^`]+)`"), word("[A-Za-z0-9_]+");
   std::set<std::string> words;
-  for (std::sregex_iterator span(all.begin(), all.end(), code), end; span != end; ++span) {
+  for (std::sregex_iterator span(text.begin(), text.end(), code), end; span != end; ++span) {
     const std::string inside = (*span)[1];
     for (std::sregex_iterator at(inside.begin(), inside.end(), word); at != end; ++at) words.insert(at->str());
   }
-  FieldNames names;
-  names.list<Value>();
-  std::erase_if(names.names, [&](const std::string& name) { return words.contains(name); });
-  return names.names;
+  return words;
 }
 
-TEST(DescribedFields, AreDocumented) {
-  using testing::IsEmpty;
-  EXPECT_THAT(undocumented<Calibration>("reference/calibration-file.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NoiseAnalysis>("reference/noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NoiseFit>("reference/noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<BatchCoefficient>("reference/noise.md"), IsEmpty());
-  EXPECT_THAT(undocumented<CoefficientDifference>("reference/results.md"), IsEmpty());
-  EXPECT_THAT(undocumented<NamedComparison>("reference/results.md"), IsEmpty());
-  EXPECT_THAT(undocumented<ResultComparison>("reference/results.md"), IsEmpty());
-  EXPECT_THAT(undocumented<Agreement>("reference/results.md"), IsEmpty());
-  EXPECT_THAT(undocumented<PredictedCoefficient>("reference/results.md"), IsEmpty());
-  EXPECT_THAT(undocumented<PlanSummary>("reference/results.md"), IsEmpty());
+/// The first column of a part has fields alone, and all fields are in the part.
+TEST(DescribedFields, AreThoseOfTheManual) {
+  std::map<std::string, std::set<std::string>> all = described_fields(), shown, first;
+  for (const char* file : {"calibration-file.md", "noise.md", "results.md"}) {
+    const std::vector<std::string> page = page_lines(read_text(std::filesystem::path(IMULAB_SOURCE) / "docs/reference" / file));
+    for (const MarkedPart& part : marked_parts(page))
+      for (std::size_t i = part.begin; part.kind == "fields" && i < part.end; ++i) {
+        shown[part.name].merge(words_of_code(page[i]));
+        if (page[i].starts_with("| `")) first[part.name].merge(words_of_code(page[i].substr(0, page[i].find(" | "))));
+      }
+  }
+  const auto without = [](const std::set<std::string>& from, const std::set<std::string>& those) {
+    std::set<std::string> rest;
+    std::set_difference(from.begin(), from.end(), those.begin(), those.end(), std::inserter(rest, rest.end()));
+    return rest;
+  };
+  for (const auto& [name, fields] : all) {
+    EXPECT_THAT(without(fields, shown[name]), testing::IsEmpty()) << name << ": are not in the manual";
+    EXPECT_THAT(without(first[name], fields), testing::IsEmpty()) << name << ": are only in the manual";
+    EXPECT_FALSE(first[name].empty()) << name;
+  }
 }
 
 }  // namespace
