@@ -6,6 +6,7 @@
 #include "imulab/results/result_fields.hpp"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/page_tables.hpp"
 #include "tests/run_command.hpp"
@@ -134,6 +135,68 @@ std::map<std::string, std::set<std::string>> described_fields() {
   return fields;
 }
 
+/// The keys of an object, those of tables and lists inside it included. Names in place of keys, as of coefficients, have other letters.
+void add_keys_of(const nlohmann::json& json, std::set<std::string>& keys) {
+  static const std::regex plain("[a-z0-9_]+");
+  if (json.is_structured())
+    for (const auto& [key, value] : json.items()) {
+      if (json.is_object() && std::regex_match(key, plain)) keys.insert(key);
+      add_keys_of(value, keys);
+    }
+}
+
+constexpr const char* flight = R"(format = "imulab.mission/1"
+rate_hz = 20
+start = { latitude_deg = 45, longitude_deg = 8, height_m = 0, speed_mps = 20 }
+errors = { grade = "navigation", vertical = "fixed" }
+[[segment]]
+kind = "turn"
+angle_deg = 90
+rate_dps = 2
+[[segment]]
+kind = "straight"
+duration_s = 60
+)";
+
+constexpr const char* inputs = R"(set -e
+imulab trajectory drive.toml --errors -o drive
+imulab procedure six-position -o six.toml --rest 30
+imulab simulate six.toml -o six
+imulab procedure handheld --poses 12 -o hand.toml
+for n in 1 2 3; do
+  sed "s/^name = .*/name = 'unit'\nserial = '$n'/" hand.toml > one.toml
+  for s in 5 6; do
+    imulab simulate one.toml --seed $n -o all/$s/$n
+    echo "# $s" >> all/$s/$n/session.toml
+    imulab fleet calibrate all/$s/$n --method handheld --station $s --operator $s --measured 202$s-01-01
+  done
+done
+)";
+
+/// The fields that commands print, by the part of a page that has them.
+std::map<std::string, std::set<std::string>> printed_fields() {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "flight.toml") << flight;
+  std::ofstream(folder / "drive.toml") << flight << "[[aid]]\nkind = 'gnss'\noutages_s = [[80, 90]]\n";
+  const CommandResult made = run_shell(folder, "imulab() { '" + command_path() + "' \"$@\"; }\n" + inputs);
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  const std::vector<std::pair<const char*, const char*>> commands{
+      {"navigation", "navigate none drive"},
+      {"navigation", "navigate none six --heading 0"},
+      {"aided", "navigate none drive --aided"},
+      {"budget", "budget flight.toml --runs 100"},
+      {"budget", "budget drive.toml --runs 0"},
+      {"inspection", "inspect six/recording.csv"},
+      {"fleet", "fleet stats --require 'accel.bias <= 5 mg' --due 'accel.bias <= 5 mg' --store fleet.db"}};
+  std::map<std::string, std::set<std::string>> fields;
+  for (const auto& [part, command] : commands) {
+    const CommandResult result = run_imulab(folder, std::string(command) + " --json");
+    EXPECT_TRUE(nlohmann::json::accept(result.output)) << command << ": " << result.errors;
+    if (nlohmann::json::accept(result.output)) add_keys_of(nlohmann::json::parse(result.output), fields[part]);
+  }
+  return fields;
+}
+
 /// Words of all code in a text.
 std::set<std::string> words_of_code(const std::string& text) {
   static const std::regex code("`([^`]+)`"), word("[A-Za-z0-9_]+");
@@ -148,12 +211,14 @@ std::set<std::string> words_of_code(const std::string& text) {
 /// The first column of a part has fields alone, and all fields are in the part.
 TEST(DescribedFields, AreThoseOfTheManual) {
   std::map<std::string, std::set<std::string>> all = described_fields(), shown, first;
-  for (const char* file : {"calibration-file.md", "noise.md", "results.md"}) {
-    const std::vector<std::string> page = page_lines(read_text(std::filesystem::path(IMULAB_SOURCE) / "docs/reference" / file));
+  all.merge(printed_fields());
+  for (const char* file : {"reference/calibration-file.md", "reference/fleet-store.md", "reference/navigate.md", "reference/noise.md",
+                           "reference/results.md", "theory/aided.md"}) {
+    const std::vector<std::string> page = page_lines(read_text(std::filesystem::path(IMULAB_SOURCE) / "docs" / file));
     for (const MarkedPart& part : marked_parts(page))
       for (std::size_t i = part.begin; part.kind == "fields" && i < part.end; ++i) {
         shown[part.name].merge(words_of_code(page[i]));
-        if (page[i].starts_with("| `")) first[part.name].merge(words_of_code(page[i].substr(0, page[i].find(" | "))));
+        if (page[i].starts_with("| `") && !page[i - 1].empty()) first[part.name].merge(words_of_code(page[i].substr(0, page[i].find(" | "))));
       }
   }
   const auto without = [](const std::set<std::string>& from, const std::set<std::string>& those) {
@@ -162,7 +227,7 @@ TEST(DescribedFields, AreThoseOfTheManual) {
     return rest;
   };
   for (const auto& [name, fields] : all) {
-    EXPECT_THAT(without(fields, shown[name]), testing::IsEmpty()) << name << ": are not in the manual";
+    EXPECT_THAT(without(without(fields, shown[name]), shown["all objects"]), testing::IsEmpty()) << name << ": are not in the manual";
     EXPECT_THAT(without(first[name], fields), testing::IsEmpty()) << name << ": are only in the manual";
     EXPECT_FALSE(first[name].empty()) << name;
   }
