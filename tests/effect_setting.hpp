@@ -14,6 +14,7 @@ inline constexpr EffectSetting everything{.accel = true,
                                           .latitude = true,
                                           .heading = true,
                                           .thermal = true,
+                                          .sweep = true,
                                           .recordings = 4};
 
 }  // namespace imulab

@@ -57,6 +57,10 @@ inline double changed(const EffectState& s, int, int) { return s.changed; }
 inline double changed_in_force(const EffectState& s, int i, int) { return s.changed * s.force[i]; }
 inline double changed_in_rate(const EffectState& s, int i, int) { return s.changed * s.rate[i]; }
 inline double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
+inline double thermal(const EffectState& s, int, int function) {
+  const double change = s.warming.value_or(0);
+  return function == 0 ? change : change * change / second_order_per_first;
+}
 inline double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 inline double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }
 

@@ -37,7 +37,7 @@ int Effect::columns(const EffectSetting& setting) const {
   const unsigned has = (setting.accel ? of_accel : 0u) | (setting.gyro ? of_gyro : 0u) | (setting.thermometer ? by_thermometer : 0u) |
                        (setting.recordings > 1 ? by_recordings : 0u) | (setting.mount ? by_mount : 0u) | (setting.centrifuge ? by_centrifuge : 0u) |
                        (setting.latitude ? by_latitude : 0u) | (setting.changed ? by_change : 0u) | (setting.heading ? by_north : 0u) |
-                       (setting.thermal ? by_thermal : 0u);
+                       (setting.thermal ? by_thermal : 0u) | (setting.sweep ? by_sweep : 0u);
   constexpr unsigned triads = of_accel | of_gyro;
   if ((needs & triads & has) == 0 || (needs & ~triads & ~has) != 0) return 0;
   if ((needs & by_recordings) != 0) return basis * (setting.recordings - 1);

@@ -57,6 +57,7 @@ struct EffectSetting {
   bool latitude = false;    ///< the Earth's rate at a latitude is used
   bool heading = false;     ///< `horizontal` is known
   bool thermal = false;     ///< thermal terms are estimated
+  bool sweep = false;       ///< the temperature changes so much that the thermal terms are estimated as effects
   int recordings = 1;
   int machines = 1;  ///< number of machines with a used heading
 };
@@ -73,7 +74,8 @@ struct Effect {
     by_latitude = 64,
     by_change = 128,
     by_north = 256,
-    by_thermal = 512
+    by_thermal = 512,
+    by_sweep = 1024
   };
 
   std::string_view name;                                      ///< "accel.asymmetry"
@@ -106,6 +108,9 @@ struct EffectColumn {
 
   OutputChange at(const EffectState& state) const { return effect->phi(state, number); }
 };
+
+/// The thermal terms of a triad, c warming + c' warming^2 / 50 K, have one size: the second order is as large as the first 50 K from the mean.
+inline constexpr double second_order_per_first = 50;
 
 /// Returns all effects.
 std::span<const Effect> effects();

@@ -105,7 +105,8 @@ TEST(Effects, AreThoseThatTheSettingCanHave) {
     EXPECT_EQ(effect.columns({}), 0) << effect.name;
     EXPECT_GT(effect.columns(everything), 0) << effect.name;
     const bool of_unit = effect.name.starts_with("accel.") || effect.name.starts_with("gyro."), several = effect.name.ends_with("turn_on"),
-               thermal = effect.name.ends_with("temperature"), heading = effect.name.ends_with("heading"), change = effect.name.ends_with("change");
+               thermal = effect.name.ends_with("temperature") || effect.name.ends_with("thermal"), heading = effect.name.ends_with("heading"),
+               change = effect.name.ends_with("change");
     EXPECT_EQ(effect.columns(by_hand) > 0, of_unit && !several && !thermal && !heading && !change) << effect.name;
   }
 }

@@ -39,6 +39,7 @@ TriadModel rescaled(TriadModel model, const Vector3d& by) {
   model.matrix = model.matrix * by.asDiagonal();
   model.quadratic = model.quadratic.cwiseProduct(square);
   model.cubic = model.cubic.cwiseProduct(square.cwiseProduct(by));
+  model.thermal = by.cwiseInverse().asDiagonal() * model.thermal;
   return model;
 }
 

@@ -1,11 +1,39 @@
 #include "imulab/estimate/kernel/recorded_states.hpp"
 
+#include "imulab/core/statistics.hpp"
+
 #include <algorithm>
+#include <cmath>
 
 namespace imulab::kernel {
 
+namespace {
+
+std::optional<TemperatureSweep> sweep_of(const Recording& r, const RecordingSource& source, const std::optional<Thermometer>& thermometer) {
+  constexpr double least_K = 10, ends = 0.005;  // a thermometer may have outliers
+  constexpr std::size_t most = 65536;
+  if (!thermometer || !r.starts.empty()) return {};
+  const std::vector<double>& readings = *thermometer->readings;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < readings.size(); i += readings.size() / most + 1) some.push_back(readings[i]);
+  const double low = quantile(some, ends), high = quantile(some, 1 - ends);
+  if (!(high - low >= least_K * std::abs(thermometer->per_K))) return {};
+  const auto is_that_of = [&](const Columns3& triad) {
+    return std::ranges::all_of(triad, [&](const std::vector<double>& column) { return column == readings; });
+  };
+  TemperatureSweep out{.per_K = thermometer->per_K, .accel = is_that_of(r.accel_temperature), .gyro = is_that_of(r.gyro_temperature)};
+  const auto& sensor = source.gyro_temperature ? source.gyro_temperature : source.accel_temperature;
+  if (sensor) out.reading.unit = sensor->unit;
+  out.reading.reference = thermometer->mean, out.reading.range = {low, high};
+  return out;
+}
+
+}  // namespace
+
 RecordedStates::RecordedStates(const Recording& recording, const Session& session, const SensorModel& model, const Scaling& scaling)
-    : recording_(&recording), thermometer_(thermometer_of(recording, session.source_of(recording.name))) {
+    : recording_(&recording),
+      thermometer_(thermometer_of(recording, session.source_of(recording.name))),
+      sweep_(sweep_of(recording, session.source_of(recording.name), thermometer_)) {
   common_.gravity = session.site.gravity();
   common_.full_force = common_.gravity;
   common_.full_rate = 1;  // rad/s: no gyro has a smaller range, and slower turns do not excite higher-order terms

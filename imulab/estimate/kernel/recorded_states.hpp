@@ -12,6 +12,13 @@
 
 namespace imulab::kernel {
 
+/// A change of temperature from which thermal terms can be estimated: 10 K or more in one recording.
+struct TemperatureSweep {
+  ThermalReading reading;            ///< its reference is the recording's mean
+  double per_K = 1;                  ///< change of the reading
+  bool accel = false, gyro = false;  ///< triads whose thermometer it is
+};
+
 /// States of one recording or of joined recordings, which must outlive this object. Time is relative to each recording.
 class RecordedStates {
  public:
@@ -22,11 +29,13 @@ class RecordedStates {
   EffectState at(std::size_t sample) const;
   int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
   bool thermometer() const { return thermometer_.has_value(); }
+  const std::optional<TemperatureSweep>& sweep() const { return sweep_; }
 
  private:
   const Recording* recording_;
   EffectState common_;
   std::optional<Thermometer> thermometer_;
+  std::optional<TemperatureSweep> sweep_;
 };
 
 }  // namespace imulab::kernel

@@ -94,32 +94,70 @@ PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
   return out;
 }
 
-}  // namespace
-
-namespace {
-
-/// Returns the raw covariance for an exact g.
-Eigen::MatrixXd raw_covariance_at_g(const RestProblem& problem, Eigen::MatrixXd covariance) {
-  for (Index i = 0; i < covariance.rows(); ++i)  // the term is defined about the center of the readings and must not propagate to their zero
-    if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
-  return covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, problem.indices(), covariance);
+/// Returns the raw covariance of these coefficients, the problem's first, for an exact g.
+Eigen::MatrixXd raw_covariance_at_g(const RestProblem& problem, const std::vector<CoefficientIndex>& indices, Eigen::MatrixXd covariance) {
+  for (std::size_t i = 0; i < problem.indices().size(); ++i)  // the term is defined about the center of the readings, not about their zero
+    if (problem.unstated(i)) covariance.row(static_cast<Index>(i)).setZero(), covariance.col(static_cast<Index>(i)).setZero();
+  return covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, indices, covariance);
 }
 
-}  // namespace
-
-Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
-  const std::vector<CoefficientIndex>& indices = problem.indices();
-  covariance = raw_covariance_at_g(problem, std::move(covariance));
+Eigen::MatrixXd raw_covariance_of(const RestProblem& problem, const std::vector<CoefficientIndex>& indices, Eigen::MatrixXd covariance) {
+  covariance = raw_covariance_at_g(problem, indices, std::move(covariance));
   // g defines the scale: accelerations are proportional to it, g-sensitivity is inversely proportional.
   const SensorModel raw = to_raw(problem.model(), problem.scaling());
   VectorXd by_gravity = VectorXd::Zero(covariance.rows());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
     const double value = coefficient_value(raw, indices[i]);
-    by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
+    if (c.term != Term::thermal) by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
   }
   const double relative = problem.relative_gravity_sigma();
   return covariance + relative * relative * by_gravity * by_gravity.transpose();
+}
+
+/// The thermal terms c1 and c2 of scaled readings, from the effects of the outputs: A1 c1 tau + A1 c2 tau^2 = b1 warming + b2 warming^2 / 50 K.
+struct ThermalTerms {
+  std::vector<CoefficientIndex> indices;
+  Eigen::MatrixXd by_parameter;  ///< a row per coefficient
+  VectorXd value;
+};
+
+ThermalTerms thermal_terms(const RestProblem& problem, Index parameters) {
+  ThermalTerms out;
+  const kernel::Effects& effects = problem.effects();
+  std::vector<VectorXd> rows;
+  for (const kernel::EffectGroup& g : effects.groups()) {
+    if ((g.effect->needs & Effect::by_sweep) == 0 || !problem.sweep()) continue;
+    const Triad triad = g.effect->changes(Triad::accel) ? Triad::accel : Triad::gyro;
+    if (!(triad == Triad::accel ? problem.sweep()->accel : problem.sweep()->gyro)) continue;
+    const Matrix3d to_readings = triad_model(problem.model(), triad).matrix.inverse();
+    const double per_K = problem.sweep()->per_K, factor[] = {1 / per_K, 1 / (per_K * per_K * second_order_per_first)};
+    for (int axis = 0; axis < 3; ++axis)
+      for (int order = 1; order <= 2; ++order) {
+        VectorXd row = VectorXd::Zero(parameters);
+        row.segment<3>(parameters - effects.size() + g.first + 3 * (order - 1)) = factor[order - 1] * to_readings.row(axis).transpose();
+        out.indices.push_back(coefficient_index(triad, Term::thermal, axis, order));
+        rows.push_back(std::move(row));
+      }
+  }
+  out.by_parameter.resize(std::ssize(rows), parameters);
+  for (std::size_t i = 0; i < rows.size(); ++i) out.by_parameter.row(static_cast<Index>(i)) = rows[i].transpose();
+  out.value = out.by_parameter.rightCols(effects.size()) * effects.value();
+  return out;
+}
+
+/// Returns the covariance of the coefficients, then of terms that are linear in all parameters.
+Eigen::MatrixXd with_terms(const Eigen::MatrixXd& covariance, Index coefficients, const ThermalTerms& terms) {
+  Eigen::MatrixXd by_parameter = Eigen::MatrixXd::Zero(coefficients + terms.by_parameter.rows(), covariance.rows());
+  by_parameter.topLeftCorner(coefficients, coefficients).setIdentity();
+  by_parameter.bottomRows(terms.by_parameter.rows()) = terms.by_parameter;
+  return by_parameter * covariance * by_parameter.transpose();
+}
+
+}  // namespace
+
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
+  return raw_covariance_of(problem, problem.indices(), std::move(covariance));
 }
 
 VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance) {
@@ -135,19 +173,29 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   Calibration out;
   out.imu = session.imu.name;
   out.method = method;
-  const std::vector<CoefficientIndex>& indices = problem.indices();
-  const auto n = static_cast<Index>(indices.size());
-  Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
-  const auto [kept, implausible] = stated(problem, covariance, out.quality.findings);
-  const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(n)) : with_unstated_at_prior(problem, kept, covariance);
+  std::vector<CoefficientIndex> indices = problem.indices();
+  const std::size_t fitted = indices.size();
+  const auto n = static_cast<Index>(fitted);
+  const ThermalTerms thermal = thermal_terms(problem, fit.covariance().rows());
+  Eigen::MatrixXd covariance = fit.excess * fit.excess * with_terms(fit.covariance(), n, thermal);
+  auto [kept, implausible] = stated(problem, covariance, out.quality.findings);
+  const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(covariance.rows())) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
+  for (std::size_t k = 0; k < thermal.indices.size(); ++k) {
+    indices.push_back(thermal.indices[k]);
+    kept.push_back(!implausible);
+    set_coefficient(scaled, thermal.indices[k], thermal.value[static_cast<Index>(k)]);
+    TriadModel& triad = coefficient(thermal.indices[k]).triad == Triad::accel ? scaled.accel : scaled.gyro;
+    if (!implausible) triad.temperature = problem.sweep()->reading;
+  }
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const CoefficientIndex index = indices[i];
     const Coefficient& c = coefficient(index);
     const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
     set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
-    if (is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered)) out.quality.considered.emplace_back(c.name);
+    if (i < fitted && is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered))
+      out.quality.considered.emplace_back(c.name);
     if (kept[i]) {
       at.push_back(static_cast<Index>(i));
       out.estimated.push_back(index);
@@ -156,9 +204,12 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
     }
   }
   out.model = to_raw(scaled, problem.scaling());
-  out.covariance = raw_covariance(problem, covariance)(at, at);
-  if (const Eigen::MatrixXd constant = problem.effects().constant_part(fit.parameters, fit.covariance(), indices); constant.size() > 0)
-    out.constant_covariance = limited_part(raw_covariance_at_g(problem, constant)(at, at), out.covariance);
+  out.covariance = raw_covariance_of(problem, indices, covariance)(at, at);
+  if (const Eigen::MatrixXd part = problem.effects().constant_part(fit.parameters, fit.covariance(), problem.indices()); part.size() > 0) {
+    Eigen::MatrixXd constant = Eigen::MatrixXd::Zero(covariance.rows(), covariance.rows());
+    constant.topLeftCorner(n, n) = part;
+    out.constant_covariance = limited_part(raw_covariance_at_g(problem, indices, constant)(at, at), out.covariance);
+  }
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);

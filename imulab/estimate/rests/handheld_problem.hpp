@@ -84,6 +84,7 @@ class HandheldProblem : public RestProblem {
   Eigen::Index earth_column(std::size_t stretch) const;
   Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
   IntegratedRotation integrated(const Recording& recording, Range range, const Vector3d& sigma) const;
+  Eigen::VectorXd large_rate_effects() const;
   /// Returns the rotation at the present model, corrected by a small angle and by the effects.
   Matrix3d corrected(const IntegratedRotation& rotation, const Vector3d& angle) const;
   Eigen::Index nuisances() const { return rounding_column() + 3 - std::ssize(indices_); }

@@ -55,15 +55,28 @@ IntegratedRotation HandheldProblem::integrated(const Recording& recording, Range
   RateEffects effects;
   for (const EffectColumn& c : effects_.columns())
     if (c.effect->changes(Triad::gyro)) effects.columns.push_back(c);
+  if (sweep_) effects.values = large_rate_effects();
   effects.state = [&](std::size_t sample) { return &recording == recording_ ? recorded_->at(sample) : recorded_->at(rests_.back().range.begin); };
   return integrate_rotation(recording, range, model_, scaling_, sigma, effects);
+}
+
+/// Thermal terms change the rate by up to a degree per second, and a rotation by an angle whose square counts. Other effects are small.
+Eigen::VectorXd HandheldProblem::large_rate_effects() const {
+  std::vector<double> values;
+  for (Index k = 0; k < effects_.size(); ++k)
+    if (const Effect& effect = *effects_.columns()[static_cast<std::size_t>(k)].effect; effect.changes(Triad::gyro))
+      values.push_back((effect.needs & Effect::by_sweep) != 0 ? effects_.value()[k] : 0);
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
 }
 
 Matrix3d HandheldProblem::corrected(const IntegratedRotation& rotation, const Vector3d& angle) const {
   Vector3d all = angle;
   Index gyro = 0;
   for (Index k = 0; k < effects_.size(); ++k)
-    if (effects_.columns()[static_cast<std::size_t>(k)].effect->changes(Triad::gyro)) all -= effects_.value()[k] * rotation.by_effect.col(gyro++);
+    if (effects_.columns()[static_cast<std::size_t>(k)].effect->changes(Triad::gyro)) {
+      all -= (effects_.value()[k] - rotation.effects[gyro]) * rotation.by_effect.col(gyro);
+      ++gyro;
+    }
   return rotation_exp(all) * rotation.C;
 }
 
@@ -74,7 +87,8 @@ void HandheldProblem::integrate() {
     if (link.at) {  // a small step uses the derivatives: its square is below 1 % of the noise, or 1e-8 rad
       const double small = std::max(1e-8, 0.01 * std::sqrt(link.rotation.covariance.trace() / 3));
       const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
-      if (angle.squaredNorm() < small &&
+      const Vector3d by_temperature = sweep_ ? Vector3d(link.rotation.by_effect * (large_rate_effects() - link.rotation.effects)) : Vector3d::Zero();
+      if (angle.squaredNorm() < small && by_temperature.squaredNorm() < small &&
           (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
         link.now.C = corrected(link.rotation, angle);
         continue;

@@ -86,14 +86,15 @@ TEST(Handheld, TheOtherHemisphereIsTriedWhereNothingElseContradictsTheLatitude) 
   EXPECT_EQ(c.quality.cause, "site.latitude");
 }
 
-/// Returns the readings of a unit whose offsets follow a logged temperature, from 5 degC up by 22 K.
-Recording warming(const SimulatedSession& s, const Vector3d& accel_per_K, const Vector3d& gyro_per_K) {
+/// Returns the readings of a unit whose offsets follow a logged temperature, from 5 degC up by 22 K or another range.
+Recording warming(const SimulatedSession& s, const Vector3d& accel_per_K, const Vector3d& gyro_per_K, double range_K = 22) {
   Recording out = s.recording;
-  for (auto& column : out.accel_temperature) column.resize(out.size());
+  for (Columns3* const triad : {&out.accel_temperature, &out.gyro_temperature})
+    for (auto& column : *triad) column.resize(out.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double part = static_cast<double>(i) / static_cast<double>(out.size()), degC = 5 + 22 * std::sin(1.5 * part);
+    const double part = static_cast<double>(i) / static_cast<double>(out.size()), degC = 5 + range_K * std::sin(1.5 * part);
     for (std::size_t j = 0; j < 3; ++j) {
-      out.accel_temperature[j][i] = degC;
+      out.accel_temperature[j][i] = out.gyro_temperature[j][i] = degC;
       out.accel[j][i] += accel_per_K[static_cast<Eigen::Index>(j)] * (degC - 16),
           out.gyro[j][i] += gyro_per_K[static_cast<Eigen::Index>(j)] * (degC - 16);
     }
@@ -101,19 +102,70 @@ Recording warming(const SimulatedSession& s, const Vector3d& accel_per_K, const 
   return out;
 }
 
-TEST(Handheld, OffsetsThatFollowTheThermometerAreNamed) {
-  const SimulatedSession s = simulate_session(short_hand_held(), 5);
-  const Recording recording = warming(s, Vector3d(8, -7, 8) * 1e-3, Vector3d(0.05, 0.05, -0.04) * unit::deg);
+Session with_thermometers(const SimulatedSession& s) {
   Session session;
   session.imu.grade = "mems";
   session.site = s.site();
-  RecordingSource source = s.session.recordings.front();
-  source.accel_temperature = ThermalSource{.unit = "degC"};
-  session.recordings = {source};
-  const Calibration c = calibrate("handheld", input_of(session, recording, s.rests)).calibration;
+  session.recordings = {s.session.recordings.front()};
+  session.recordings[0].accel_temperature = session.recordings[0].gyro_temperature = ThermalSource{.unit = "degC"};
+  return session;
+}
+
+const Vector3d accel_per_K = Vector3d(8, -7, 8) * 1e-3, gyro_per_K = Vector3d(0.05, 0.05, -0.04) * unit::deg;
+
+TEST(Handheld, OffsetsThatFollowTheThermometerAreNamed) {
+  const SimulatedSession s = simulate_session(short_hand_held(), 5);
+  const Recording recording = warming(s, accel_per_K, gyro_per_K, 8);
+  const Calibration c = calibrate("handheld", input_of(with_thermometers(s), recording, s.rests)).calibration;
   for (const EffectEstimate& effect : c.quality.effects)
     if (effect.name == "gyro.drift" || effect.name == "gyro.offset_temperature")
       EXPECT_EQ(effect.significant, effect.name == "gyro.offset_temperature") << effect.name;
+  EXPECT_FALSE(c.model.gyro.temperature) << "8 K are too few for thermal terms";
+}
+
+/// Adding b (T - 16) to the readings is c1 = b, c2 = 0 in any units; scales and misalignments stay, and the offsets are those at the mean
+/// temperature.
+TEST(Handheld, ASweepOfTemperatureDeterminesThermalTerms) {
+  SimulatedSession s = simulate_session(short_hand_held(), 5);
+  const Recording recording = warming(s, accel_per_K, gyro_per_K);
+  for (const double gain : {1.0, 400.0}) {
+    Recording readings = recording;
+    Session session = with_thermometers(s);
+    if (gain > 1) {
+      session.recordings[0].gyro.unit = session.recordings[0].accel.unit = "count";
+      readings.gyro_unit = readings.accel_unit = "count";
+      for (Columns3* const triad : {&readings.gyro, &readings.accel})
+        for (auto& column : *triad)
+          for (double& v : column) v = 32768 + gain * v;
+    }
+    const Calibration c = calibrate("handheld", input_of(session, readings, s.rests)).calibration;
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
+    ASSERT_TRUE(c.model.accel.temperature && c.model.gyro.temperature);
+    const double reference = c.model.gyro.temperature->reference;
+    EXPECT_NEAR(reference, 5 + 22 * (1 - std::cos(1.5)) / 1.5, 0.1) << "the mean";
+    EXPECT_NEAR(c.model.gyro.temperature->range[1], 5 + 22 * std::sin(1.5), 0.2);
+    int terms = 0;
+    for (const CoefficientIndex index : c.estimated) {
+      const Coefficient& row = coefficient(index);
+      const double u = *standard_uncertainty(c, index), value = coefficient_value(c.model, index);
+      const bool accel = row.triad == Triad::accel;
+      double truth = coefficient_value(s.truth.model, index);
+      if (row.term == Term::thermal) {
+        truth = row.column == 1 ? gain * (accel ? accel_per_K : gyro_per_K)[row.row] : 0;
+        ++terms;
+        EXPECT_LT(u, row.column == 1 ? 0.1 * std::abs(truth) : HUGE_VAL) << row.name;
+      } else if (row.term == Term::matrix) {
+        truth /= gain;
+      } else if (row.term == Term::offset && gain == 1) {
+        const TriadModel& model = triad_model(s.truth.model, row.triad);
+        truth -= (reference - 16) * model.matrix.row(row.row).dot(accel ? accel_per_K : gyro_per_K);
+      } else {
+        continue;
+      }
+      EXPECT_LT(std::abs(value - truth), 4 * u) << row.name << ", gain " << gain;
+    }
+    EXPECT_EQ(terms, 12);
+  }
 }
 
 TEST(Handheld, CountsGiveTheSameUnitAsSi) {

@@ -91,14 +91,23 @@ bool find_north(const coarse::RestStart& start, const Site& site) {
 /// Returns the effects of the setting. Gyros that are not calibrated have no effects.
 kernel::Effects expected_effects(const coarse::RestStart& start, const Recording& recording, const Session& session, bool with_effects, bool gyros) {
   EffectSetting setting;
+  kernel::EffectSizes sizes = kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity()));
+  const bool sweep = with_effects && start.recorded->sweep().has_value();
+  for (const auto& [first_order, terms] : {std::pair("accel.offset_temperature", "accel.thermal"), {"gyro.offset_temperature", "gyro.thermal"}})
+    if (sweep) {
+      if (const auto declared = sizes.declared.find(first_order); declared != sizes.declared.end())
+        sizes.declared.try_emplace(terms, declared->second);
+      sizes.declared[first_order] = 0;  // a part of the terms
+    }
   if (with_effects)
     setting = {.accel = true,
                .gyro = gyros,
                .thermometer = start.recorded->thermometer(),
                .latitude = session.site.latitude.has_value(),
                .heading = gyros && find_north(start, session.site),
+               .sweep = sweep,
                .recordings = start.recorded->recordings()};
-  return kernel::Effects(kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity())), setting);
+  return kernel::Effects(sizes, setting);
 }
 
 }  // namespace
@@ -162,6 +171,7 @@ RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::
       roles_(indices_.size(), kernel::Role::estimated) {
   for (std::size_t k = 0; k < start.rests.size(); ++k)
     rests_.push_back({start.rests[k], start.states.empty() ? EffectState{.gravity = gravity_} : start.states[k]});
+  if (start.recorded) sweep_ = start.recorded->sweep();
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     unstated_.push_back(!start.named && bends_far_from_zero(coefficient(indices_[i]), scaling_));
     if (unstated_.back()) roles_[i] = kernel::Role::considered;

@@ -76,6 +76,8 @@ class RestProblem {
   const SensorModel& prior() const { return prior_; }
   const Scaling& scaling() const { return scaling_; }
   double relative_gravity_sigma() const { return relative_gravity_sigma_; }
+  /// Returns the sweep of temperature whose thermal terms are among the effects.
+  const std::optional<kernel::TemperatureSweep>& sweep() const { return sweep_; }
 
  protected:
   RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
@@ -98,6 +100,7 @@ class RestProblem {
   MeanNoise noise_;  ///< noise of scaled readings
   SensorModel model_, prior_;
   kernel::Effects effects_;
+  std::optional<kernel::TemperatureSweep> sweep_;
   std::vector<CoefficientIndex> indices_;
   std::vector<kernel::Role> roles_;  ///< roles of the coefficients
   std::vector<char> unstated_;       ///< considered but not in the result: nonlinearity of counts

@@ -20,7 +20,10 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
   IntegratedRotation sum;
   sum.C.setIdentity();
   for (Matrix3d& phi : sum.phi) phi.setZero();
-  sum.by_effect.setZero(3, std::ssize(effects.columns));
+  const Eigen::Index columns = std::ssize(effects.columns);
+  sum.by_effect.setZero(3, columns);
+  sum.effects = effects.values.size() > 0 ? effects.values : Eigen::VectorXd(Eigen::VectorXd::Zero(columns));
+  Eigen::Matrix3Xd by_effect(3, columns);
   sum.covariance.setZero();
   sum.reading.setZero();
   sum.duration_s = 0;
@@ -31,7 +34,13 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
     const Vector3d va = scaling.accel(reading_at(recording.accel, i));
     const Vector3d vg = scaling.gyro(reading_at(recording.gyro, i));
     const Vector3d force = output(model.accel, va);
-    const Vector3d rate = output(model.gyro, vg) + model.g_sensitivity * force;
+    Vector3d rate = output(model.gyro, vg) + model.g_sensitivity * force;
+    if (columns > 0) {
+      EffectState state = effects.state(i);
+      state.force = force, state.rate = rate;
+      for (Eigen::Index k = 0; k < columns; ++k) by_effect.col(k) = effects.columns[static_cast<std::size_t>(k)].at(state).rate;
+      if (effects.values.size() > 0) rate -= by_effect * effects.values;
+    }
     const double dt =
         recording.gyro_increment || i == 0 ? recording.interval_s : 1e-9 * static_cast<double>(recording.time_ns[i] - recording.time_ns[i - 1]);
     const Vector3d angle = rate * dt;
@@ -47,12 +56,7 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
     const Vector3d square = vg.cwiseAbs2();
     sum.phi[7] += middle * square.asDiagonal();
     sum.phi[8] += middle * square.cwiseProduct(vg).asDiagonal();
-    if (!effects.columns.empty()) {
-      EffectState state = effects.state(i);
-      state.force = force, state.rate = rate;
-      for (std::size_t k = 0; k < effects.columns.size(); ++k)
-        sum.by_effect.col(static_cast<Eigen::Index>(k)) += middle * effects.columns[k].at(state).rate;
-    }
+    for (Eigen::Index k = 0; k < columns; ++k) sum.by_effect.col(k) += middle * by_effect.col(k);
     sum.covariance += middle * noise * middle.transpose();
     sum.reading += vg * dt;
     sum.duration_s += dt;

@@ -19,6 +19,7 @@ struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 9> phi;
   Eigen::Matrix3Xd by_effect;  ///< dphi for each column of the effects: a rate error c phi
+  Eigen::VectorXd effects;     ///< the values c that C is without
   Matrix3d covariance;         ///< covariance of dphi due to sample noise of the gyros, rad^2
   Vector3d reading;            ///< integral of the scaled gyro readings
   double duration_s;
@@ -30,6 +31,7 @@ struct IntegratedRotation {
 /// Columns of effects on the gyros, and the state at a sample without its force and rate.
 struct RateEffects {
   std::vector<EffectColumn> columns = {};
+  Eigen::VectorXd values = {};  ///< known values, which C is to be without; empty: none
   std::function<EffectState(std::size_t)> state = {};
 };
 
