@@ -10,7 +10,7 @@ namespace imulab::kernel {
 namespace {
 
 std::optional<TemperatureSweep> sweep_of(const Recording& r, const RecordingSource& source, const std::optional<Thermometer>& thermometer) {
-  constexpr double least_K = 10, ends = 0.005;  // a thermometer may have outliers
+  constexpr double least_K = 10, ends = 0.005, beyond = 0.1;  // a thermometer may have outliers
   constexpr std::size_t most = 65536;
   if (!thermometer || !r.starts.empty()) return {};
   const std::vector<double>& readings = *thermometer->readings;
@@ -24,7 +24,9 @@ std::optional<TemperatureSweep> sweep_of(const Recording& r, const RecordingSour
   TemperatureSweep out{.per_K = thermometer->per_K, .accel = is_that_of(r.accel_temperature), .gyro = is_that_of(r.gyro_temperature)};
   const auto& sensor = source.gyro_temperature ? source.gyro_temperature : source.accel_temperature;
   if (sensor) out.reading.unit = sensor->unit;
-  out.reading.reference = thermometer->mean, out.reading.range = {low, high};
+  const auto [least, most_read] = std::ranges::minmax(readings);
+  out.reading.reference = thermometer->mean;
+  out.reading.range = {std::max(least, low - beyond * (high - low)), std::min(most_read, high + beyond * (high - low))};
   return out;
 }
 
