@@ -28,7 +28,7 @@ enum class Code : std::uint16_t {
   // Rests, and turns by hand
   rests_searched, rests_rejected, few_rests, rests_near_a_plane, short_rests, parts_used, turns_used, turns_not_used, turns_without_sigma,
   start_of_fit, gyros_not_calibrated, gyros_change, gyros_against_gravity, gyros_do_not_carry_gravity, axes_against_gravity, held_out_rotations,
-  poor_rotations, large_misalignments, uncertain_combinations, uncertain_spread,
+  poor_rotations, large_misalignments, uncertain_combinations, uncertain_spread, fast_sweep,
   // Turns in one place
   velocities_left_out, disturbances_in_turns, colored_residuals, headings_scatter, forces_scatter, motion_left_out, iterations, triads_delayed,
   delay_too_large, late_axis,

@@ -58,8 +58,10 @@ inline double changed_in_force(const EffectState& s, int i, int) { return s.chan
 inline double changed_in_rate(const EffectState& s, int i, int) { return s.changed * s.rate[i]; }
 inline double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
 inline double thermal(const EffectState& s, int, int function) {
-  const double change = s.warming.value_or(0);
-  return function == 0 ? change : change * change / second_order_per_first;
+  const double change = s.warming.value_or(0), behind = s.warming_rate * thermometer_lag_s;
+  const double by_change = function % 2 == 0 ? 1 : change / second_order_per_first;
+  if (function == 4) return behind * behind / second_order_per_first;
+  return function < 2 ? by_change * change : function == 2 ? behind : 2 * by_change * behind;
 }
 inline double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 inline double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }

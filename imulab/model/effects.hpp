@@ -41,6 +41,7 @@ struct EffectState {
   Vector3d stretching = Vector3d::Zero();                      ///< m/s^2 per 1 m at full rate: additional force due to a longer arm of a centrifuge
   double changed = 0;                                          ///< 1 after a change of the unit or its mount
   std::optional<double> warming = {};                          ///< K relative to the mean of the recording; absent: no thermometer
+  double warming_rate = 0;                                     ///< K/s, smoothed; 0 unless the temperature sweeps
   int machine = 0;                                             ///< index in the session, from 0
   OutputChange by_latitude = {}, by_heading = {};  ///< change of ideal readings by the latitude, and by the machine's rotation about up [1/rad]
   OutputChange by_thermometer = {};                ///< 1/K: effect of a thermometer error through the thermal terms
@@ -109,8 +110,9 @@ struct EffectColumn {
   OutputChange at(const EffectState& state) const { return effect->phi(state, number); }
 };
 
-/// The thermal terms of a triad, c warming + c' warming^2 / 50 K, have one size: the second order is as large as the first 50 K from the mean.
-inline constexpr double second_order_per_first = 50;
+// The thermal terms of a triad, c warming + c' warming^2 / 50 K + c" warming_rate 30 s, have one size: the second order is as large as the first 50 K
+// from the mean, and the thermometer is 30 s before or behind the sensors.
+inline constexpr double second_order_per_first = 50, thermometer_lag_s = 30;
 
 /// Returns all effects.
 std::span<const Effect> effects();

@@ -36,6 +36,20 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
     : recording_(&recording),
       thermometer_(thermometer_of(recording, session.source_of(recording.name))),
       sweep_(sweep_of(recording, session.source_of(recording.name), thermometer_)) {
+  constexpr double block_s = 5;  // thermometers are noisy or coarse
+  if (sweep_) {
+    block_ = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));
+    for (std::size_t begin = 0; begin + block_ <= recording.size(); begin += block_) {
+      double sum = 0;
+      for (std::size_t i = begin; i < begin + block_; ++i) sum += thermometer_->warming(i);
+      warming_.push_back(sum / static_cast<double>(block_));
+    }
+    const auto blocks = static_cast<std::size_t>(thermometer_lag_s / block_s);
+    double most = 0;
+    for (std::size_t j = blocks; j < warming_.size(); ++j) most = std::max(most, std::abs(warming_[j] - warming_[j - blocks]));
+    sweep_->range_K = (sweep_->reading.range[1] - sweep_->reading.range[0]) / std::abs(sweep_->per_K);
+    sweep_->shortest_s = most > 0 ? sweep_->range_K / most * thermometer_lag_s : HUGE_VAL;
+  }
   common_.gravity = session.site.gravity();
   common_.full_force = common_.gravity;
   common_.full_rate = 1;  // rad/s: no gyro has a smaller range, and slower turns do not excite higher-order terms
@@ -56,6 +70,10 @@ EffectState RecordedStates::at(std::size_t sample) const {
   const double end = recording_->time_s((after == starts.end() ? recording_->size() : *after) - 1);
   state.time = (recording_->time_s(sample) - begin) / std::max(end - begin, 1e-9) - 0.5;
   if (thermometer_) state.warming = thermometer_->warming(sample);
+  if (warming_.size() > 2) {  // the slope between the means of the neighbors
+    const std::size_t middle = std::clamp<std::size_t>(sample / block_, 1, warming_.size() - 2);
+    state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
+  }
   return state;
 }
 

@@ -9,14 +9,16 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace imulab::kernel {
 
 /// A change of temperature from which thermal terms can be estimated: 10 K or more in one recording.
 struct TemperatureSweep {
-  ThermalReading reading;            ///< its reference is the recording's mean
-  double per_K = 1;                  ///< change of the reading
-  bool accel = false, gyro = false;  ///< triads whose thermometer it is
+  ThermalReading reading;              ///< its reference is the recording's mean
+  double per_K = 1;                    ///< change of the reading
+  double range_K = 0, shortest_s = 0;  ///< size of the change, and its duration at the fastest rate over 30 s
+  bool accel = false, gyro = false;    ///< triads whose thermometer it is
 };
 
 /// States of one recording or of joined recordings, which must outlive this object. Time is relative to each recording.
@@ -36,6 +38,8 @@ class RecordedStates {
   EffectState common_;
   std::optional<Thermometer> thermometer_;
   std::optional<TemperatureSweep> sweep_;
+  std::size_t block_ = 1;          ///< samples of a mean of the thermometer
+  std::vector<double> warming_{};  ///< K, of each block in a sweep
 };
 
 }  // namespace imulab::kernel

@@ -1,6 +1,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
+#include "imulab/finding_code.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/recording/rest_means.hpp"
 #include "imulab/rig/rig_errors.hpp"
@@ -123,10 +124,19 @@ TEST(Handheld, OffsetsThatFollowTheThermometerAreNamed) {
   EXPECT_FALSE(c.model.gyro.temperature) << "8 K are too few for thermal terms";
 }
 
+TEST(Handheld, ASweepThatThermometersDoNotFollowIsDoubtful) {
+  const SimulatedSession s = simulate_session(short_hand_held(), 5);
+  const Calibration c = calibrate("handheld", input_of(with_thermometers(s), warming(s, accel_per_K, gyro_per_K), s.rests)).calibration;
+  EXPECT_EQ(c.quality.verdict, Verdict::doubtful);
+  EXPECT_TRUE(c.quality.findings.has(Code::fast_sweep));
+}
+
 /// Adding b (T - 16) to the readings is c1 = b, c2 = 0 in any units; scales and misalignments stay, and the offsets are those at the mean
 /// temperature.
 TEST(Handheld, ASweepOfTemperatureDeterminesThermalTerms) {
-  SimulatedSession s = simulate_session(short_hand_held(), 5);
+  HandHeldOptions slow = short_hand_held();
+  slow.rest = 12;
+  const SimulatedSession s = simulate_session(slow, 5);
   const Recording recording = warming(s, accel_per_K, gyro_per_K);
   for (const double gain : {1.0, 400.0}) {
     Recording readings = recording;
