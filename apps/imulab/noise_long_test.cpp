@@ -62,7 +62,7 @@ void write_npy(const std::filesystem::path& file, std::size_t rows) {
 
 TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {  // ctest: long
   const TemporaryFolder folder;
-  // More than one piece of text, with knocks, a gap, lost samples that are filled in, and a temperature.
+  // More than one piece of text, with knocks, spikes, a gap, lost samples that are filled in, and a temperature.
   std::ostringstream text;
   text.precision(10);
   text << "t,gx,gy,gz,ax,ay,az,T\n";
@@ -70,7 +70,8 @@ TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {  // ctest: long
     if (i % 20011 == 0 || (i > 60000 && i < 60050)) continue;
     text << 0.01 * i;
     const bool knock = i > 30000 && i < 30100;
-    for (const double value : still_readings(i)) text << ',' << value + (knock ? std::sin(0.3 * i) : 0);
+    const double spike = i % 31013 == 0 ? 5 : 0;
+    for (const double value : still_readings(i)) text << ',' << value + (knock ? std::sin(0.3 * i) : spike);
     text << ',' << 25 + 1e-5 * i << '\n';
   }
   write_still_log(folder, 2, still_readings);
@@ -89,7 +90,9 @@ TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {  // ctest: long
       EXPECT_EQ(read_text(folder / "page.html"), page);
     }
   }
-  EXPECT_THAT(run_imulab(folder, "noise session.toml --in-memory 1").output, HasSubstr("lost samples were filled in"));
+  // Eight spikes, and four samples at the edges of the knock, which is cut.
+  EXPECT_THAT(run_imulab(folder, "noise session.toml --in-memory 1").output,
+              testing::AllOf(HasSubstr("lost samples were filled in"), HasSubstr("spikes replaced in the recording: 12 samples")));
 }
 
 TEST(NoiseCommand, ALongLogThatMovesIsRefusedAsInMemory) {

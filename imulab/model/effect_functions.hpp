@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -57,11 +58,11 @@ inline double changed(const EffectState& s, int, int) { return s.changed; }
 inline double changed_in_force(const EffectState& s, int i, int) { return s.changed * s.force[i]; }
 inline double changed_in_rate(const EffectState& s, int i, int) { return s.changed * s.rate[i]; }
 inline double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
+/// Terms of c1 (d + l) + c2 (d + l)^2 / 50 K, whose coefficients are independent: d and d^2; l, 2 d l and l^2.
 inline double thermal(const EffectState& s, int, int function) {
-  const double change = s.warming.value_or(0), behind = s.warming_rate * thermometer_lag_s;
-  const double by_change = function % 2 == 0 ? 1 : change / second_order_per_first;
-  if (function == 4) return behind * behind / second_order_per_first;
-  return function < 2 ? by_change * change : function == 2 ? behind : 2 * by_change * behind;
+  const double d = s.warming.value_or(0), l = s.warming_rate * thermometer_lag_s;
+  const std::array terms{d, d * d / second_order_per_first, l, 2 * d * l / second_order_per_first, l * l / second_order_per_first};
+  return terms[static_cast<std::size_t>(function)];
 }
 inline double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 inline double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }

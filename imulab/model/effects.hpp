@@ -110,8 +110,8 @@ struct EffectColumn {
   OutputChange at(const EffectState& state) const { return effect->phi(state, number); }
 };
 
-// The thermal terms of a triad, c warming + c' warming^2 / 50 K + c" warming_rate 30 s, have one size: the second order is as large as the first 50 K
-// from the mean, and the thermometer is 30 s before or behind the sensors.
+// The thermal terms have one size: the second order is as large as the first at 50 K from the mean, and the thermometer is up to 30 s late (one
+// sigma).
 inline constexpr double second_order_per_first = 50, thermometer_lag_s = 30;
 
 /// Returns all effects.

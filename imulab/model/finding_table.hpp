@@ -142,7 +142,7 @@ inline constexpr auto finding_table = [] {
       {uncertain_spread, "uncertain-spread", doubt, "the spread beyond the sample noise rests on {:.0f} degrees of freedom"},
       {fast_sweep, "fast-sweep", doubt,
        "the temperature changed by {:.0f} K, and as fast as in {:.0f} s: a thermometer that is late by some seconds makes the thermal terms wrong; "
-       "expected 150 s or more: let the IMU warm up more slowly"},
+       "expected {:.0f} s or more: let the IMU warm up more slowly"},
 
       {velocities_left_out, "velocities-left-out", warning,
        "{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used: {}"},

@@ -103,7 +103,7 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, const NoiseF
     if (j == Terms::B) *sizes[j] = unless_a_process(*sizes[j], model, j, widening);
   }
   if (!fit.B.determined && !fit.K.determined)
-    fit.joint = noise::joint_of(problem, best, fit.K.upper, static_cast<double>(rate.size()) * interval_s / 3, widening);
+    fit.joint = noise::joint_of(problem, best, fit.B.upper, fit.K.upper, static_cast<double>(rate.size()) * interval_s / 3, widening);
   for (int m = 0; m < problem.terms().markov; ++m)
     fit.markov.push_back({noise::size_of(problem, best, Terms::sigma(m), widening), noise::scale_of(problem, best, Terms::time(m), widening)});
   std::sort(fit.markov.begin(), fit.markov.end(), [](const MarkovTerm& a, const MarkovTerm& b) { return a.time.value > b.time.value; });

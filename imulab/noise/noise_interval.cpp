@@ -98,41 +98,36 @@ struct SlowSquares {
   double allan_variance(double tau_s) const { return flicker_floor_squared * B + K * tau_s / 3; }
 };
 
-/// Returns the edge of the permitted B^2 for a fixed K^2, between one inside and one outside, of which the smaller may be 0.
-double edge_of_B(const SpectrumLikelihood& problem, const Point& inside, double B_inside, double B_outside, double limit) {
-  constexpr int halvings = 7;
-  constexpr double least = 1e-4;  // of the inside, in place of 0
-  double in = std::log(B_inside), out = std::log(std::max(B_outside, least * B_inside));
+/// Returns the edge of the permitted B^2 for a fixed K^2, between one inside and one outside.
+double edge_of_B(const SpectrumLikelihood& problem, const Point& fitted, double inside, double outside, double limit) {
+  constexpr int halvings = 9;
+  double in = std::log(inside), out = std::log(outside);
   for (int i = 0; i < halvings; ++i) {
     const double middle = 0.5 * (in + out);
-    Point point = inside;
+    Point point = fitted;
     point.at[Terms::B] = middle;
     (problem.fitted(point, {Terms::K, {}, Terms::B}, profile_precision).misfit < limit ? in : out) = middle;
   }
   return std::exp(in);
 }
 
-/// Returns the edge of the region of B and K whose misfit is below a limit.
-std::vector<SlowSquares> slow_region(const SpectrumLikelihood& problem, const Point& best, double largest_K, double limit) {
+/// Returns points on the edge of the region of B and K whose misfit is below a limit. `largest`: above all of them.
+std::vector<SlowSquares> slow_region(const SpectrumLikelihood& problem, const Point& best, const SlowSquares& largest, double limit) {
   constexpr int steps = 8;
+  constexpr double negligible = 1e-4;  // of the largest
   std::vector<SlowSquares> out;
   for (int i = 0; i <= steps; ++i) {
-    const double K = std::pow(largest_K * i / steps, 2);
+    const double K = largest.K * std::pow(static_cast<double>(i) / steps, 2), least_B = negligible * largest.B;
     Point start = problem.revived(best);
     start.at[Terms::K] = K > 0 ? std::log(K) : absent;
     const Point at = problem.fitted(start, {Terms::K, {}}, profile_precision);
     if (!(at.misfit < limit)) continue;
-    const double B = std::exp(at.at[Terms::B]);
-    out.push_back({B, K});
-    double outside = 2 * B;
-    const auto permitted = [&](double square) {
-      Point point = at;
-      point.at[Terms::B] = square > 0 ? std::log(square) : absent;
-      return problem.fitted(point, {Terms::K, {}, Terms::B}, profile_precision).misfit < limit;
-    };
-    while (permitted(outside)) outside *= 2;
-    out.push_back({edge_of_B(problem, at, B, outside, limit), K});
-    out.push_back({permitted(0) ? 0 : edge_of_B(problem, at, B, 0, limit), K});
+    Point without = at;
+    without.at[Terms::B] = absent;
+    const double B = std::max(std::exp(at.at[Terms::B]), least_B);
+    const bool may_be_0 = B == least_B || problem.fitted(without, {Terms::K, {}, Terms::B}, profile_precision).misfit < limit;
+    out.push_back({edge_of_B(problem, at, B, largest.B, limit), K});
+    out.push_back({may_be_0 ? 0 : edge_of_B(problem, at, B, least_B, limit), K});
   }
   return out;
 }
@@ -198,9 +193,11 @@ NoiseCoefficient ramp_of(const SpectrumLikelihood& problem, const Point& best, d
   return c;
 }
 
-std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_K, double longest_s, double widening) {
-  if (!problem.terms().has[Terms::B] || !problem.terms().has[Terms::K] || !(largest_K > 0) || !std::isfinite(largest_K)) return {};
-  const std::vector<SlowSquares> region = slow_region(problem, best, largest_K, best.misfit + rise_of_95 * widening);
+std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_B, double largest_K, double longest_s,
+                                   double widening) {
+  const SlowSquares largest{largest_B * largest_B, largest_K * largest_K};
+  if (!(largest.B > 0 && largest.K > 0 && std::isfinite(largest.B + largest.K))) return {};
+  const std::vector<SlowSquares> region = slow_region(problem, best, largest, best.misfit + rise_of_95 * widening);
   const SlowSquares fitted{std::exp(best.at[Terms::B]), std::exp(best.at[Terms::K])};
   std::optional<JointNoise> out;
   for (double tau = longest_s; tau > longest_s / 1000; tau /= 2) {

@@ -24,7 +24,9 @@ NoiseCoefficient scale_of(const SpectrumLikelihood& problem, const Point& best, 
 NoiseCoefficient ramp_of(const SpectrumLikelihood& problem, const Point& best, double slope, double widening);
 
 /// Returns the interval of B and K together, from the range of their Allan variance over all B and K that the spectrum permits, at the time up to
-/// `longest_s` where the interval is narrowest. Empty if zero is not excluded at any time. `largest_K`: upper bound of K.
-std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_K, double longest_s, double widening);
+/// `longest_s` where the interval is narrowest. Empty if zero is not excluded at any time, or if the model does not have both. `largest_B`,
+/// `largest_K`: their upper bounds.
+std::optional<JointNoise> joint_of(const SpectrumLikelihood& problem, const Point& best, double largest_B, double largest_K, double longest_s,
+                                   double widening);
 
 }  // namespace imulab::noise

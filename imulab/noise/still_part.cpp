@@ -4,12 +4,12 @@
 #include "imulab/error.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/clipping.hpp"
+#include "imulab/recording/outliers.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rest_or_motion.hpp"
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/recording/slow_motion.hpp"
-#include "imulab/recording/spikes.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/session.hpp"
 
@@ -166,7 +166,7 @@ bool rate_is_declared(const RecordingView& recording, const Session& session) {
 
 }  // namespace
 
-StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
+StillRange still_range(const RecordingView& recording, const Session& session, const RepairedSamples& repaired) {
   StillRange still;
   Rests found = rests_of(recording, session);
   if (recording.accel_unit == "count")  // for a log at rest, their mean is gravity
@@ -192,7 +192,8 @@ StillRange still_range(const RecordingView& recording, const Session& session, s
   still.notes = cut_notes(recording, rests, still.range);
   if (slow_motion) still.notes.push_back("slow motion was cut: the mean over a second changes far more than usual");
   still.interval_s = one_interval(recording, still.range, rate_is_declared(recording, session), still.notes);
-  if (filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled));
+  if (repaired.filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", repaired.filled));
+  if (repaired.replaced > 0) still.notes.push_back(fmt::format("spikes replaced in the recording: {} samples", repaired.replaced));
   return still;
 }
 
@@ -202,12 +203,15 @@ bool worth_filling(const RecordingView& recording) {
 
 StillPart still_part(Recording recording, const Session& session) {
   validate(recording);
-  const std::size_t spikes = remove_spikes(recording);
+  const std::vector<ReplacedReading> outliers = outliers_of(recording);
+  for (const ReplacedReading& r : outliers)
+    (r.column < accel_columns ? recording.gyro : recording.accel)[r.column % accel_columns][r.sample] = r.value;
+  const std::vector<std::size_t> replaced = samples_of(outliers);
+  std::erase_if(recording.saturated, [&](std::size_t i) { return std::ranges::binary_search(replaced, i); });
   FilledRecording filled{std::move(recording), 0};
   if (worth_filling(filled.recording)) filled = with_short_gaps_filled(std::move(filled.recording));
-  StillRange found = still_range(filled.recording, session, filled.filled - std::min(filled.filled, spikes));
+  StillRange found = still_range(filled.recording, session, {replaced.size(), filled.filled});
   filled.recording.interval_s = found.interval_s;
-  if (spikes > 0) found.notes.push_back(fmt::format("{} samples far from those before and after were replaced", spikes));
   return {std::move(found), std::move(filled.recording)};
 }
 

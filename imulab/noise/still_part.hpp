@@ -17,16 +17,21 @@ struct StillRange {
   double interval_s = 0;           ///< interval of its samples: nominal, or of an even clock if stamps scatter
 };
 
-/// Returns the part at rest of a valid recording in memory or on disk, of which `filled` lost samples were filled in. The holds of the session are
-/// the rests if there are any, else rests are found. Throws Unsupported if no part is long enough: in motion, interrupted, saturated or short; throws
-/// Error like detect_rests.
-StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
+/// The numbers of samples that were outliers, and that were lost.
+struct RepairedSamples {
+  std::size_t replaced = 0, filled = 0;
+};
+
+/// Returns the part at rest of a valid recording in memory or on disk, of which samples were repaired. The holds of the session are the rests if
+/// there are any, else rests are found. Throws Unsupported if no part is long enough: in motion, interrupted, saturated or short; throws Error like
+/// detect_rests.
+StillRange still_range(const RecordingView& recording, const Session& session, const RepairedSamples& repaired = {});
 
 /// Returns true if so few samples are lost that filling them in does not change the noise.
 bool worth_filling(const RecordingView& recording);
 
 struct StillPart : StillRange {
-  Recording recording;  ///< whole recording; lost samples filled in one or two at a time; interval as for the part
+  Recording recording;  ///< whole recording; outliers replaced, lost samples filled in one or two at a time; interval as for the part
 };
 
 /// Returns the part at rest of any recording in memory.

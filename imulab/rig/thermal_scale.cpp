@@ -21,7 +21,7 @@ std::optional<Thermometer> thermometer_of(const Recording& recording, const Reco
     const std::optional<ThermalSource>& sensor = of_gyros ? source.gyro_temperature : source.accel_temperature;
     if (readings.empty() || !sensor || (sensor->unit == "raw" && !sensor->per_K)) continue;
     const double mean = std::accumulate(readings.begin(), readings.end(), 0.0) / static_cast<double>(readings.size());
-    return Thermometer{&readings, thermal_scale(*sensor).per_K, mean};
+    return Thermometer{&readings, sensor->unit, thermal_scale(*sensor).per_K, mean};
   }
   return {};
 }

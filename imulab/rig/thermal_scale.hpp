@@ -29,6 +29,7 @@ ThermalScale thermal_scale(const std::string& unit);
 /// The first thermal sensor of a recording, which must outlive it, whose readings say something in K.
 struct Thermometer {
   const std::vector<double>* readings;
+  std::string unit;
   double per_K, mean;                                                                        ///< of the readings
   double warming(std::size_t sample) const { return ((*readings)[sample] - mean) / per_K; }  ///< K from the recording's mean
 };

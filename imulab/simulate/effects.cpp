@@ -11,7 +11,7 @@
 namespace imulab::simulate {
 
 EffectSetting setting_of(const Session& procedure) {
-  EffectSetting setting{.accel = true, .gyro = true, .thermometer = true, .sweep = true, .recordings = static_cast<int>(procedure.recordings.size())};
+  EffectSetting setting{.accel = true, .gyro = true, .thermometer = true, .recordings = static_cast<int>(procedure.recordings.size())};
   for (const RigDeclaration& rig : procedure.rigs) setting.mount = setting.mount || rig.kind != RigKind::none;
   return setting;
 }

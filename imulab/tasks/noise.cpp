@@ -152,9 +152,10 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
   std::string why_not;
   if (std::optional<StoredReading> stored = read_stored(session, source, o.most_bytes(), why_not)) {
     for (const std::string& text : stored->warnings) tell(text);
-    const std::size_t filled = worth_filling(stored->recording.view()) ? stored->recording.fill_short_gaps() : 0;
+    RepairedSamples repaired{.replaced = stored->recording.replace_outliers()};
+    if (worth_filling(stored->recording.view())) repaired.filled = stored->recording.fill_short_gaps();
     const RecordingView recording = stored->recording.view();
-    return analyzed(recording, still_range(recording, session, filled), source, o);
+    return analyzed(recording, still_range(recording, session, repaired), source, o);
   }
   if (!why_not.empty()) tell(why_not);
   RecordingReading reading = read_recording(session, source);

@@ -86,6 +86,8 @@ std::vector<Check> procedures();
 std::vector<Check> noise_logs(int logs);
 /// In which share of logs (seeds 1 .. logs) of some lengths the random walk is determined beside flicker, and how well.
 std::vector<Check> noise_lengths(int logs);
+/// Thermal terms of MEMS units that warm up in a hand (seeds 1 .. sessions), by thermometers that are 0, 10 and 20 s late.
+std::vector<Check> sweeps(int sessions);
 /// Filters with bounded noise: coverage, and stated over true standard deviations, beside N and K alone, the best fit and ten times.
 std::vector<Check> noise_bounds(int units);
 

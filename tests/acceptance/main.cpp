@@ -102,6 +102,8 @@ int run(int argc, char** argv) {
   if (chosen("noise-bounds")) passed &= report(fmt::format("noise-bounds: {} units", count(500)), [&] { return noise_bounds(count(500)); });
   if (chosen("noise-lengths"))
     passed &= report(fmt::format("noise-lengths: {} logs of each length", count(400)), [&] { return noise_lengths(count(400)); });
+  if (chosen("sweeps"))
+    passed &= report(fmt::format("sweeps: {} warm-ups by hand, seeds 1..{}", count(40), count(40)), [&] { return sweeps(count(40)); });
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), [&] { return error_growth(count(2000)); });
   if (chosen("whole-unit"))
     passed &=

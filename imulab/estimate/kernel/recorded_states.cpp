@@ -9,7 +9,7 @@ namespace imulab::kernel {
 
 namespace {
 
-std::optional<TemperatureSweep> sweep_of(const Recording& r, const RecordingSource& source, const std::optional<Thermometer>& thermometer) {
+std::optional<TemperatureSweep> sweep_of(const Recording& r, const std::optional<Thermometer>& thermometer) {
   constexpr double least_K = 10, ends = 0.005, beyond = 0.1;  // a thermometer may have outliers
   constexpr std::size_t most = 65536;
   if (!thermometer || !r.starts.empty()) return {};
@@ -22,20 +22,16 @@ std::optional<TemperatureSweep> sweep_of(const Recording& r, const RecordingSour
     return std::ranges::all_of(triad, [&](const std::vector<double>& column) { return column == readings; });
   };
   TemperatureSweep out{.per_K = thermometer->per_K, .accel = is_that_of(r.accel_temperature), .gyro = is_that_of(r.gyro_temperature)};
-  const auto& sensor = source.gyro_temperature ? source.gyro_temperature : source.accel_temperature;
-  if (sensor) out.reading.unit = sensor->unit;
-  const auto [least, most_read] = std::ranges::minmax(readings);
-  out.reading.reference = thermometer->mean;
-  out.reading.range = {std::max(least, low - beyond * (high - low)), std::min(most_read, high + beyond * (high - low))};
+  const auto [least, greatest] = std::ranges::minmax(readings);
+  const double more = beyond * (high - low);
+  out.reading = {thermometer->unit, thermometer->mean, {std::max(least, low - more), std::min(greatest, high + more)}};
   return out;
 }
 
 }  // namespace
 
 RecordedStates::RecordedStates(const Recording& recording, const Session& session, const SensorModel& model, const Scaling& scaling)
-    : recording_(&recording),
-      thermometer_(thermometer_of(recording, session.source_of(recording.name))),
-      sweep_(sweep_of(recording, session.source_of(recording.name), thermometer_)) {
+    : recording_(&recording), thermometer_(thermometer_of(recording, session.source_of(recording.name))), sweep_(sweep_of(recording, thermometer_)) {
   constexpr double block_s = 5;  // thermometers are noisy or coarse
   if (sweep_) {
     block_ = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));

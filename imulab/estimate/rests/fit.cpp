@@ -263,7 +263,7 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::add_dropped(findings, dropped, all);
   constexpr double slow_s = 5 * thermometer_lag_s;
   if (const auto& sweep = problem.sweep(); sweep && (sweep->accel || sweep->gyro) && sweep->shortest_s < slow_s)
-    findings.add<Code::fast_sweep>(sweep->range_K, sweep->shortest_s);
+    findings.add<Code::fast_sweep>(sweep->range_K, sweep->shortest_s, slow_s);
   // The spread is enlarged for few degrees of freedom, but with fewer than five, errors of five sigmas occur (p = 0.002).
   if (const double degrees = fit.spread_degrees(); degrees < 5) findings.add<Code::uncertain_spread>(degrees);
 }

@@ -90,23 +90,21 @@ bool find_north(const coarse::RestStart& start, const Site& site) {
 
 /// Returns the effects of the setting. Gyros that are not calibrated have no effects.
 kernel::Effects expected_effects(const coarse::RestStart& start, const Recording& recording, const Session& session, bool with_effects, bool gyros) {
-  EffectSetting setting;
   kernel::EffectSizes sizes = kernel::effect_sizes(session, coarse::seen_of(start, recording, session.site.gravity()));
-  const bool sweep = with_effects && start.recorded->sweep().has_value();
-  for (const auto& [first_order, terms] : {std::pair("accel.offset_temperature", "accel.thermal"), {"gyro.offset_temperature", "gyro.thermal"}})
-    if (sweep) {
-      if (const auto declared = sizes.declared.find(first_order); declared != sizes.declared.end())
-        sizes.declared.try_emplace(terms, declared->second);
-      sizes.declared[first_order] = 0;  // a part of the terms
+  if (!with_effects) return kernel::Effects(sizes, {});
+  const EffectSetting setting{.accel = true,
+                              .gyro = gyros,
+                              .thermometer = start.recorded->thermometer(),
+                              .latitude = session.site.latitude.has_value(),
+                              .heading = gyros && find_north(start, session.site),
+                              .sweep = start.recorded->sweep().has_value(),
+                              .recordings = start.recorded->recordings()};
+  if (setting.sweep)
+    for (const std::string triad : {"accel", "gyro"}) {  // the first order is a part of the thermal terms
+      double& first_order = sizes.declared.try_emplace(triad + ".offset_temperature", 0).first->second;
+      if (first_order > 0) sizes.declared.try_emplace(triad + ".thermal", first_order);
+      first_order = 0;
     }
-  if (with_effects)
-    setting = {.accel = true,
-               .gyro = gyros,
-               .thermometer = start.recorded->thermometer(),
-               .latitude = session.site.latitude.has_value(),
-               .heading = gyros && find_north(start, session.site),
-               .sweep = sweep,
-               .recordings = start.recorded->recordings()};
   return kernel::Effects(sizes, setting);
 }
 

@@ -2,6 +2,7 @@
 
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/outliers.hpp"
 #include "imulab/recording/resampling.hpp"
 
 #include <algorithm>
@@ -121,6 +122,29 @@ void StoredRecording::complete(double interval_s, const RecordingOptions& option
   saturated_.clear();
   for (std::size_t i = 0; i < clipped.size(); ++i)
     if (clipped[i]) saturated_.push_back(i);
+}
+
+std::size_t StoredRecording::replace_outliers() {
+  const std::vector<ReplacedReading> outliers = outliers_of(view());
+  std::vector<double> buffer;
+  for (std::size_t c = 0, next = 0; c < all_columns; ++c) {
+    if (place_[c] != next) continue;
+    ColumnFile& file = files_[next++];
+    if (std::ranges::find(outliers, c, &ReplacedReading::column) == outliers.end()) continue;
+    ColumnFile replaced;
+    auto outlier = outliers.begin();
+    for (std::size_t begin = 0; begin < time_ns().size(); begin += usual_block) {
+      const Range block{begin, std::min(time_ns().size(), begin + usual_block)};
+      read(c, block, buffer);
+      for (; outlier != outliers.end() && outlier->sample < block.end; ++outlier)
+        if (outlier->column == c) buffer[outlier->sample - begin] = outlier->value;
+      replaced.append(std::span<const double>(buffer));
+    }
+    file = std::move(replaced);
+  }
+  const std::vector<std::size_t> samples = samples_of(outliers);
+  std::erase_if(saturated_, [&](std::size_t i) { return std::ranges::binary_search(samples, i); });
+  return samples.size();
 }
 
 std::size_t StoredRecording::fill_short_gaps() {

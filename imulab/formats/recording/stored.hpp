@@ -33,6 +33,8 @@ class StoredRecording : public ColumnSource {
   /// As without_samples, before it is complete.
   void leave_out(const RepeatedRows& repeated);
   void complete(double interval_s, const RecordingOptions& options);
+  /// Replaces the outliers (outliers_of), which then do not count as saturated; returns the number of samples.
+  std::size_t replace_outliers();
   /// As with_short_gaps_filled; returns the number of samples.
   std::size_t fill_short_gaps();
 
