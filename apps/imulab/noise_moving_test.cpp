@@ -57,6 +57,23 @@ TEST(NoiseMovingCommand, TellsWhereTheFactorComesFrom) {
   EXPECT_EQ(nlohmann::json::parse(again.output).at("moving"), json.at("moving")) << "the file has what the log has";
 }
 
+TEST(NoiseMovingCommand, ABoundIsAboveBothLogs) {
+  const TemporaryFolder folder;
+  write_both(folder);
+  const CommandResult both = run_imulab(folder, "noise quiet.toml --bound --horizon 10 --moving idle.toml -o both.json");
+  ASSERT_EQ(both.exit_code, 0) << both.errors;
+  EXPECT_THAT(on_one_line(both.output), HasSubstr("what the logs at rest and in motion permit with 95 %"));
+  const nlohmann::json json = nlohmann::json::parse(read_text(folder / "both.json"));
+  for (const auto& axis : json.at("axes")) EXPECT_EQ(axis.at("bound").at("in_motion"), true) << axis.at("name");
+  const CommandResult exported = run_imulab(folder, "export none --noise both.json --bound --to kf-gins");
+  EXPECT_THAT(on_one_line(exported.output),
+              testing::AllOf(HasSubstr("what the logs at rest and in motion permit"), testing::Not(HasSubstr("NOT in them"))));
+  // The saved bound of the log at rest gives the same.
+  ASSERT_EQ(run_imulab(folder, "noise quiet.toml --bound --horizon 10 -o rest.json").exit_code, 0);
+  const CommandResult later = run_imulab(folder, "noise rest.json --moving idle.toml --json");
+  EXPECT_EQ(nlohmann::json::parse(later.output).at("axes")[0].at("bound"), json.at("axes")[0].at("bound"));
+}
+
 TEST(NoiseMovingCommand, TakesDataSheetsAndResults) {
   const TemporaryFolder folder;
   write_both(folder);
@@ -89,6 +106,9 @@ TEST(NoiseMovingCommand, RefusesWhatItCannotCompare) {
         Refusal{"noise session.toml --moving quiet.toml", "before --moving, expected the log at rest", 1},
         Refusal{"noise quiet.toml --moving noise.json", "expected a log, calibration.json, or what imulab navigate --aided --json prints", 2},
         Refusal{"noise quiet.toml quiet.toml --moving idle.toml", "--moving: is compared with one log at rest", 2},
+        Refusal{"noise noise.json --bound --moving idle.toml", "--bound: analyzes a log, and none is given", 2},
+        Refusal{"noise noise.json --model N,B,K --moving idle.toml", "--model: analyzes a log, and none is given", 2},
+        Refusal{"noise noise.json --horizon 60 --moving idle.toml", "--horizon: is of a bound", 2},
         Refusal{"noise quiet.toml --moving none.csv", "none.csv", 2}}) {
     const CommandResult result = run_imulab(folder, words);
     EXPECT_EQ(result.exit_code, code) << words;

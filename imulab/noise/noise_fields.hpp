@@ -84,6 +84,7 @@ void describe(Fields& f, NoiseBound& bound) {
 template <class Fields>
 void describe(Fields& f, JointNoise& joint) {
   f("tau_s", joint.tau_s), f("deviation", joint.deviation);
+  fields::check(f, joint.tau_s > 0, "tau_s", "expected a positive time");
 }
 
 template <class Fields>

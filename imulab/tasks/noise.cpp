@@ -165,6 +165,9 @@ AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSour
 }
 
 AnswerOf<NoiseAnalysis> noise_answer(NoiseAnalysis saved, const NoiseVerbOptions& o) {
+  options_of(o);  // throws for those that contradict each other
+  for (const auto& [name, given] : {std::pair("bound", o.bound), {"model", o.model.has_value()}, {"remove-temperature", o.remove_temperature}})
+    if (given) throw OptionError(name, "analyzes a log, and none is given; expected the log in place of its result");
   add_moving(saved, o.moving_inputs);
   const auto analysis = std::make_shared<const NoiseAnalysis>(std::move(saved));
   const Conclusion conclusion = analysis->from_data_sheet() ? Conclusion{Verdict::none, noise_headline(*analysis)} : conclusion_of(*analysis, o);
