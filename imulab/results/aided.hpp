@@ -10,13 +10,14 @@
 
 namespace imulab {
 
-/// The innovations during one kind of motion: "at rest", "straight", "turning" (above 5 deg/s) or "accelerating" (above 0.5 m/s^2).
+/// The innovations and the residuals during one kind of motion.
 struct AidedMotion {
   std::string kind;
   std::size_t innovations = 0;
-  double rms = 0;  // in stated sigmas
+  double rms = 0;                                       // in stated sigmas
+  std::optional<AidedResiduals> gyro = {}, accel = {};  // absent: the data resolve less than one
 };
-/// Groups the innovations by the motion of the track at their times; a kind without innovations is omitted.
+/// Groups the innovations by the motion of the track at their times; a kind without innovations and residuals is omitted.
 std::vector<AidedMotion> innovations_by_motion(const AidedNavigation& navigation);
 
 /// A session navigated with its aids. From JSON: the solution has begin and end as times, the track is thinned; covariances have their

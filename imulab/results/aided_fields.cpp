@@ -33,8 +33,13 @@ void describe(Fields& f, AidedFactor& a) {
 }
 
 template <class Fields>
+void describe(Fields& f, AidedResiduals& r) {
+  f("rms", r.rms), f("resolved", r.resolved);
+}
+
+template <class Fields>
 void describe(Fields& f, AidedMotion& m) {
-  f("kind", m.kind), f("innovations", m.innovations), f("rms", m.rms);
+  f("kind", m.kind), f("innovations", m.innovations), f("rms", m.rms), f("gyro", m.gyro, fields::if_any), f("accel", m.accel, fields::if_any);
 }
 
 template <class Fields>

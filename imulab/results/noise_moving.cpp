@@ -99,12 +99,15 @@ std::string detail_of(const Shown& shown) {
 
 std::string triad_text(const NoiseAnalysis& analysis, const TriadWords& triad) {
   std::string causes;
+  bool determined = false;
   for (const std::string_view name : cause_names) {
     const Shown worst = worst_of(analysis, triad, name);
     if (!worst.determined()) continue;
+    determined = true;
     const NoiseCoefficient& f = worst.cause->factor;
     if (f.lower > 1 || (f.upper < 1)) causes += fmt::format("{}{} {}", causes.empty() ? " " : ", ", name, text::number(f.value, 2));
   }
+  if (!determined) return fmt::format("{}: no factor determined", triad.name);
   std::string use;
   for (const TotalRow& row : totals)
     if (const MovingAxis* const axis = worst_total(analysis, triad, row.total);

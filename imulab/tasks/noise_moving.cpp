@@ -6,20 +6,32 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 namespace imulab {
 namespace {
 
-/// Innovations contain the errors of the aids, so they give no factor: they are stated.
+/// What a navigation shows of one triad. Fixes of every second resolve too little of the noise for a factor of each kind of motion.
+std::string residuals_in_words(const MovingNavigation& navigation, std::optional<AidedResiduals> AidedMotion::*triad) {
+  std::string residuals, innovations;
+  for (const AidedMotion& m : navigation.motion) {
+    if (m.*triad) residuals += fmt::format("{}{} {:.2g} ({:.0f})", residuals.empty() ? "" : ", ", m.kind, (m.*triad)->rms, (m.*triad)->resolved);
+    if (m.innovations > 0) innovations += fmt::format("{}{} {:.2g}", innovations.empty() ? "" : ", ", m.kind, m.rms);
+  }
+  if (residuals.empty()) residuals = "too few to tell";
+  return "residuals of the smoothed solution in sigmas of the noise that the filter found: " + residuals +
+         "; innovations in stated sigmas, which contain the errors of the aids: " + innovations;
+}
+
 MovingEvidence navigation_evidence(const NoiseAnalysis& rest, const MovingNavigation& navigation) {
-  std::string reason = "innovations in stated sigmas, which contain the errors of the aids:";
-  for (const AidedMotion& m : navigation.motion) reason += fmt::format("{} {} {:.2g}", &m == &navigation.motion.front() ? "" : ",", m.kind, m.rms);
   MovingEvidence out{.file = navigation.file + ": aided navigation", .axes = {}};
-  for (const NoiseAxis& axis : rest.axes)
+  for (const NoiseAxis& axis : rest.axes) {
+    const std::string reason = residuals_in_words(navigation, axis.name.starts_with("gyro.") ? &AidedMotion::gyro : &AidedMotion::accel);
     if (axis.fit)
       out.axes.push_back(
           {.name = axis.name, .unit = axis.unit, .causes = {{.name = "motion", .parameter = "N", .file = navigation.file, .reason = reason}}});
+  }
   return out;
 }
 

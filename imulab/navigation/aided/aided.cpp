@@ -152,6 +152,14 @@ void judge_positions(AidedNavigation& out) {
   if (typical > lost) found.severity = Severity::doubt;
 }
 
+std::vector<MotionResiduals> residuals_of(const SmootherPass& smoothed) {
+  const auto residuals = [](const NoiseEvidence& e) { return AidedResiduals{e.resolved > 0 ? std::sqrt(e.squares / e.resolved) : 0, e.resolved}; };
+  std::vector<MotionResiduals> out;
+  for (std::size_t kind = 0; kind < motion_kinds.size(); ++kind)
+    out.push_back({motion_kinds[kind], residuals(smoothed.motion[kind].gyro), residuals(smoothed.motion[kind].accel)});
+  return out;
+}
+
 void judge(AidedNavigation& out) {
   judge_positions(out);
   judge_heading(out);
@@ -211,6 +219,7 @@ AidedNavigation navigate_under(const SensorPriors& priors, const Session& sessio
     trajectory = about(p, smoothed);
     pass(true);
   }
+  out.residuals = residuals_of(smoothed);
   add_outages(p, smoothed.withheld, &OutageResult::smoothed, out.outages);
   if (terms)
     add_constants_with(*terms, p, start.start, trajectory = about(p, smoothed), out);

@@ -78,6 +78,16 @@ struct AidedInnovation {
   bool suspect = false;  // its weight is below a third
 };
 
+/// Rates or forces that the smoothed solution leaves unexplained: their RMS, 1 if the noise is as large as on average, and how many the data resolve.
+struct AidedResiduals {
+  double rms = 0, resolved = 0;
+};
+/// The residuals during one kind of motion: "at rest", "straight", "turning" (above 5 deg/s) or "accelerating" (above 0.5 m/s^2).
+struct MotionResiduals {
+  std::string kind;
+  AidedResiduals gyro, accel;
+};
+
 struct AidedNavigation {
   Solution solution;                        // at every sample, or the first and last state
   std::size_t states = 0;                   // number of states at every sample
@@ -90,6 +100,7 @@ struct AidedNavigation {
   std::vector<AidedFactor> factors;
   std::vector<OutageResult> outages;
   std::vector<AidedInnovation> innovations;  // innovations of the filter
+  std::vector<MotionResiduals> residuals;    // of every kind of motion
   double innovation_rms = 0;                 // RMS of all: 1 if the noise is as stated
   double suspects = 0;                       // fraction of the rows with a weight below a third
   int passes = 0, headings = 1;              // passes of the smoother; candidates at the start

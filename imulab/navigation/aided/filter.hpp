@@ -7,6 +7,7 @@
 #include "imulab/navigation/aided/transition.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -61,6 +62,11 @@ FilterPass filter(const Problem& problem, const FilterStart& start, const Filter
 /// Their ratio is one if the variance is correct (the fixed point of the restricted likelihood).
 struct NoiseEvidence {
   double squares = 0, resolved = 0;
+  void add(double square, double fraction) { squares += square, resolved += fraction; }
+};
+/// Evidence of the triads' noise during one kind of motion.
+struct MotionEvidence {
+  NoiseEvidence gyro, accel;
 };
 
 struct SmoothedNode {
@@ -76,7 +82,8 @@ struct Withheld {
 };
 struct SmootherPass {
   std::vector<SmoothedNode> nodes;
-  std::vector<NoiseEvidence> evidence;   // evidence for each source
+  std::vector<NoiseEvidence> evidence;  // evidence for each source
+  std::array<MotionEvidence, motion_kinds.size()> motion;
   std::vector<Eigen::VectorXd> weights;  // weights for each observation
   std::vector<Withheld> withheld;
   std::size_t middle = 0;             // node in the middle of the time

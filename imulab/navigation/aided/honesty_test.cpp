@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -21,7 +22,8 @@ struct Drive {
   Recording recording;
   std::vector<Aid> aids;
 };
-Drive drive_of(std::uint64_t seed, double stated) {
+/// `in_turns` multiplies the noise of the gyros in turns; `small` the errors of the receiver.
+Drive drive_of(std::uint64_t seed, double stated, double in_turns = 1, double small = 1) {
   Drive out;
   std::vector<motion::Segment> segments{motion::rest(5), motion::accelerate(10, 8)};
   for (int k = 0; k < 5; ++k)
@@ -32,9 +34,12 @@ Drive drive_of(std::uint64_t seed, double stated) {
   const RandomStream draw(seed, "honesty");
   std::uint64_t n = 0;
   constexpr double of_gyro = 5e-4, of_accel = 0.01;  // rad/s, m/s^2
+  const auto turns = [&](std::size_t i) { return i > 0 && motion_kind(out.motion.states[i - 1], out.motion.states[i], 0.05) == 2; };
   for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < out.recording.size(); ++i)
-      out.recording.gyro[k][i] += of_gyro * draw.normal(n++), out.recording.accel[k][i] += of_accel * draw.normal(n++);
+    for (std::size_t i = 0; i < out.recording.size(); ++i) {
+      out.recording.gyro[k][i] += (turns(i) ? in_turns : 1) * of_gyro * draw.normal(n++);
+      out.recording.accel[k][i] += of_accel * draw.normal(n++);
+    }
   const auto noise = [&](double size) {
     n += 3;
     return Vector3d(size * draw.normal(n - 3), size * draw.normal(n - 2), size * draw.normal(n - 1));
@@ -42,7 +47,7 @@ Drive drive_of(std::uint64_t seed, double stated) {
   Aid& aid = out.aids.emplace_back(Aid{.scale = TimeScale::recording});
   for (std::size_t i = 0; i < out.motion.time.size(); i += 20) {
     Eigen::Matrix<double, 9, 1> error = Eigen::Matrix<double, 9, 1>::Zero();
-    error.tail<6>() << noise(0.1), noise(1.5);
+    error.tail<6>() << noise(0.1 * small), noise(1.5 * small);
     const NavigationState s = plus(out.motion.states[i], error);
     aid.record.time.push_back(std::llround(1e9 * out.motion.time[i]));
     aid.record.position.emplace_back(s.latitude, s.longitude, s.height), aid.record.velocity.push_back(s.velocity);
@@ -65,6 +70,27 @@ TEST(AidedHonesty, SigmasStatedFarTooSmallAreFound) {
       squares += minus(n.solution.states[i], d.motion.states[i]).cwiseQuotient(sigmas_at(n, n.solution.time[i])).tail<6>().squaredNorm();
   }
   EXPECT_LT(std::sqrt(squares / static_cast<double>(values)), 1.5);  // the errors of a drive are a few independent values
+}
+
+TEST(AidedHonesty, ResidualsTellInWhichMotionTheNoiseIsLarger) {
+  for (const double in_turns : {1., 20.}) {
+    std::array<double, 2> squares{}, resolved{};  // of straight and of turning
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      const Drive d = drive_of(seed, 0.1, in_turns, 1. / 15);
+      for (const MotionResiduals& r : navigate_under(sensor_priors({}, {}), {}, d.recording, d.aids, {}).residuals)
+        if (r.kind == "straight" || r.kind == "turning") {
+          const std::size_t k = r.kind == "turning" ? 1 : 0;
+          squares[k] += r.gyro.resolved * r.gyro.rms * r.gyro.rms, resolved[k] += r.gyro.resolved;
+        }
+    }
+    const double ratio = std::sqrt(squares[1] / resolved[1] / (squares[0] / resolved[0]));
+    // Equal noise: the ratio of two mean squares of so many values, at four sigmas. Twenty times as much is seen through fixes of every second.
+    const double sigma = std::sqrt((1 / resolved[0] + 1 / resolved[1]) / 2);
+    if (in_turns == 1)
+      EXPECT_NEAR(ratio, 1, 4 * sigma);
+    else
+      EXPECT_GT(ratio, 1 + 4 * sigma) << resolved[0] << " " << resolved[1];
+  }
 }
 
 TEST(AidedHonesty, APositionThatNothingTellsIsLost) {

@@ -80,7 +80,7 @@ void transfer(auto& by, Node& node) {
   by(motion.q_nb.coeffs()), by(motion.velocity), by(motion.latitude), by(motion.longitude), by(motion.height);
   by.symmetric(node.covariance);
   Transition& next = node.next;
-  by(next.motion), by(next.gyro), by(next.accel), by(next.decay), by(next.driven), by(next.interval);
+  by(next.motion), by(next.gyro), by(next.accel), by(next.decay), by(next.driven), by(next.interval), by(next.motion_kind);
   for (std::vector<EpochRows>* all : {&node.rows, &node.withheld}) by.list(*all, [&](EpochRows& e) { transfer(by, e); });
 }
 

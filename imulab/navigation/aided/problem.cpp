@@ -2,6 +2,9 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
+#include "imulab/units.hpp"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +28,13 @@ FullState plus(const FullState& state, const Eigen::VectorXd& error) {
   FullState out{plus(state.motion, error.head<9>()), state.x + error};
   out.x.head<9>().setZero();
   return out;
+}
+
+std::size_t motion_kind(const NavigationState& a, const NavigationState& b, double seconds) {
+  constexpr double slow_mps = 0.3, turning = 5 * unit::deg, accelerating_mps2 = 0.5;
+  if (a.q_nb.angularDistance(b.q_nb) > turning * seconds) return 2;
+  if ((b.velocity - a.velocity).norm() > accelerating_mps2 * seconds) return 3;
+  return a.velocity.norm() < slow_mps ? 0 : 1;
 }
 
 NavigationState at_place(const Vector3d& place) {

@@ -12,6 +12,7 @@
 #include "imulab/navigation/increment_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -25,6 +26,11 @@ namespace imulab::aided {
 struct At {
   static constexpr Eigen::Index attitude = 0, velocity = 3, position = 6, sensors = 9;
 };
+
+/// Kinds of motion: an aided navigation is at rest below 0.3 m/s, turns above 5 deg/s and accelerates above 0.5 m/s^2.
+inline constexpr std::array<const char*, 4> motion_kinds{"at rest", "straight", "turning", "accelerating"};
+/// Returns the kind of motion between two states as an index of `motion_kinds`.
+std::size_t motion_kind(const NavigationState& a, const NavigationState& b, double seconds);
 
 /// The noise that one variance factor multiplies: white noise of a kind's rows, driving noise of slow states, or noise of a triad.
 struct NoiseSource {

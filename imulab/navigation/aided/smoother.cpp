@@ -32,10 +32,7 @@ struct Smoother {
   SmootherPass out{};
 
   /// Adds the evidence of a noise: its square over its variance, and the resolved fraction of the variance.
-  void add(std::size_t source, double square, double resolved) {
-    out.evidence[source].squares += square;
-    out.evidence[source].resolved += resolved;
-  }
+  void add(std::size_t source, double square, double resolved) { out.evidence[source].add(square, resolved); }
 
   /// Adds the evidence of a slow error. A jump is not noise and does not enlarge it.
   void add_slow(std::size_t source, Index state, double variance) {
@@ -70,7 +67,12 @@ struct Smoother {
   void step(const Transition& t) {
     const Matrix9 Q = motion_noise(p, t);
     const Eigen::Matrix<double, 9, 1> noise = Q * r.head<9>(), resolved = (Q * N.topLeftCorner<9, 9>() * Q).diagonal();
-    for (Index k = 0; k < 6; ++k) add(k < 3 ? p.gyro_source : p.accel_source, noise[k] * noise[k] / Q(k, k), resolved[k] / Q(k, k));
+    for (Index k = 0; k < 6; ++k) {
+      const double square = noise[k] * noise[k] / Q(k, k), fraction = resolved[k] / Q(k, k);
+      add(k < 3 ? p.gyro_source : p.accel_source, square, fraction);
+      MotionEvidence& motion = out.motion[t.motion_kind];
+      (k < 3 ? motion.gyro : motion.accel).add(square, fraction);
+    }
     const VectorXd q = slow_noise(p, t);
     for (const StateBlock& b : p.blocks)
       for (Index k = b.first; b.noise && k < b.first + b.size; ++k)

@@ -165,7 +165,10 @@ Integrated integrate(const Problem& p, std::size_t begin, std::size_t end, const
     if (each) each->push_back(state);
   }
   integration::expect_latitude(state.latitude);
-  return {state, with_transition ? growth.finish(first) : Transition{}};
+  if (!with_transition) return {state, {}};
+  Integrated out{state, growth.finish(first)};
+  out.transition.motion_kind = motion_kind(start.motion, state, out.transition.interval);
+  return out;
 }
 
 Matrix9 motion_noise(const Problem& p, const Transition& t) {

@@ -20,6 +20,7 @@ struct Transition {
   Matrix9 gyro = Matrix9::Zero(), accel = Matrix9::Zero();  // for factors of 1
   Eigen::VectorXd decay, driven;                            // decay and driven variance of all states; 1 and 0 for the first nine; for factors of 1
   double interval = 0;                                      // s
+  std::size_t motion_kind = 0;                              // index of motion_kinds
 };
 
 /// Integrates samples `begin` to `end` (exclusive) from `start`; `each`, if given, receives the state after each sample.
