@@ -3,6 +3,7 @@
 //     <!-- table: units -->      written by the program's own words and names (page_tables_test.cpp)
 //     <!-- keys: [imu] -->       written by hand; its first column has exactly the program's names. Where the second one is headed "key", each row is
 //                                about the tables "NAME FIRST", by all that the first column or the one above it has
+//     <!-- fields: noise -->     written by hand, of the JSON that is printed (described_fields_test.cpp)
 //     <!-- end -->
 #pragma once
 

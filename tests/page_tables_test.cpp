@@ -182,7 +182,7 @@ TEST(PageTables, HaveTheWordsOfTheProgram) {
 
 TEST(PageTables, HaveTheKeysOfTheProgram) {
   TableKeys keys = keys_of_session_files();
-  keys.merge(keys_of_missions()), keys.merge(keys_of_laboratories()), keys.merge(columns_of_stores());
+  keys.merge(keys_of_missions()), keys.merge(keys_of_laboratories()), keys.merge(keys_of_data_sheets()), keys.merge(columns_of_stores());
   for (const Effect& effect : effects()) keys["effects"].insert({std::string(effect.name), false});
   for (const ExportTarget& target : export_targets()) keys["targets"].insert({std::string(target.name), false});
   for (const std::string& key : declaration_keys()) keys["--set"].insert({key, false});

@@ -1,10 +1,11 @@
-// The keys of session files, by table, read from the descriptions that the reader itself uses; those of missions and laboratories, which its messages
-// list; and the columns of fleet stores.
+// The keys of session files, by table, read from the descriptions that the reader itself uses; those of missions, laboratories and data sheets,
+// which its messages list; and the columns of fleet stores.
 #pragma once
 
 #include "imulab/error.hpp"
 #include "imulab/fleet/store/database.hpp"
 #include "imulab/formats/laboratory/file.hpp"
+#include "imulab/formats/noise/data_sheet.hpp"
 #include "imulab/formats/session/fields.hpp"
 #include "imulab/formats/session/mission.hpp"
 
@@ -211,6 +212,17 @@ inline TableKeys keys_of_laboratories() {
       texts.insert(key);
   }
   keys["laboratory (root)"] = texts;
+  return keys;
+}
+
+inline TableKeys keys_of_data_sheets() {
+  const auto message = messages_of_reader([](const std::string& text) { parse_data_sheet_file(text, "s.toml"); });
+  TableKeys keys;
+  add_keys_read({"data sheet [noise]", "[noise]\n", {}, ""}, message, keys);
+  for (const std::string triad : {"gyro", "accel"}) {
+    keys["data sheet [noise]"].erase({triad, false});  // which have rows of their own
+    add_keys_read({"data sheet " + triad, "[noise." + triad + "]\n", {}, ""}, message, keys);
+  }
   return keys;
 }
 
