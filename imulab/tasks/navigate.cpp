@@ -37,7 +37,7 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
       .called("heading_sigma_deg");
   verb.option("--gaps HOW", o.gaps, "at missing samples: interpolate, or stop with exit code 2").one_of({"integrate", "refuse"}).show_default();
   verb.option("--aided", o.aided, "correct the solution with the session's aids ([[aid]]), and smooth it");
-  verb.option("--filter", o.filter, "with --aided: at each time use only earlier data");
+  verb.option("--filter", o.filter, "with --aided: at each time use only earlier data, but sizes of noise from the whole recording");
   verb.option("--outages EVERY,LENGTH", o.outages,
               "with --aided: withhold the aids for LENGTH seconds every EVERY seconds, and compare; a third number is the time of the first outage");
   verb.option("--truth FILE", o.truth, "reference solution; absent: the session's [truth]").reads();

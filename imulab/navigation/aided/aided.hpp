@@ -109,7 +109,7 @@ struct AidedNavigation {
 };
 
 struct AidedOptions {
-  bool causal = false;               // the solution is that of the filter, from only the data before each time
+  bool causal = false;               // the solution is that of the last pass's filter, from only the data before each time but for the noise factors
   std::vector<Outage> outages = {};  // withheld from aids with a file, in addition to the aids' own outages
   int passes = 20;                   // largest number of smoother passes
   bool keep = true;                  // keeps every state in the solution; otherwise the first and the last
