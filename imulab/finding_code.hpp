@@ -26,7 +26,7 @@ enum class Code : std::uint16_t {
   // Another method
   other_method_doubts, other_method_differs, other_method_refuses,
   // Rests, and turns by hand
-  rests_searched, rests_rejected, few_rests, rests_near_a_plane, short_rests, parts_used, turns_used, turns_not_used, turns_without_sigma,
+  rests_searched, rests_rejected, few_rests, rests_near_a_plane, short_rests, one_attitude, parts_used, turns_used, turns_not_used, turns_without_sigma,
   start_of_fit, gyros_not_calibrated, gyros_change, gyros_against_gravity, gyros_do_not_carry_gravity, axes_against_gravity, held_out_rotations,
   poor_rotations, large_misalignments, uncertain_combinations, uncertain_spread, fast_sweep,
   // Turns in one place

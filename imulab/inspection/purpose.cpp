@@ -86,10 +86,12 @@ void add_purpose(const SignalTable& table, const TriadEvidence& triads, Inspecti
       changes += fmt::format("{}{} {:+.3g}{}", changes.empty() ? "" : ", ", column_name(table, c),
                              change_with(temperature, low, high, table.signals[c].values),
                              result.columns[c].unit.empty() || result.columns[c].unit == "count" ? "" : " " + result.columns[c].unit);
-  result.note(
-      fmt::format("good for: how the zeros follow the temperature in this one attitude: from {:.3g} to {:.3g} {} the means change by {}. No "
-                  "method calibrates from it alone: static takes rests in nine directions with their temperature; noise, a constant one",
-                  low, high, column->unit, changes));
+  result.note(fmt::format("good for: how the zeros follow the temperature in this one attitude: from {:.3g} to {:.3g} {} the means change by {}", low,
+                          high, column->unit, changes));
+  if (!triads.has_gyro || !triads.has_accel) return;
+  for (MethodFinding& method : result.methods)
+    if (method.name == "static")
+      method.supported = true, method.why = "one attitude at many temperatures: the gyros' biases, and how all follow the temperature";
 }
 
 }  // namespace imulab::inspection

@@ -118,6 +118,9 @@ inline constexpr auto finding_table = [] {
        "{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly shows in them; "
        "use "
        "rests of 30 s or more"},
+      {one_attitude, "one-attitude", note,
+       "one attitude shows the gyros' biases, and how the biases follow the temperature; the accelerometers' biases, scales and nonorthogonality stay "
+       "as declared: to have all, calibrate this recording together with one by hand"},
       {parts_used, "parts-used", note, "{} were used"},
       {turns_used, "turns-used", note, "{} of {} turns were used with their declared angle, each with u = {:.2g} deg"},
       {turns_not_used, "turns-not-used", warning,

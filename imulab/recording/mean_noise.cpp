@@ -11,26 +11,51 @@ namespace imulab {
 
 namespace {
 
-/// Variance of the means of blocks of a rest about the rest's own mean, times the blocks' length, pooled over the rests.
+/// The rests, and which of them change their temperature: readings then follow a line, and scatter about it.
+struct NoiseRests {
+  const std::vector<RestMeans>& rests;
+  std::vector<char> warming;
+};
+
+NoiseRests with_warming(const Recording& recording, const std::vector<RestMeans>& rests) {
+  constexpr double least_K = 0.5;
+  NoiseRests out{rests, std::vector<char>(rests.size(), 0)};
+  const std::vector<double>& temperature = recording.accel_temperature[0].empty() ? recording.gyro_temperature[0] : recording.accel_temperature[0];
+  if (temperature.empty()) return out;
+  for (std::size_t k = 0; k < rests.size(); ++k) {
+    const Range& range = rests[k].range;
+    const std::size_t tenth = std::max<std::size_t>(1, range.size() / 10);
+    double change = 0;
+    for (std::size_t i = 0; i < tenth; ++i) change += temperature[range.end - 1 - i] - temperature[range.begin + i];
+    out.warming[k] = std::abs(change) > least_K * static_cast<double>(tenth);
+  }
+  return out;
+}
+
+/// Variance of the means of blocks of a rest about the rest's own mean or line, times the blocks' length, pooled over the rests.
 struct BlockVariance {
   double value = 0, degrees = 0;
 };
 
-BlockVariance block_variance(const std::vector<double>& column, const std::vector<RestMeans>& rests, std::size_t length) {
+BlockVariance block_variance(const std::vector<double>& column, const NoiseRests& all, std::size_t length) {
   BlockVariance out;
   std::vector<double> means;
-  for (const RestMeans& rest : rests) {
+  for (std::size_t k = 0; k < all.rests.size(); ++k) {
+    const RestMeans& rest = all.rests[k];
     means.clear();
     for (std::size_t begin = rest.range.begin; begin + length <= rest.range.end; begin += length) {
       double sum = 0;
       for (std::size_t i = begin; i < begin + length; ++i) sum += column[i] - column[rest.range.begin];
       means.push_back(sum / static_cast<double>(length));
     }
-    if (means.size() < 2) continue;
-    double mean = 0;
-    for (const double m : means) mean += m / static_cast<double>(means.size());
-    for (const double m : means) out.value += (m - mean) * (m - mean);
-    out.degrees += static_cast<double>(means.size()) - 1;
+    const auto n = static_cast<double>(means.size());
+    if (n < (all.warming[k] ? 3 : 2)) continue;
+    double mean = 0, slope = 0;
+    for (const double m : means) mean += m / n;
+    for (std::size_t i = 0; all.warming[k] && i < means.size(); ++i)
+      slope += 12 * (static_cast<double>(i) - (n - 1) / 2) * means[i] / (n * (n * n - 1));
+    for (std::size_t i = 0; i < means.size(); ++i) out.value += std::pow(means[i] - mean - slope * (static_cast<double>(i) - (n - 1) / 2), 2);
+    out.degrees += n - (all.warming[k] ? 2 : 1);
   }
   out.value *= static_cast<double>(length) / std::max(out.degrees, 1.0);
   return out;
@@ -38,7 +63,7 @@ BlockVariance block_variance(const std::vector<double>& column, const std::vecto
 
 /// By the longest blocks that differ from shorter ones by more than chance: three standard deviations of a variance, 2 / degrees. With fewer than
 /// 20 degrees of freedom they would say nothing below a factor of two.
-double sample_sigma(const std::vector<double>& column, const std::vector<RestMeans>& rests) {
+double sample_sigma(const std::vector<double>& column, const NoiseRests& rests) {
   constexpr double least_degrees = 20;
   double variance = block_variance(column, rests, 1).value;
   for (std::size_t length = 2;; length *= 2) {
@@ -160,12 +185,13 @@ MeanNoise measure_mean_noise(const Recording& recording, const std::vector<RestM
   if (rests.empty()) return out;
   const auto shorter = [](const RestMeans& a, const RestMeans& b) { return a.range.size() < b.range.size(); };
   const RestMeans& longest = *std::max_element(rests.begin(), rests.end(), shorter);
+  const NoiseRests for_blocks = with_warming(recording, rests);
   const SampleNoise single = measure_noise(recording, rests);
   const auto measure = [&](const Columns3& triad, Vector3d SampleNoise::*of) {
     for (std::size_t j = 0; j < 3; ++j) {
       const auto axis = static_cast<Eigen::Index>(j);
       const double step = rounding_step(triad[j], longest);
-      (out.sample.*of)[axis] = sample_sigma(triad[j], rests);
+      (out.sample.*of)[axis] = sample_sigma(triad[j], for_blocks);
       (out.step.*of)[axis] = step;
       // Noise of more than a step leaves nothing of it.
       const double noise =

@@ -87,6 +87,18 @@ std::vector<RestMeans> summarize_rests(const Recording& recording, const std::ve
   return rests;
 }
 
+bool continues_rest(const Recording& recording, std::span<const RestMeans> rests, std::size_t k) {
+  constexpr double alike = 0.02;  // of the reading: 1 deg, more than a sensor drifts in 2 K
+  if (k == 0 || k >= rests.size()) return false;
+  const RestMeans &before = rests[k - 1], &rest = rests[k];
+  return before.range.end == rest.range.begin && recording.gaps_in({rest.range.begin, rest.range.begin + 1}) == 0 &&
+         (rest.accel - before.accel).norm() < alike * before.accel.norm();
+}
+
+bool is_part_of_rest(const Recording& recording, std::span<const RestMeans> rests, std::size_t k) {
+  return continues_rest(recording, rests, k) || continues_rest(recording, rests, k + 1);
+}
+
 Vector3d mean_gyro(const std::vector<RestMeans>& rests) {
   Vector3d mean = Vector3d::Zero();
   for (const RestMeans& rest : rests) mean += rest.gyro / static_cast<double>(rests.size());

@@ -5,6 +5,7 @@
 #include "imulab/recording.hpp"
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace imulab {
@@ -25,6 +26,12 @@ struct RestMeans {
 std::vector<Range> without_ends_of_turns(const Recording& recording, std::vector<Range> rests);
 
 std::vector<RestMeans> summarize_rests(const Recording& recording, const std::vector<Range>& ranges);
+
+/// Returns true if rest k is the one before it, cut as its temperature changed: adjacent, without a gap, in the same attitude. Its readings drift,
+/// which is no motion.
+bool continues_rest(const Recording& recording, std::span<const RestMeans> rests, std::size_t k);
+/// Returns true for a part of a longer rest.
+bool is_part_of_rest(const Recording& recording, std::span<const RestMeans> rests, std::size_t k);
 
 /// Mean of all rests' gyro readings.
 Vector3d mean_gyro(const std::vector<RestMeans>& rests);

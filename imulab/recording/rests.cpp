@@ -89,6 +89,17 @@ std::vector<GyroLevel> gyro_levels(const RecordingView& recording, const std::ve
   return levels;
 }
 
+/// Parts of one run have the level of one that is as usual: their gyros drift with the temperature.
+void take_levels_of_neighbors(const RecordingView& recording, const std::vector<Range>& runs, std::vector<GyroLevel>& levels) {
+  const auto take = [&](std::size_t k, std::size_t from) {
+    const Range &first = runs[std::min(k, from)], &second = runs[std::max(k, from)];
+    if (levels[from] == GyroLevel::usual && first.end == second.begin && recording.gaps_in({second.begin, second.begin + 1}) == 0)
+      levels[k] = GyroLevel::usual;
+  };
+  for (std::size_t k = 1; k < runs.size(); ++k) take(k, k - 1);
+  for (std::size_t k = runs.size(); k-- > 1;) take(k - 1, k);
+}
+
 /// For the means of ten strides from `first` on, half the mean square of successive differences over the variance about their mean (von Neumann's
 /// ratio).
 double smoothness(const RecordingView& recording, std::size_t column, std::size_t first, std::size_t stride, double least) {
@@ -126,6 +137,35 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
+/// Cuts runs in which the temperature changes by more than 4 K into parts of 2 K: biases follow it, and the mean of the whole run has that of no
+/// temperature. Gyros and accelerometers at one board share the first thermometer found.
+std::vector<Range> cut_by_temperature(const RecordingView& recording, const std::vector<Range>& runs) {
+  constexpr double block_s = 5, part_K = 2, noises = 10;  // thermometers are noisy or coarse
+  std::size_t column = gyro_temperature_columns;
+  while (column < all_columns && !recording.has(column)) ++column;
+  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));
+  std::vector<Range> out;
+  for (const Range& run : runs) {
+    std::vector<double> means;
+    for (std::size_t at = run.begin; column < all_columns && at + block <= run.end; at += block)
+      means.push_back(mean_of(recording, column, {at, at + block}));
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < means.size(); ++k) steps.push_back(std::abs(means[k] - means[k - 1]));
+    const auto [low, high] = means.empty() ? std::pair(0., 0.) : std::pair(*std::ranges::min_element(means), *std::ranges::max_element(means));
+    if (!(high - low > 2 * part_K) || !(high - low > noises * median(steps))) {
+      out.push_back(run);
+      continue;
+    }
+    std::size_t begin = 0;
+    for (std::size_t k = 1; k <= means.size(); ++k) {
+      if (k < means.size() && std::abs(means[k] - means[begin]) < part_K) continue;
+      out.push_back({run.begin + begin * block, k < means.size() ? run.begin + k * block : run.end});
+      begin = k;
+    }
+  }
+  return out;
+}
+
 struct QuietRuns : RestDetection {
   std::size_t shifted = 0;  ///< as LostRests has it
 };
@@ -145,10 +185,11 @@ QuietRuns rests_by_windows(const RecordingView& recording, const RestOptions& op
     found.notes.push_back("no rests found: even the quietest stretches move smoothly");
     return found;
   }
-  std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
+  std::vector<Range> runs = cut_by_temperature(recording, quiet_runs(recording, quiet, length, stride));
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
-  const std::vector<GyroLevel> levels = gyro_levels(recording, runs, g.noise);
+  std::vector<GyroLevel> levels = gyro_levels(recording, runs, g.noise);
+  take_levels_of_neighbors(recording, runs, levels);
   std::size_t longest_moving = 0;
   std::vector<Range> by_gyros;  // where they alone speak of motion
   for (std::size_t k = 0; k < runs.size(); ++k) {

@@ -12,7 +12,7 @@ namespace {
 std::optional<TemperatureSweep> sweep_of(const Recording& r, const std::optional<Thermometer>& thermometer) {
   constexpr double least_K = 10, ends = 0.005, beyond = 0.1;  // a thermometer may have outliers
   constexpr std::size_t most = 65536;
-  if (!thermometer || !r.starts.empty()) return {};
+  if (!thermometer) return {};
   const std::vector<double>& readings = *thermometer->readings;
   std::vector<double> some;
   for (std::size_t i = 0; i < readings.size(); i += readings.size() / most + 1) some.push_back(readings[i]);
@@ -42,7 +42,9 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
     }
     const auto blocks = static_cast<std::size_t>(thermometer_lag_s / block_s);
     double most = 0;
-    for (std::size_t j = blocks; j < warming_.size(); ++j) most = std::max(most, std::abs(warming_[j] - warming_[j - blocks]));
+    for (std::size_t j = blocks; j < warming_.size(); ++j)
+      if (recording_of((j - blocks) * block_) == recording_of((j + 1) * block_ - 1))
+        most = std::max(most, std::abs(warming_[j] - warming_[j - blocks]));
     sweep_->range_K = (sweep_->reading.range[1] - sweep_->reading.range[0]) / std::abs(sweep_->per_K);
     sweep_->shortest_s = most > 0 ? sweep_->range_K / most * thermometer_lag_s : HUGE_VAL;
   }
@@ -57,18 +59,24 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
   }
 }
 
+int RecordedStates::recording_of(std::size_t sample) const {
+  const std::vector<std::size_t>& starts = recording_->starts;
+  return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), sample) - starts.begin());
+}
+
 EffectState RecordedStates::at(std::size_t sample) const {
   EffectState state = common_;
   const std::vector<std::size_t>& starts = recording_->starts;
-  const auto after = std::upper_bound(starts.begin(), starts.end(), sample);
-  state.recording = static_cast<int>(after - starts.begin());
+  state.recording = recording_of(sample);
+  const auto after = starts.begin() + state.recording;
   const double begin = recording_->time_s(after == starts.begin() ? 0 : *(after - 1));
   const double end = recording_->time_s((after == starts.end() ? recording_->size() : *after) - 1);
   state.time = (recording_->time_s(sample) - begin) / std::max(end - begin, 1e-9) - 0.5;
   if (thermometer_) state.warming = thermometer_->warming(sample);
   if (warming_.size() > 2) {  // the slope between the means of the neighbors
     const std::size_t middle = std::clamp<std::size_t>(sample / block_, 1, warming_.size() - 2);
-    state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
+    if (recording_of((middle - 1) * block_) == recording_of((middle + 2) * block_ - 1))
+      state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
   }
   return state;
 }

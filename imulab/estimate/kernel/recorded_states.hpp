@@ -13,7 +13,7 @@
 
 namespace imulab::kernel {
 
-/// A change of temperature from which thermal terms can be estimated: 10 K or more in one recording.
+/// A change of temperature from which thermal terms can be estimated: 10 K or more, in one recording or between several.
 struct TemperatureSweep {
   ThermalReading reading;              ///< its reference is the recording's mean
   double per_K = 1;                    ///< change of the reading
@@ -34,6 +34,9 @@ class RecordedStates {
   const std::optional<TemperatureSweep>& sweep() const { return sweep_; }
 
  private:
+  /// Returns the number of the joined recording that has this sample.
+  int recording_of(std::size_t sample) const;
+
   const Recording* recording_;
   EffectState common_;
   std::optional<Thermometer> thermometer_;

@@ -223,16 +223,45 @@ HandTurn opening_turn(std::size_t rests) {
   return turns[(rests + 5) % 6];
 }
 
+bool sweeps_in_one_attitude(const RestStart& start, const Recording& recording) {
+  constexpr std::size_t several = 5;
+  constexpr double one_direction = 10 * unit::deg;
+  const auto is_dead = [](const std::vector<double>& column) { return std::ranges::min(column) == std::ranges::max(column); };
+  if (start.rests.size() < several || recording.gyro_unit == "count" || std::ranges::any_of(recording.gyro, is_dead)) return false;
+  for (std::size_t k = 0; k < start.rests.size(); ++k)
+    if (!is_part_of_rest(recording, start.rests, k) || start.up(start.rests[k]).dot(start.up(start.rests[0])) < std::cos(one_direction)) return false;
+  return true;
+}
+
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options) {
-  RestStart start = coarse::start_from_rests(input, "handheld");
+  return calibrate_with_links(input, options, "handheld", coarse::start_from_rests(input, "handheld"));
+}
+
+CalibrationResult calibrate_with_links(const CalibrationInput& input, const CalibrationOptions& options, std::string_view method, RestStart start) {
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
   kernel::expect_alive(recording, Triad::gyro, "the method static calibrates the accelerometers alone");
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
   coarse::use_declared_gyro_noise(start, recording, session.imu);
+  std::vector<CoefficientIndex> terms = options.terms;
+  Vector3d along_gravity = Vector3d::Zero();  // what bias and scale miss of g: one attitude does not tell them apart, and the result has neither
+  if (terms.empty() && sweeps_in_one_attitude(start, recording)) {
+    terms = select_coefficients("gyro.offset");
+    Vector3d force = Vector3d::Zero();  // at the mean temperature
+    double samples = 0;
+    for (const RestMeans& rest : start.rests) {
+      const auto n = static_cast<double>(rest.range.size());
+      force += n * output(start.model.accel, start.accel(rest)), samples += n;
+    }
+    force /= samples;
+    along_gravity = (session.site.gravity() / force.norm() - 1) * force;
+    start.model.accel.offset += along_gravity, start.prior.accel.offset += along_gravity;
+    std::erase_if(start.findings, [](const Finding& f) { return f.code == Code::rests_near_a_plane || f.code == Code::start_of_fit; });
+    start.findings.add<Code::one_attitude>();
+  }
   const std::vector<CoefficientIndex> indices =
-      choose_coefficients(start, session, recording, options.effects, options.terms, handheld_coefficients(), "handheld");
+      choose_coefficients(start, session, recording, options.effects, terms, handheld_coefficients(), method);
 
   HandheldProblem whole(recording, start, session.site, indices, turns);
   const std::size_t usable_turns = whole.turns(), parts = start.rests.size() + whole.rotations();
@@ -241,7 +270,8 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem, std::move(cleaned.fit.fit));
 
-  CalibrationResult result{.calibration = calibration_of("handheld", problem, fit, session)};
+  CalibrationResult result{.calibration = calibration_of(method, problem, fit, session)};
+  result.calibration.model.accel.offset -= along_gravity;
   Quality& quality = result.calibration.quality;
   add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);

@@ -104,4 +104,12 @@ class HandheldProblem : public RestProblem {
   std::vector<Eigen::Vector2d> earth_horizontal_;  ///< east, north, for each stretch
 };
 
+/// Returns true for parts of rests, all in one attitude, in which the temperature changes: they show the gyros' biases, and how all biases follow the
+/// temperature.
+bool sweeps_in_one_attitude(const coarse::RestStart& start, const Recording& recording);
+
+/// Calibrates from rests and the rotations between them, in the name of a method.
+CalibrationResult calibrate_with_links(const CalibrationInput& input, const CalibrationOptions& options, std::string_view method,
+                                       coarse::RestStart start);
+
 }  // namespace imulab::rests

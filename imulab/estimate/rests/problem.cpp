@@ -104,6 +104,9 @@ kernel::Effects expected_effects(const coarse::RestStart& start, const Recording
       double& first_order = sizes.declared.try_emplace(triad + ".offset_temperature", 0).first->second;
       if (first_order > 0) sizes.declared.try_emplace(triad + ".thermal", first_order);
       first_order = 0;
+      // Sizes of other effects say little of this one, and in one attitude it looks like a bias.
+      const std::string scale = triad + ".scale_temperature";
+      sizes.declared.try_emplace(scale, sizes.of(*find_effect(scale)));
     }
   return kernel::Effects(sizes, setting);
 }
@@ -121,9 +124,10 @@ std::vector<EffectState> rest_states(const Recording& recording, const coarse::R
     state = recorded.at(rest.range.begin + rest.range.size() / 2);
     Vector3d square = Vector3d::Zero();
     const Vector3d mean = linear_output(start.model.accel, start.accel(rest));
+    const bool continues = continues_rest(recording, start.rests, k);
     for (; sample < rest.range.end; ++sample) {
       const Vector3d force = linear_output(start.model.accel, start.scaling.accel(reading_at(recording.accel, sample)));
-      const Vector3d now = play(force);
+      const Vector3d now = continues ? states[k - 1].play : play(force);
       if (sample < rest.range.begin) continue;
       state.play += now / static_cast<double>(rest.range.size());
       square += (force - mean).cwiseAbs2() / static_cast<double>(rest.range.size());

@@ -4,6 +4,7 @@
 #include "imulab/estimate/kernel/effect_findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
+#include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/model/frame_axes.hpp"
@@ -168,6 +169,7 @@ void check_turns(RestStart& start, const Recording& recording, const Matrix3d& g
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
   RestStart start = coarse::start_from_rests(input, "static");
   const Recording& recording = input.recordings.front();
+  if (sweeps_in_one_attitude(start, recording)) return calibrate_with_links(input, options, "static", std::move(start));
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
   check_axes(start, recording);

@@ -34,26 +34,30 @@ std::vector<Vector3d> middle_means(const Recording& recording, std::span<const R
 }
 
 /// Returns the scaled gyro readings at the rests as explained by a drifting offset and a g-sensitivity: the remainder is Earth's rate, noise and a
-/// turn. Few rests do not separate a steady turn from a g-sensitivity: their whole mean counts as explained.
+/// turn. Few rests do not separate a steady turn from a g-sensitivity: their whole mean counts as explained, as that of a part of a rest.
 std::vector<Vector3d> explained_means(const Recording& recording, std::span<const RestMeans> rests, const SensorModel& model,
                                       const Scaling& scaling) {
   constexpr std::size_t enough = 16;
   constexpr Index columns = 6;
   std::vector<Vector3d> out = middle_means(recording, rests, scaling);
-  if (rests.size() < enough) return out;
+  std::vector<std::size_t> whole;
+  for (std::size_t k = 0; k < rests.size(); ++k)
+    if (!is_part_of_rest(recording, rests, k)) whole.push_back(k);
+  if (whole.size() < enough) return out;
   const double begin = rests.front().mid_s, span = std::max(rests.back().mid_s - begin, 1e-9);
-  MatrixXd design = MatrixXd::Ones(std::ssize(rests), columns), mean(std::ssize(rests), 3);
-  for (std::size_t k = 0; k < rests.size(); ++k) {
-    const auto row = static_cast<Index>(k);
+  MatrixXd design = MatrixXd::Ones(std::ssize(whole), columns), mean(std::ssize(whole), 3);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const auto row = static_cast<Index>(i);
+    const std::size_t k = whole[i];
     mean.row(row) = out[k].transpose();
     const double time = (rests[k].mid_s - begin) / span - 0.5;
     design.row(row).segment<3>(1) = output(model.accel, scaling.accel(rests[k].accel)).normalized().transpose();
     design(row, 4) = time, design(row, 5) = time * time;
   }
   MatrixXd normal = design.transpose() * design;
-  normal.diagonal().array() += 1e-6 * static_cast<double>(rests.size());  // rests in one direction do not determine a g-sensitivity
+  normal.diagonal().array() += 1e-6 * static_cast<double>(whole.size());  // rests in one direction do not determine a g-sensitivity
   const MatrixXd coefficients = solve_semidefinite(normal, MatrixXd(design.transpose() * mean));
-  for (std::size_t k = 0; k < rests.size(); ++k) out[k] = (design.row(static_cast<Index>(k)) * coefficients).transpose();
+  for (std::size_t i = 0; i < whole.size(); ++i) out[whole[i]] = (design.row(static_cast<Index>(i)) * coefficients).transpose();
   return out;
 }
 
@@ -62,6 +66,7 @@ std::vector<Vector3d> explained_means(const Recording& recording, std::span<cons
 Range turn_between(const Recording& recording, Range rest, Range next, const Stillness& stillness) {
   const auto end_of = [&](Range r) { return stillness.moves ? r.size() / 2 : std::min(stillness.end, r.size() / 2); };
   Range turn{rest.end, next.begin};
+  if (turn.size() == 0) return turn;
   if (const std::size_t n = end_of(rest); recording.gaps_in({rest.end - n, rest.end + 1}) == 0) turn.begin -= n;
   if (const std::size_t n = end_of(next); recording.gaps_in({next.begin, next.begin + n + 1}) == 0) turn.end += n;
   return turn;
@@ -93,6 +98,7 @@ Stillness stillness_of(const Recording& recording, std::span<const RestMeans> re
   };
   for (std::size_t k = 0; k < rests.size(); ++k) {
     const Range rest = rests[k].range;
+    if (is_part_of_rest(recording, rests, k)) continue;
     const std::size_t middle = rest.begin + rest.size() / 2, end = std::min(out.end, rest.size() / 2);
     add(k, {rest.begin + end, middle}, {k == 0 ? rest.begin : rests[k - 1].range.end, rest.begin});
     add(k, {middle, rest.end - end}, {rest.end, k + 1 == rests.size() ? rest.end : rests[k + 1].range.begin});
@@ -109,7 +115,7 @@ void level_at_middle(const Recording& recording, std::vector<RestMeans>& rests, 
   const Matrix3d to_raw = (model.accel.matrix * scaling.accel_scale.cwiseInverse().asDiagonal()).inverse();
   for (std::size_t k = 0; k < rests.size(); ++k) {
     RestMeans& rest = rests[k];
-    if (recording.gaps_in(rest.range) > 0) continue;
+    if (is_part_of_rest(recording, rests, k) || recording.gaps_in(rest.range) > 0) continue;
     const Vector3d force = output(model.accel, scaling.accel(rest.accel));
     Vector3d angle = -turned(recording, {rest.range.begin, rest.range.begin + rest.range.size() / 2}, means[k], model, scaling),
              sum = Vector3d::Zero();

@@ -25,7 +25,7 @@ struct Stillness {
 Stillness stillness_of(const Recording& recording, std::span<const RestMeans> rests, const SensorModel& scaled_model, const Scaling& scaling,
                        const Vector3d& sample_sigma, const Vector3d& rounding_sigma);
 
-/// Returns the samples of the turn between two rests, including the ends of the rests unless they have a gap.
+/// Returns the samples of the turn between two rests, including the ends of the rests unless they have a gap. Adjacent rests have no turn.
 Range turn_between(const Recording& recording, Range rest, Range next, const Stillness& stillness);
 
 /// Refers the mean forces to the axes at the middles of the rests: rotates each sample by the gyro integral up to it.

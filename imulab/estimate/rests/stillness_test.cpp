@@ -31,7 +31,7 @@ Still rests(int count, const std::function<double(double)>& turned) {
   for (int k = 0; k < count; ++k) {
     ranges.push_back({out.recording.size(), out.recording.size() + samples});
     const auto angle = [&](double t) { return k % 2 == 0 ? turned(t) : -turned(t); };
-    for (std::size_t i = 0; i < samples; ++i) {
+    for (std::size_t i = 0; i < samples + 1; ++i) {  // one between the rests
       const double end = (static_cast<double>(i) + 1 - samples / 2.0) * interval, begin = end - interval, middle = angle(0.5 * (begin + end));
       out.recording.time_ns.push_back(static_cast<std::int64_t>(out.recording.time_ns.size() + 1) * 10'000'000);
       const Vector3d force = rotation_exp(Vector3d(-middle, 0, 0)) * Vector3d(0, 0, 9.8);
