@@ -60,9 +60,29 @@ TEST(InspectOddLogs, ACounterOfSamplesIsNoClock) {
   const auto wrapped = [](std::size_t i) { return fmt::format("{}", (i + 60'000) % 65'536); };
   EXPECT_THAT(inspected_log(odd_log("counter,gx,gy,gz,ax,ay,az", true, wrapped, all)).ambiguous(), Contains(HasSubstr("rate_hz")));
   const auto ticks = [](std::size_t i) { return fmt::format("{}", 400 * i); };
-  EXPECT_THAT(inspected_log(odd_log("ticks,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous(), ElementsAre(HasSubstr("time.ticks_per_s")));
+  const Inspection ticking = inspected_log(odd_log("ticks,gx,gy,gz,ax,ay,az", true, ticks, all));
+  EXPECT_THAT(ticking.ambiguous(), ElementsAre(HasSubstr("time.ticks_per_s")));
+  EXPECT_THAT(ticking.problems(), IsEmpty());
+  EXPECT_EQ(ticking.source.gyro.columns.size(), 3u);
   EXPECT_THAT(inspected_log(odd_log("c,gx,gy,gz,ax,ay,az", true, ticks, all)).ambiguous(), ElementsAre(HasSubstr("time.unit")))
       << "400 could be us at 2500 Hz";
+}
+
+TEST(InspectOddLogs, ANameOfAFileIsNotThatOfTwoTriads) {
+  for (const char* head : {"t,c1,c2,c3,c4,c5,c6", "t,Dreh_X,Dreh_Y,Dreh_Z,ax,ay,az"}) {
+    const std::string text = odd_log(head, false, seconds, all);
+    for (const char* file : {"a7.csv", "accel_run1.csv", "gyro.csv"})
+      EXPECT_THAT(inspect(signals_of_text(file, text), {}).ambiguous(), IsEmpty()) << file;
+  }
+}
+
+TEST(InspectOddLogs, MoreHolesThanAreLeftOutAreNamed) {
+  std::string text = odd_log("t,gx,gy,gz,ax,ay,az", false, seconds, all);
+  std::size_t line = 1, at = text.find('\n');
+  for (; (at = text.find('\n', at + 1)) != std::string::npos; ++line)
+    if (line % 50 == 7) text.replace(text.rfind(',', at) + 1, at - text.rfind(',', at) - 1, "NaN"), at = text.find('\n', at - 10);
+  EXPECT_THAT(inspected_log(text).problems(),
+              ElementsAre(testing::ContainsRegex("^az has no finite number in [0-9]+ of [0-9]+ rows, first in line 8: no ")));
 }
 
 TEST(InspectOddLogs, AUnitThatIsNotKnownIsAskedAbout) {

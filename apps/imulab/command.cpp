@@ -9,6 +9,7 @@
 #include "imulab/files.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/not_json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/unfinished.hpp"
 #include "imulab/parallel.hpp"
@@ -167,7 +168,15 @@ void do_work(const Verb& verb, const std::vector<ParsedOption>& options) {
     if (row->keeps)
       for (const std::string& file : option->results()) expect_free(shortest_name(*row), file);
   if (streams > 1) throw Error("-: standard input is named twice; expected it once");
-  verb.does();
+  try {
+    verb.does();
+  } catch (const NotJson& e) {  // a file in the place of another
+    const std::string text = e.what();
+    for (const auto& [row, option] : options)
+      for (const std::string& file : option->results())
+        if (row->is_positional() && text.starts_with(input_name(file) + ":")) throw Error(text + "; usage: " + usage(verb));
+    throw;
+  }
 }
 
 /// Everything below a verb as CLI11 has it.
@@ -288,7 +297,7 @@ int parse_and_do(std::vector<std::string> arguments, const std::vector<std::stri
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
       const bool lacks = dynamic_cast<const CLI::RequiredError*>(&e) != nullptr;
-      const std::string otherwise = e.what() + (lacks ? "; usage: " + usage(verb) : "");
+      const std::string otherwise = lacks ? lacking(verb, e.what()) : e.what() + option_of_file(verb, given, e.what());
       throw Error(unknown_option(verb, given).value_or(otherwise) + " (--help explains the command)");
     }
     app.exit(e);  // help and version

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 
 namespace imulab::command {
 
@@ -251,6 +252,25 @@ std::optional<std::string> unknown_option(const Verb& verb, const std::vector<st
     return fmt::format("{} is not an option of {}{}", excerpt(name), verb.name, meant.empty() ? "" : fmt::format("; did you mean {}?", meant));
   }
   return std::nullopt;
+}
+
+std::string lacking(const Verb& verb, const std::string& problem) {
+  constexpr std::size_t few = 12;
+  for (const VerbOption& row : verb.options)
+    for (const std::string& flag : row.flags)
+      if (problem.starts_with(flag + " ") && !row.choices.empty() && row.choices.size() <= few)
+        return fmt::format("{}; expected one of {}; usage: {}", problem, fmt::join(row.choices, ", "), usage(verb));
+  return problem + "; usage: " + usage(verb);
+}
+
+std::string option_of_file(const Verb& verb, const std::vector<std::string>& words, const std::string& problem) {
+  for (const std::string& word : words)
+    for (const VerbOption& row : verb.options)
+      for (const std::string& flag : row.flags)
+        if (row.file == VerbOption::File::read && flag.starts_with("--") && problem.ends_with(" " + word) &&
+            std::filesystem::path(word).stem().string().find(flag.substr(2)) != std::string::npos)
+          return fmt::format("; did you mean {} {}?", flag, excerpt(word));
+  return {};
 }
 
 }  // namespace imulab::command

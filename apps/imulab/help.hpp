@@ -28,6 +28,12 @@ const Verb& verb_at(const Verb& command, const std::vector<std::string>& words);
 /// "imulab report CALIBRATION [options]".
 std::string usage(const Verb& verb);
 
+/// What the command line lacks, with the usage, and with what is allowed where that are a few words.
+std::string lacking(const Verb& verb, const std::string& problem);
+
+/// "; did you mean --noise noise.json?": of a file in no place that is like an option for files. Empty where there is none.
+std::string option_of_file(const Verb& verb, const std::vector<std::string>& words, const std::string& problem);
+
 /// Says what was meant by the first word that looks like an option and is none: "--reprot is not an option; did you mean --report?".
 std::optional<std::string> unknown_option(const Verb& verb, const std::vector<std::string>& words);
 

@@ -53,6 +53,9 @@ void run(const InspectOptions& o) {
   const bool complete = inspection.complete();
   if (!inspection.problems().empty())
     answer.shortcomings = fmt::format("{}: no session: {}", inspection.file, inspection.problems().front());
+  else if (!complete && o.output == "-" && !o.json)  // whose questions are printed nowhere else
+    answer.shortcomings =
+        fmt::format("{}: no session; declare with --set KEY=VALUE:\n  {}", inspection.file, fmt::join(inspection.ambiguous(), "\n  "));
   else if (!complete)
     answer.shortcomings =
         fmt::format("{}: no session: {} open; declare with --set KEY=VALUE", inspection.file,

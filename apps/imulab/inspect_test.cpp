@@ -104,6 +104,7 @@ TEST(InspectCommand, AsksForWhatTheDataLeaveOpen) {
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.output, HasSubstr("? rate_hz: the rows have no stamps"));
   EXPECT_FALSE(std::filesystem::exists(folder / "bare.toml"));
+  EXPECT_THAT(run_imulab(folder, "inspect bare.csv -o -").errors, HasSubstr("no session; declare with --set KEY=VALUE:\n  rate_hz: the rows have"));
   const CommandResult refused = run_imulab(folder, "calibrate bare.csv --method handheld");
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.errors, HasSubstr("rate_hz: the rows have no stamps"));

@@ -97,6 +97,7 @@ TEST(NavigateAidedCommand, OptionsThatDoNotGoTogetherAreRefused) {
   refused("-o track.KML", "track.KML: belongs to --aided");
   refused("--aided -o track.foo", "--output: track.foo: expected a .csv file, or with --aided .geojson, .kml, .pos, .mcap");
   refused("--aided --vertical fixed", "does not go with --aided");
+  refused("--aided --require 'horizontal <= 1 m'", "--require: does not go with --aided; expected --outages, or limits for what is predicted");
   refused("--aided --outages 10", "is no EVERY,LENGTH");
   refused("--aided --outages 10,20", "is no EVERY,LENGTH");
   refused("--aided -o track.pos", "-o: track.pos: has dates, in GPS time, and the recording's clock has none; expected time = { scale = \"gps\" }");

@@ -46,10 +46,18 @@ void write_and_show(const Answer& answer, const NoiseVerbOptions& o) {
   show(answer, o, o.output.empty() ? "" : "\n" + written_text(o.output) + "\n");
 }
 
+/// Declarations are of the files that are no sessions, if there is one.
+RecordingWords words_for(const std::string& path, const NoiseVerbOptions& o) {
+  bool any = false;
+  for (const auto* const paths : {&o.recordings, &o.moving})
+    for (const std::string& other : *paths) any = any || (!other.ends_with(".json") && !declares_itself(other));
+  return any && declares_itself(path) ? RecordingWords{} : RecordingWords{o.declarations, o.topics};
+}
+
 /// A log with vibration or motion, in memory, or a result.
 MovingInput given_after_moving(const std::string& path, const NoiseVerbOptions& o) {
   if (path.ends_with(".json")) return moving_input(path);
-  const Session session = open_session(path, {o.declarations, o.topics}, numbers_inspected, Purpose::noise);
+  const Session session = open_session(path, words_for(path, o), numbers_inspected, Purpose::noise);
   RecordingReading reading = read_recording(session, named_recording(session, ""));
   for (const std::string& text : reading.warnings) warn(path + ": " + text);
   reading.recording.name = path;
@@ -84,7 +92,7 @@ void run(const NoiseVerbOptions& given) {
   std::vector<Session> sessions;  // all of them before the first is analyzed
   const std::uint64_t inspected = std::min<std::uint64_t>(o.most_bytes() / sizeof(double), most_inspected);
   const std::vector<std::string> recordings = recordings_named(o.recordings);
-  for (const std::string& path : recordings) sessions.push_back(open_session(path, {o.declarations, o.topics}, inspected, Purpose::noise));
+  for (const std::string& path : recordings) sessions.push_back(open_session(path, words_for(path, o), inspected, Purpose::noise));
   if (sessions.size() == 1) return write_and_show(analyzed(sessions[0], o), o);
   std::vector<NoiseAnalysis> logs;
   NoiseVerbOptions one = o;

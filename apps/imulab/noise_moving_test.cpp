@@ -68,6 +68,8 @@ TEST(NoiseMovingCommand, ABoundIsAboveBothLogs) {
   const CommandResult exported = run_imulab(folder, "export none --noise both.json --bound --to kf-gins");
   EXPECT_THAT(on_one_line(exported.output),
               testing::AllOf(HasSubstr("what the logs at rest and in motion permit"), testing::Not(HasSubstr("NOT in them"))));
+  // What is declared is of the log that is no session.
+  EXPECT_EQ(run_imulab(folder, "noise quiet.toml --moving idle.csv --set gyro.unit=rad/s").exit_code, 0);
   // The saved bound of the log at rest gives the same.
   ASSERT_EQ(run_imulab(folder, "noise quiet.toml --bound --horizon 10 -o rest.json").exit_code, 0);
   const CommandResult later = run_imulab(folder, "noise rest.json --moving idle.toml --json");

@@ -132,6 +132,8 @@ Session session_of_standard_input(const RecordingWords& words, std::size_t most_
 
 void show_evidence(bool shown) { evidence_is_shown = shown, last_summary.clear(); }
 
+bool declares_itself(const std::string& path) { return path != "-" && is_session(without_slash(path)); }
+
 Session open_session(const std::filesystem::path& named, const RecordingWords& words, std::size_t most_numbers, Purpose purpose) {
   const std::filesystem::path path = without_slash(named);
   if (path == "-") return session_of_standard_input(words, most_numbers, purpose);

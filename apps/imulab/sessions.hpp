@@ -17,6 +17,9 @@ struct RecordingWords {
   std::vector<std::string> declarations, topics = {};
 };
 
+/// True for a session, which needs none of these words; and for a file that is not there.
+bool declares_itself(const std::string& path);
+
 /// What a recording is opened for: noise has no use for axes, gravity and turns, so nothing is said or asked about them.
 enum class Purpose { calibration, noise, compensation };
 

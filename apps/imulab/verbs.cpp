@@ -15,6 +15,7 @@
 #include "imulab/tasks/inspect.hpp"
 #include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/predict.hpp"
+#include "imulab/tasks/procedures.hpp"
 #include "imulab/tasks/simulate.hpp"
 #include "imulab/tasks/trajectory.hpp"
 #include "imulab/tasks/verify.hpp"
@@ -60,6 +61,15 @@ void by_part(const SharingOptions& shared, const ShowOptions& o, const Work& wor
     write_whole(file, done.part->bytes());
     print(fmt::format("{}\nwritten: {}\n", done.part->summary(), one_line(file.string())));
   }
+}
+
+/// A procedure's name stands for no file.
+void expect_file_of_procedure(const std::string& name) {
+  std::error_code none;
+  if (std::filesystem::exists(name, none)) return;
+  for (const StandardProcedure& standard : standard_procedures())
+    if (standard.name == name)
+      throw Error(fmt::format("{0}: is a procedure's name; expected its file, which imulab procedure {0} -o {0}.toml writes", name));
 }
 
 // imulab calibrate SESSION
@@ -131,6 +141,7 @@ void run(const VerifyOptions& o) {
 // imulab simulate PROCEDURE -o FOLDER
 
 void run(const SimulateOptions& o) {
+  expect_file_of_procedure(o.procedure);
   Session procedure = session_at(o.procedure);
   SimulationTask task{.seed = o.seed, .unit = {}, .grade = o.grade};
   if (o.unit) task.unit = read_calibration(*o.unit);
@@ -142,6 +153,7 @@ void run(const SimulateOptions& o) {
 
 void run(const PredictOptions& o) {
   PredictionOptions task = task_of(o);
+  expect_file_of_procedure(o.procedure);
   const ReadProcedure read = read_procedure(o.procedure, o.method);
   will_read_files_of(read.session);
   warn_each(read.warnings);

@@ -26,11 +26,18 @@ std::size_t edits(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+bool same_letters(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 }  // namespace
 
 std::string_view nearest_name(std::string_view word, const std::vector<std::string_view>& names) {
   constexpr std::size_t longest = 100;  // the search takes the product of both lengths
   if (word.size() > longest) return {};
+  for (const std::string_view name : names)
+    if (same_letters(word, name)) return name;
   std::string_view best;
   if (const auto letter = word.find_first_not_of('-'); letter != std::string_view::npos && word.size() - letter >= 3)
     for (const std::string_view name : names)

@@ -332,7 +332,10 @@ NoiseValues noise_values_by_axis(const ExportInput& input, const std::string& pr
 double NoiseValues::rate_hz() const {
   if (!stream_rate_hz)
     throw Error(
-        "noise: has no sample interval; expected a rate: --stream-rate HZ, in Python rate_hz, or rate = 200 Hz among the values of the data sheet");
+        "noise: has no sampling rate, and this target writes one; expected a rate: --stream-rate HZ, in Python rate_hz, or rate = 200 Hz among the "
+        "values of "
+        "the "
+        "data sheet");
   return *stream_rate_hz;
 }
 

@@ -32,8 +32,9 @@ Site declared_site(const Declarations& declared) {
     double value = 0;
     const std::string& text = found->second;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
-      throw Error(fmt::format("{} = {}: is out of range; expected a number from {} to {}", key, text, low, high));
+    const bool number = error == std::errc() && end == text.data() + text.size();
+    if (!number || !(value >= low && value <= high))
+      throw Error(fmt::format("{} = {}: is {}; expected a number from {} to {}", key, text, number ? "out of range" : "no number", low, high));
     return value * factor;
   };
   site.latitude = number("latitude_deg", -90, 90, unit::deg);
@@ -124,6 +125,16 @@ std::string column_name(const SignalTable& table, std::size_t i) {
   return std::any_of(table.signals.begin(), table.signals.end(), same) ? file_of(table, i) + ":" + name : name;
 }
 
+std::string declared_as(const SignalTable& table, const SignalTriad& triad) {
+  std::vector<std::string> words;
+  for (const std::size_t i : triad) {
+    const std::string name = column_name(table, i);
+    const bool plain = !table.signals[i].name.empty() && name.find_first_of(" ,'\"()[]&|;<>*?$\\") == std::string::npos;
+    words.push_back(plain ? name : fmt::format("{}", i + 1));
+  }
+  return fmt::format("{}", fmt::join(words, ","));
+}
+
 void check_declarations(const Declarations& declared) {
   const std::vector<std::string> keys = declaration_keys();
   for (const auto& [key, value] : declared)
@@ -198,7 +209,7 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     if (value < 8 || value > 32 || value != std::floor(value)) throw Error(fmt::format("time.wrap_bits = {}: expected 8 to 32", *bits));
     guess.source.wrap_bits = static_cast<int>(value);
   }
-  if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = {"time.ticks_per_s", "how many ticks are a second"};
+  if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = length_of_tick();
   std::optional<double> average_hz;
   if (guess.even_on_average && guess.column && guess.open.empty()) average_hz = take_rows_evenly(table, guess);
   if (const std::string* rate = find(declared, "rate_hz")) {

@@ -17,6 +17,8 @@ struct DeclaredColumns {
 
 /// A column as messages name it and as declarations take it: "gx", "column 3", or "Gyroscope.csv:x" where several files have an x.
 std::string column_name(const SignalTable& table, std::size_t i);
+/// The three columns as --set takes them: by number where a shell or a list would divide a name.
+std::string declared_as(const SignalTable& table, const SignalTriad& triad);
 /// Throws Error for a key that there is not.
 void check_declarations(const Declarations& declared);
 /// Three names or numbers, divided by commas or blanks. Throws Error for a column that is not there.

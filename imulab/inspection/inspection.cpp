@@ -174,8 +174,11 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
 void ask_about_names(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
   if (!triads.has_gyro || !triads.has_accel) return;
   if (has_role(table, triads.gyro, Role::accel) || has_role(table, triads.accel, Role::gyro))
-    result.ask({"gyro.columns, accel.columns", fmt::format("by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
-                                                           names_of(table, triads.gyro), names_of(table, triads.accel))});
+    result.ask({"gyro.columns, accel.columns",
+                fmt::format("by the turns {} are the gyros and {} the accelerometers; the names say otherwise; if the turns are right: --set "
+                            "gyro.columns={} --set accel.columns={}",
+                            names_of(table, triads.gyro), names_of(table, triads.accel), declared_as(table, triads.gyro),
+                            declared_as(table, triads.accel))});
 }
 
 /// The temperature, by a column's name and its numbers.
@@ -279,6 +282,7 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
   const TimeGuess time = settle_time(table, declared, result);
   TimeGuess assumed = time;  // what does not depend on the rate is found without it
   if (!assumed.rate_hz) assumed.rate_hz = 100;
+  if (time.source.unit == "tick" && !time.source.ticks_per_s) assumed.source.ticks_per_s = *assumed.rate_hz * std::max(time.step, 1.0);
   const std::vector<std::int64_t> time_ns = from_the_first(stamps_of(table, assumed));
   if (time.column && time_ns.empty()) result.findings.add<Code::file_problem>(column_name(table, *time.column) + " has no stamp in some row");
   const ClockQuality clock = clock_quality(time_ns);
@@ -289,6 +293,8 @@ Inspection inspect(const SignalTable& given, const Declarations& declared) {
   if (clock.backward > 0) {
     result.findings.add<Code::file_problem>(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock; {}",
                                                         clock.backward, clock.first_backward + 1, even_rows_advice()));
+  } else if (const std::string holes = result.triads || result.ambiguous().size() > questions ? "" : holes_of_sensors(table); !holes.empty()) {
+    result.findings.add<Code::file_problem>(holes);
   } else if (!result.triads && result.ambiguous().size() == questions) {
     result.ask(
         {"accel.columns, gyro.columns",

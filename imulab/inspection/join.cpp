@@ -61,6 +61,7 @@ SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared
                   "rate is declared: --rate HZ");
   };
   if (!by_row) expect_stamps(result, reference);
+  if (!reference.open.empty() && time_ns.empty()) throw Unsupported(fmt::format("{}: {}", result.file, reference.open.line()));
   if (time_ns.empty()) throw Error(result.file + ": has no stamp in some row; expected one in each, since several tables are joined by time");
   std::size_t begin = 0, end = time_ns.size();
   for (std::size_t t = 1; t < tables.size(); ++t) {
@@ -90,6 +91,7 @@ SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared
     result.format += "; " + table.format;
     result.notes.insert(result.notes.end(), table.notes.begin(), table.notes.end());
   }
+  if (result.first_line > 0) result.first_line += begin;
   for (Signal& signal : result.signals)
     signal.values = {signal.values.begin() + static_cast<std::ptrdiff_t>(begin), signal.values.begin() + static_cast<std::ptrdiff_t>(end)};
   return result;

@@ -235,6 +235,20 @@ Role role_of_unit(const std::string& unit) {
   return Role::unknown;
 }
 
+/// True if a table has at least the columns of two triads: then its file's name says nothing about one of them.
+bool has_two_triads(const SignalTable& table, std::size_t part) {
+  constexpr std::size_t of_two = 6, looked_at = 20'000;
+  std::size_t readings = 0;
+  for (const Signal& signal : table.signals) {
+    if (signal.table != part || signal.values.empty()) continue;
+    const Role role = hint_of(signal.name).role;
+    const auto end = signal.values.begin() + static_cast<std::ptrdiff_t>(std::min(signal.values.size(), looked_at));
+    const bool varies = std::any_of(signal.values.begin(), end, [&](double v) { return v != signal.values.front(); });
+    if (varies && (role == Role::unknown || role == Role::gyro || role == Role::accel) && ++readings == of_two) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 NameHint hint_in(const SignalTable& table, std::size_t column) {
@@ -251,7 +265,7 @@ NameHint hint_in(const SignalTable& table, std::size_t column) {
   };
   hint.role = role_of_unit(!signal.unit.empty() ? signal.unit : hint.unit);
   if (hint.role == Role::unknown && hint.axis >= 0) hint.role = sensor_of(part != nullptr && !part->topic.empty() ? part->topic : table.topic);
-  if (hint.role == Role::unknown && hint.axis >= 0)
+  if (hint.role == Role::unknown && hint.axis >= 0 && !has_two_triads(table, signal.table))
     hint.role = sensor_of(std::filesystem::path(part != nullptr && !part->file.empty() ? part->file : table.file).stem().string());
   return hint;
 }

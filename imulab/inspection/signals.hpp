@@ -42,6 +42,7 @@ struct SignalTable {
   std::string format;  ///< in words: "CSV, delimiter \",\", a header in line 1"
   std::vector<Signal> signals;
   std::vector<SignalPart> parts;   ///< of the tables after the first
+  std::size_t first_line = 0;      ///< of a text: that of the first row, where a row follows in every line
   std::optional<double> rate_hz;   ///< that the file states beside its columns
   std::string rate_name;           ///< under this name
   std::vector<std::string> notes;  ///< what reading met, with its consequence

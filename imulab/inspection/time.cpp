@@ -175,7 +175,7 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
   if (hint.ticks) {
     guess.source.unit = "tick";
     guess.evidence = fmt::format("{} advances by {:.6g}: ticks, by its name", name, steps.typical);
-    guess.open = {"time.ticks_per_s", "how many ticks are a second"};
+    guess.open = length_of_tick();
     return;
   }
   if (!stated.empty() && std::find(time_units.begin(), time_units.end(), stated) != time_units.end()) {
@@ -206,6 +206,8 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
 }
 
 }  // namespace
+
+Question length_of_tick() { return {"time.ticks_per_s", "how many ticks are a second (or how long a tick is: --set time.unit=us, ms or ns)"}; }
 
 TimeGuess recognize_time(const SignalTable& table) {
   TimeGuess guess;
@@ -265,6 +267,7 @@ TimeGuess recognize_time(const SignalTable& table) {
   guess.source.column = signal.column;
   guess.source.wrap_bits = best->steps.bits;
   guess.even_on_average = best->steps.on_average;
+  guess.step = best->steps.typical;
   choose_unit(guess, signal, best->steps);
   if (best->steps.bits) guess.evidence += fmt::format("; begins again after 2^{}", *best->steps.bits);
   return guess;

@@ -18,12 +18,16 @@ struct TimeGuess {
   std::optional<std::size_t> column, fraction;  ///< indices of the signals
   bool even_on_average = false;                 ///< single steps of the column vary, sums of sixteen do not: late stamps, or two rows at once
   std::optional<std::size_t> replaced;          ///< that column, once the rows are taken at equal spacing
+  double step = 0;                              ///< by which the column advances
   std::optional<double> rate_hz;                ///< of the samples; absent where it cannot be known
   std::string evidence;
   std::vector<std::string> others;  ///< columns that could be time as well
   bool by_rate_alone = false;       ///< whole numbers in the only usual unit that gives a rate of an IMU: they may as well be ticks
   Question open;
 };
+
+/// What is asked about a clock of ticks that nothing says the length of.
+Question length_of_tick();
 
 /// Finds the column whose numbers advance in even steps, and their unit by what the column states, its beginning (a date since 1970), its name, or
 /// its maker. Where none of these tells, the only unit in which the steps are the interval of an IMU (10 Hz to 10 kHz) is taken: for whole numbers,

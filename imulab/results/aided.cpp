@@ -68,8 +68,8 @@ std::string aided_headline(const AidedNavigation& n) {
                                  n.solution.time.back() - n.solution.time.front(), n.causal ? "filtered" : "smoothed", largest_sigma(n));
   if (n.outages.empty()) return text;
   const OutageSummary s = outage_summary(n.outages, n.causal ? &OutageResult::predicted : &OutageResult::smoothed);
-  return text + fmt::format("; in {} off by {:.2g} m (median of the largest), {:.2g} times sigma", text::plural(n.outages.size(), "withheld time"),
-                            s.median, s.ratio);
+  return text + fmt::format("; in {} off by at most {:.2g} m{}; errors over their sigmas {:.2g} RMS", text::plural(n.outages.size(), "withheld time"),
+                            s.median, n.outages.size() > 1 ? " (median)" : "", s.ratio);
 }
 
 namespace {

@@ -91,7 +91,8 @@ const RigDeclaration& turntable_of(const Session& session, const std::string& re
   const RigDeclaration* const rig = session.rig_of(session.source_of(recording));
   if (rig == nullptr) throw Error(session.file + ": no rig; the method turntable expects the declared accuracy of a turntable");
   if (rig->kind != RigKind::turntable)
-    throw Error(fmt::format("{}: the rig is of kind \"{}\"; the method turntable expects \"turntable\"", session.file, to_string(rig->kind)));
+    throw Error(fmt::format("{}: the rig is of kind \"{}\"; the method turntable expects \"turntable\"{}", session.file, to_string(rig->kind),
+                            rig->kind == RigKind::none ? "; without a rig: --method handheld" : ""));
   return *rig;
 }
 

@@ -41,10 +41,15 @@ void check_aided(const NavigateVerbOptions& o) {
     return;
   }
   if (o.sessions.size() > 1) throw OptionError("aided", "takes a single SESSION");
-  for (const auto& [name, given] :
-       {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()), std::pair("align", o.align),
-        std::pair("heading", o.heading_deg.has_value()), std::pair("truth", !o.truth.empty()), std::pair("require", o.require.has_value())})
+  for (const auto& [name, given] : {std::pair("vertical", o.vertical.has_value()), std::pair("barometer", !o.barometer.empty()),
+                                    std::pair("align", o.align), std::pair("heading", o.heading_deg.has_value())})
     if (given) throw OptionError(name, "does not go with --aided, whose start, height and errors come from the aids");
+  if (!o.truth.empty())
+    throw OptionError("truth", "does not go with --aided; expected --outages, which compares the solution with the withheld aids");
+  if (o.require)
+    throw OptionError(
+        "require",
+        "does not go with --aided; expected --outages, or limits for what is predicted: imulab predict --require, imulab budget --require");
 }
 
 namespace {

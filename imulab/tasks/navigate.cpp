@@ -40,11 +40,11 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
   verb.option("--filter", o.filter, "with --aided: at each time use only earlier data, but sizes of noise from the whole recording");
   verb.option("--outages EVERY,LENGTH", o.outages,
               "with --aided: withhold the aids for LENGTH seconds every EVERY seconds, and compare; a third number is the time of the first outage");
-  verb.option("--truth FILE", o.truth, "reference solution; absent: the session's [truth]").reads();
+  verb.option("--truth FILE", o.truth, "reference solution; absent: the session's [truth]; not with --aided, which --outages checks").reads();
   verb.option(
       "--require LIMITS", o.require,
       "limits for the errors against the truth, as in \"horizontal <= 100 m at 300 s\" or, at the end, \"horizontal <= 1 nmi/h\"; also vertical, "
-      "velocity, heading; of several sessions also CEP and RMS; exit code 1 otherwise");
+      "velocity, heading; of several sessions also CEP and RMS; exit code 1 otherwise; not with --aided");
   verb.option("-o,--output FILE", o.output,
               "the whole solution as CSV; - for standard output in place of the table; with --aided also .geojson, .kml, .pos, .mcap")
       .writes()

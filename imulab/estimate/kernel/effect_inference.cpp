@@ -151,8 +151,12 @@ double Effects::p_value(const Parameters& parameters, const Solution& solution, 
     const auto k = static_cast<std::size_t>(i);
     const bool has_prior = std::isfinite(parameters.sigma[i]);
     if (has_prior) cost += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2);
-    // The priors of offsets and matrices are so wide that they do not count.
-    if (!has_prior || (k < coefficients.size() && !(size_in(terms_, coefficient(coefficients[k])) > 0))) degrees -= 1;
+    // The priors of offsets and matrices are so wide that they do not count: such a parameter takes as much of a degree of freedom as the data, and
+    // not its prior, determine of it. Of few rows many parameters take less than one each.
+    if (!has_prior)
+      degrees -= 1;
+    else if (k < coefficients.size() && !(size_in(terms_, coefficient(coefficients[k])) > 0))
+      degrees -= 1 - std::min(1.0, solution.covariance(i, i) / std::pow(parameters.sigma[i], 2));
   }
   return chi_square_tail(cost, std::max(1.0, degrees));
 }

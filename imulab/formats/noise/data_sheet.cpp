@@ -14,6 +14,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 namespace imulab {
 namespace {
@@ -234,6 +235,8 @@ DataSheet parse_data_sheet_file(std::string_view toml, const std::string& file) 
 DataSheet read_data_sheet(const std::string& text_or_file) {
   if (text_or_file.find_first_of("=<") != std::string::npos || text_or_file.find("≤") != std::string::npos) return parse_data_sheet(text_or_file);
   if (trimmed(text_or_file, sheet_blanks).empty()) return parse_data_sheet("");  // which says what is expected
+  const bool values = text_or_file.starts_with("gyro.") || text_or_file.starts_with("accel.");
+  if (std::error_code none; values && !std::filesystem::exists(text_or_file, none)) return parse_data_sheet(text_or_file);  // which refuses it
   const MappedFile file(text_or_file, Content::settings);
   if (trimmed(file.text(), sheet_blanks).starts_with('{'))
     throw Error(input_name(text_or_file) +

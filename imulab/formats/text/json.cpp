@@ -3,6 +3,7 @@
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
+#include "imulab/formats/text/not_json.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
@@ -156,6 +157,9 @@ JsonValue parse_json(std::string_view text, const std::string& file, const std::
   try {
     nlohmann::json::sax_parse(text, &builder);
   } catch (const nlohmann::json::parse_error& e) {
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first != std::string_view::npos && text[first] != '{' && text[first] != '[')
+      throw NotJson(fmt::format("{}: is not JSON, but perhaps a recording; expected {}", file, what));
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
     throw Error(fmt::format("{}:{}: not JSON; expected {}: {}", file, line, what,
                             excerpt(std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2), 200)));

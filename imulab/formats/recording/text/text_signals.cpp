@@ -179,6 +179,7 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
   if (ragged > 0)
     table.notes.push_back(fmt::format("{} line{} do not have {} fields, the first is line {}; in the middle of the file they are an error", ragged,
                                       ragged == 1 ? "" : "s", layout.columns, first_ragged));
+  if (const std::size_t rows = table.rows(); rows > 0 && lines[rows - 1] == lines[0] + rows - 1) table.first_line = lines[0];
   leave_out_incomplete(table, lines);
   add_unread(layout, text, table);
 }
