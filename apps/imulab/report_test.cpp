@@ -86,11 +86,12 @@ TEST_F(Report, InputsAndOtherOutputsStay) {
 TEST_F(Report, AWrongFileIsNamed) {
   folder_->write("list.json", "[1, 2]");
   folder_->write("broken.json", "{\"format\": \"imulab.calibration/1\", \"model\": 3}");
-  for (const auto& [command, message] : {std::pair{"report list.json -o x.html", "imulab: list.json: not a result"},
-                                         {"report broken.json -o x.html", "imulab: broken.json: "},
-                                         {"report nothing.json -o x.html", "imulab: nothing.json: "},
-                                         {"report hand.json -o no/where/x.html", "no/where/x.html"},
-                                         {"report hand/recording.csv -o x.html", "imulab: hand/recording.csv:1: not JSON"}}) {
+  for (const auto& [command, message] :
+       {std::pair{"report list.json -o x.html", "imulab: list.json: not a result"},
+        {"report broken.json -o x.html", "imulab: broken.json: "},
+        {"report nothing.json -o x.html", "imulab: nothing.json: "},
+        {"report hand.json -o no/where/x.html", "no/where/x.html"},
+        {"report hand/recording.csv -o x.html", "imulab: hand/recording.csv: is not JSON, but perhaps a recording; expected"}}) {
     const CommandResult result = run(command);
     EXPECT_EQ(result.exit_code, 2) << command;
     EXPECT_THAT(result.errors, HasSubstr(message)) << command;
