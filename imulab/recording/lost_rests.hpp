@@ -17,6 +17,6 @@ struct LostRests {
 /// As detect_rests without it.
 RestDetection detect_rests(const RecordingView& recording, const RestOptions& options, LostRests& lost);
 /// As rests_of without it; none where the session declares holds.
-Rests rests_of(const RecordingView& recording, const Session& session, LostRests& lost);
+Rests rests_of(const RecordingView& recording, const Session& session, LostRests& lost, const RestOptions& options = {});
 
 }  // namespace imulab

@@ -137,10 +137,11 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-/// Cuts runs in which the temperature changes by more than 4 K into parts of 2 K: biases follow it, and the mean of the whole run has that of no
+/// Cuts runs in which the temperature changes by more than two parts [K] into parts: biases follow it, and the mean of the whole run has that of no
 /// temperature. Gyros and accelerometers at one board share the first thermometer found.
-std::vector<Range> cut_by_temperature(const RecordingView& recording, const std::vector<Range>& runs) {
-  constexpr double block_s = 5, part_K = 2, noises = 10;  // thermometers are noisy or coarse
+std::vector<Range> cut_by_temperature(const RecordingView& recording, const std::vector<Range>& runs, double part_K) {
+  constexpr double block_s = 5, noises = 10;  // thermometers are noisy or coarse
+  if (!std::isfinite(part_K)) return runs;
   std::size_t column = gyro_temperature_columns;
   while (column < all_columns && !recording.has(column)) ++column;
   const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));
@@ -185,7 +186,7 @@ QuietRuns rests_by_windows(const RecordingView& recording, const RestOptions& op
     found.notes.push_back("no rests found: even the quietest stretches move smoothly");
     return found;
   }
-  std::vector<Range> runs = cut_by_temperature(recording, quiet_runs(recording, quiet, length, stride));
+  std::vector<Range> runs = cut_by_temperature(recording, quiet_runs(recording, quiet, length, stride), options.part_K);
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
   std::vector<GyroLevel> levels = gyro_levels(recording, runs, g.noise);

@@ -47,14 +47,14 @@ Rests rests_of(const RecordingView& recording, const Session& session) {
   return rests_of(recording, session, lost);
 }
 
-Rests rests_of(const RecordingView& recording, const Session& session, LostRests& lost) {
+Rests rests_of(const RecordingView& recording, const Session& session, LostRests& lost, const RestOptions& options) {
   lost = {};
   Rests rests;
   const RecordingSource source = session.source_of(recording.name);
   if (!session.steps.empty()) expect_axis_angles(recording, session, source);
   const std::vector<Step> steps = session.steps_of(source);
   if (!has_holds(steps)) {
-    RestDetection detection = detect_rests(recording, {}, lost);
+    RestDetection detection = detect_rests(recording, options, lost);
     for (const Step& step : steps)  // a hand that takes a new grip
       std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });
     return {std::move(detection.rests), std::move(detection.notes), std::move(detection.motion)};

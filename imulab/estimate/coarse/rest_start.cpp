@@ -68,10 +68,10 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
   auto coarse = gravity_on_every_axis(start) ? coarse_accel(readings, gravity) : std::nullopt;
   if (coarse && !counts && !near_identity(coarse->matrix)) coarse.reset();  // fitted to the noise of rests that are too similar
   if (!coarse && counts)
-    throw Unsupported(
-        fmt::format("{}: {} rests do not determine the accelerometers' biases and scale factors: at least six rests with each axis up and down, or nine in "
-                    "different directions, are needed",
-                    recording.name, start.rests.size()));
+    throw Unsupported(fmt::format(
+        "{}: {} rests do not determine the accelerometers' biases and scale factors: at least six rests with each axis up and down, or nine in "
+        "different directions, are needed",
+        recording.name, start.rests.size()));
   if (!coarse) {
     start.findings.add<Code::start_of_fit>("the rests alone do not give biases and scale factors: the fit started from the declared units");
     return;
@@ -118,7 +118,8 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
 RestStart start_from_rests(const CalibrationInput& input, std::string_view method) {
   const Recording& recording = kernel::only_recording(input, method);
   kernel::Findings findings;
-  const std::vector<Range> rests = kernel::rests_found(input, recording, findings);
+  constexpr double part_K = 2;  // biases follow the temperature, and the mean of a warming rest has that of no temperature
+  const std::vector<Range> rests = kernel::rests_found(input, recording, findings, {.part_K = part_K});
   RestStart start = start_from_rests(recording, rests, input.session.imu, input.session.site.gravity());
   findings.append(start.findings);
   start.findings = std::move(findings);

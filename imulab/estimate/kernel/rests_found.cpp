@@ -9,10 +9,10 @@
 
 namespace imulab::kernel {
 
-std::vector<Range> rests_found(const CalibrationInput& input, const Recording& recording, Findings& findings) {
+std::vector<Range> rests_found(const CalibrationInput& input, const Recording& recording, Findings& findings, const RestOptions& options) {
   if (input.rests) return *input.rests;
   LostRests lost;
-  const Rests rests = imulab::rests_of(recording, input.session, lost);
+  const Rests rests = imulab::rests_of(recording, input.session, lost, options);
   Findings searched;
   for (const std::string& note : rests.notes) searched.add<Code::rests_searched>(note);
   findings.prepend(searched);
