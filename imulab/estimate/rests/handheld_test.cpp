@@ -131,6 +131,29 @@ TEST(Handheld, ASweepThatThermometersDoNotFollowIsDoubtful) {
   EXPECT_TRUE(c.quality.findings.has(Code::fast_sweep));
 }
 
+TEST(Handheld, OneAttitudeDeterminesWhatFollowsTheTemperature) {
+  HandHeldOptions still;
+  still.poses = 1, still.first_rest = 400, still.rate_hz = 50;
+  const SimulatedSession s = simulate_session(still, 6);
+  const Recording recording = warming(s, accel_per_K, gyro_per_K, 40);
+  for (const char* method : {"static", "handheld"}) {
+    const Calibration c = calibrate(method, input_of(with_thermometers(s), recording)).calibration;
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << verdict_text(c.quality);
+    EXPECT_TRUE(c.quality.findings.has(Code::one_attitude));
+    EXPECT_TRUE(c.model.accel.offset.isZero(1e-12) && c.model.accel.matrix.isIdentity()) << "not determined: as declared";
+    int terms = 0;
+    for (const CoefficientIndex index : c.estimated) {
+      const Coefficient& row = coefficient(index);
+      EXPECT_TRUE(row.triad == Triad::gyro || row.term == Term::thermal) << row.name;
+      if (row.term != Term::thermal) continue;
+      const double truth = row.column == 1 ? (row.triad == Triad::accel ? accel_per_K : gyro_per_K)[row.row] : 0;
+      EXPECT_LT(std::abs(coefficient_value(c.model, index) - truth), 4 * *standard_uncertainty(c, index)) << row.name << ", " << method;
+      ++terms;
+    }
+    EXPECT_EQ(terms, 12);
+  }
+}
+
 /// Adding b (T - 16) to the readings is c1 = b, c2 = 0 in any units; scales and misalignments stay, and the offsets are those at the mean
 /// temperature.
 TEST(Handheld, ASweepOfTemperatureDeterminesThermalTerms) {
