@@ -153,6 +153,12 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
   if (triads.has_gyro) gyro = gyro_guess(table, triads, time, interval_s, declared.contains("gyro.columns") && declared.contains("accel.columns"));
   declare_unit(declared, "accel", accel);
   declare_unit(declared, "gyro", gyro);
+  const bool as_increments = triads.has_accel && accel.open.empty() && accel.output == Output::increment;
+  if (as_increments && triads.has_gyro && gyro.open.empty() && gyro.output == Output::rate && gyro.unit != "count" && !triads.explained() &&
+      !declared.contains("gyro.output"))  // a sensor gives both alike
+    gyro.open = {"gyro.output", fmt::format("the accelerometers give increments; do gyros in {} give rates (--set gyro.output=rate), or increments "
+                                            "(--set gyro.unit=rad)",
+                                            gyro.unit)};
   if (time.by_rate_alone) {
     const bool by_turns = triads.explained() && gyro.open.empty() && gyro.output == Output::rate && gyro.unit != "count";
     const bool by_gravity = !triads.rests.empty() && triads.has_accel && accel.open.empty() && accel.output == Output::increment;
