@@ -1,7 +1,7 @@
 // The sensor model of all methods, from raw output to specific force and angular rate: 63 coefficients (Dai 2011 eqs 1-4,
 // doi:10.3788/OPE.20111907.1620) and lever arms.
 //
-//   V = U - (c1 tau + c2 tau^2)                      per axis, tau = T - T0 within the calibrated range; c0 is zero by the gauge
+//   V = U - (c1 tau + c2 tau^2)                      per axis, tau = T - T0; the constant c0 is zero by the gauge
 //   a = A0 + A1 Va + A2 Va^2 + A3 Va^3               A1 full, A2 and A3 diagonal
 //   w = W0 + W1 Vg + W2 Vg^2 + W3 Vg^3 + C a         C: the gyros' g-sensitivity
 //
@@ -16,7 +16,6 @@
 
 #include "imulab/eigen.hpp"
 
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -25,12 +24,9 @@ namespace imulab {
 
 /// A triad's thermal reading: unit, reference T0 of the model, and calibrated range.
 struct ThermalReading {
-  std::string unit = "degC";          ///< "degC", "K" or "raw" (for instance a gyro's resonance frequency)
-  double reference = 0;               ///< T0
-  std::array<double, 2> range{0, 0};  ///< 0, 0: unknown
-  bool has_range() const { return range[0] != 0 || range[1] != 0; }
-  /// Returns tau of a temperature. Outside the calibrated range the thermal terms keep their values at its limit; NaN remains NaN.
-  double tau(double temperature) const { return (has_range() ? std::clamp(temperature, range[0], range[1]) : temperature) - reference; }
+  std::string unit = "degC";  ///< "degC", "K" or "raw" (for instance a gyro's resonance frequency)
+  double reference = 0;       ///< T0
+  std::array<double, 2> range{0, 0};
   bool operator==(const ThermalReading&) const = default;
 };
 

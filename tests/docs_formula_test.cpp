@@ -38,8 +38,8 @@ std::string c_numbers(const Matrix3d& m) {
 std::string c_numbers(const Vector3d& v) { return fmt::format("{{{:.17g}, {:.17g}, {:.17g}}}", v[0], v[1], v[2]); }
 
 std::string triad_of(const TriadModel& m) {
-  return fmt::format("{{{}, {}, {}, {}, {}, {:.17g}, {{{:.17g}, {:.17g}}}}}", c_numbers(m.offset), c_numbers(m.matrix), c_numbers(m.quadratic),
-                     c_numbers(m.cubic), c_numbers(m.thermal), m.temperature->reference, m.temperature->range[0], m.temperature->range[1]);
+  return fmt::format("{{{}, {}, {}, {}, {}, {:.17g}}}", c_numbers(m.offset), c_numbers(m.matrix), c_numbers(m.quadratic), c_numbers(m.cubic),
+                     c_numbers(m.thermal), m.temperature->reference);
 }
 
 /// Readings and temperatures, in the order of the page's function.
@@ -79,10 +79,8 @@ TEST(DocumentedFormula, OfTheConventionsIsTheWholeModel) {
   for (int i = 0; i < samples; ++i) {
     const std::array<double, 12> x = formula_sample(i);
     RawSample raw{.gyro = {x[3], x[4], x[5]}, .accel = {x[0], x[1], x[2]}};
-    for (std::size_t k = 0; k < 3; ++k) {  // some are outside the range
-      raw.accel_tau[static_cast<Eigen::Index>(k)] = c.model.accel.temperature->tau(x[6 + k]);
-      raw.gyro_tau[static_cast<Eigen::Index>(k)] = c.model.gyro.temperature->tau(x[9 + k]);
-    }
+    raw.accel_tau = Vector3d(x[6], x[7], x[8]).array() - c.model.accel.temperature->reference;
+    raw.gyro_tau = Vector3d(x[9], x[10], x[11]).array() - c.model.gyro.temperature->reference;
     const Motion expected = compensate(c.model, raw);
     Vector3d force, rate;
     ASSERT_TRUE(output >> force[0] >> force[1] >> force[2] >> rate[0] >> rate[1] >> rate[2]);

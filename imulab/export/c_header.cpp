@@ -29,15 +29,6 @@ std::string products(const std::array<double, 3>& coefficients, const std::strin
 
 std::array<double, 3> row(const Matrix3d& m, int i) { return {m(i, 0), m(i, 1), m(i, 2)}; }
 
-bool has_range(const TriadModel& m) { return m.temperature && m.temperature->has_range(); }
-
-/// A temperature within the calibrated range, if it is known; no number stays none.
-std::string limited_text(const TriadModel& m, const std::string& t) {
-  if (!has_range(m)) return t;
-  const std::string low = literal(m.temperature->range[0]), high = literal(m.temperature->range[1]);
-  return fmt::format("({0} < {1} ? {1} : {0} > {2} ? {2} : {0})", t, low, high);
-}
-
 /// The statements that turn three readings into the model's raw readings, less their thermal drift.
 std::string raw_text(const TriadModel& m, const Input& in) {
   const std::string name = in.triad_name();
@@ -46,8 +37,8 @@ std::string raw_text(const TriadModel& m, const Input& in) {
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     if (thermal)
-      text += fmt::format("  const imulab_real {0}_t{1} = {2} - {3};\n", name, axis_names[axis],
-                          limited_text(m, fmt::format("{}_temperature[{}]", name, i)), literal(m.temperature ? m.temperature->reference : 0));
+      text += fmt::format("  const imulab_real {0}_t{1} = {0}_temperature[{2}] - {3};\n", name, axis_names[axis], i,
+                          literal(m.temperature ? m.temperature->reference : 0));
     std::string drift;
     if (thermal && (m.thermal(i, 1) != 0 || m.thermal(i, 2) != 0)) {
       const std::string t = fmt::format("{}_t{}", name, axis_names[axis]);
@@ -110,7 +101,7 @@ std::string range_text(const TriadModel& m) {
 
 /// The condition that one of a triad's temperatures is outside its range; empty where no range is known.
 std::string outside_text(const TriadModel& m, const char* name) {
-  if (!has_range(m)) return {};
+  if (!m.temperature || (m.temperature->range[0] == 0 && m.temperature->range[1] == 0)) return {};
   std::string inside;
   for (int i = 0; i < 3; ++i)
     inside += fmt::format("{0}{1}_temperature[{2}] >= {3} && {1}_temperature[{2}] <= {4}", i ? " &&\n        " : "", name, i,
@@ -120,8 +111,7 @@ std::string outside_text(const TriadModel& m, const char* name) {
 
 std::string out_of_range_text(const SensorModel& m) {
   std::string text =
-      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses the nearest that it saw. "
-      "Where a "
+      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses it all the same. Where a "
       "triad's\n"
       " * calibration knows no range its temperatures are not read and may be 0 (null). */\n"
       "static inline int imulab_out_of_range(const imulab_real accel_temperature[3], const imulab_real gyro_temperature[3]) {\n";

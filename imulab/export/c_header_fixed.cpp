@@ -45,22 +45,16 @@ void set_range(FixedTriad& f, const TriadModel& m, const Input& in, double range
   f.v_unit = std::ldexp(in.factor, -f.in_bits - f.in_shift);
 }
 
-/// Formats of the thermal readings: they hold one and a half times the calibrated distance from the reference, or 100 where that is not stated.
+/// Formats of the thermal readings: up to one and a half times the calibrated distance from the reference, or 100 where that is not stated.
 void set_temperature(FixedTriad& f, const TriadModel& m) {
   const ThermalReading& t = *m.temperature;
   const double far = std::max(std::abs(t.range[0] - t.reference), std::abs(t.range[1] - t.reference));
-  const bool known = t.has_range() && far > 0;
-  const double distance = known ? far : 100, held = known ? 1.5 * far : distance;
-  if (!(std::abs(t.reference) + held < 1e9))
-    throw Error(fmt::format("temperatures about {:g}, up to {:g} from it; expected less than 1e9 for integers", t.reference, held));
-  f.temperature_bits = std::min(16, bits_below(std::abs(t.reference) + held, f.words->largest_temperature));
+  const double distance = (t.range[0] == 0 && t.range[1] == 0) || !(far > 0) ? 100 : 1.5 * far;
+  if (!(std::abs(t.reference) + distance < 1e9))
+    throw Error(fmt::format("temperatures about {:g}, up to {:g} from it; expected less than 1e9 for integers", t.reference, distance));
+  f.temperature_bits = std::min(16, bits_below(std::abs(t.reference) + distance, f.words->largest_temperature));
   f.reference = nearest(std::ldexp(t.reference, f.temperature_bits));
   f.temperature_limit = std::max<std::int64_t>(static_cast<std::int64_t>(std::ldexp(distance, f.temperature_bits)), 1);
-  f.lowest_temperature = f.reference - f.temperature_limit, f.highest_temperature = f.reference + f.temperature_limit;
-  const auto inside = [&](double end) {
-    return std::clamp(nearest(std::ldexp(end, f.temperature_bits)), f.lowest_temperature, f.highest_temperature);
-  };
-  if (known) f.lowest_temperature = inside(t.range[0]), f.highest_temperature = inside(t.range[1]);
   f.temperature_shift = bits_below(static_cast<double>(f.temperature_limit), largest_v(f));
 }
 
@@ -71,7 +65,7 @@ FixedDrift drift_of(const FixedTriad& f, const TriadModel& m, int axis) {
   const double moved = static_cast<double>(f.reference) * step - m.temperature->reference;  // tau = tau of the integers + moved
   const double c1 = m.thermal(axis, 1), c2 = m.thermal(axis, 2);
   const double e0 = (c1 + c2 * moved) * moved / f.v_unit, e1 = (c1 + 2 * c2 * moved) * full / f.v_unit, e2 = c2 * full * full / f.v_unit;
-  const double size = std::abs(e1) + std::abs(e2), per_step = (std::abs(c1) + 2 * std::abs(c2) * full) * step / f.v_unit;
+  const double size = std::abs(e1) + std::abs(e2);
   if (size == 0 && e0 == 0) return d;
   d.largest = std::abs(e0) + size + 2;
   const int bits = f.words->v_bits;
@@ -82,7 +76,7 @@ FixedDrift drift_of(const FixedTriad& f, const TriadModel& m, int axis) {
   const auto scaled = [&](double e) { return nearest(std::ldexp(e, d.shift)); };
   d.k0 = nearest(std::ldexp(e0, d.shift + bits)), d.k1 = scaled(e1), d.k2 = scaled(e2);
   const auto missed = [&](std::int64_t k, double e) { return std::abs(std::ldexp(static_cast<double>(k), -d.shift) - e); };
-  d.error = 0.5 + per_step + missed(d.k1, e1) + missed(d.k2, e2) + (d.k2 != 0 ? std::ldexp(0.5, -d.shift) : 0) + std::ldexp(0.5, -d.shift - bits);
+  d.error = 0.5 + missed(d.k1, e1) + missed(d.k2, e2) + (d.k2 != 0 ? std::ldexp(0.5, -d.shift) : 0) + std::ldexp(0.5, -d.shift - bits);
   return d;
 }
 

@@ -50,9 +50,8 @@ struct FixedTriad {
   int in_shift = 0;
   double v_unit = 0;  ///< model's raw reading that is v = 1
   bool thermal = false;
-  int temperature_bits = 0;                                      ///< a temperature is an integer times 2^-bits of its unit
-  std::int64_t reference = 0, temperature_limit = 0;             ///< T0, and the largest |T - T0|
-  std::int64_t lowest_temperature = 0, highest_temperature = 0;  ///< beyond them the limit is taken
+  int temperature_bits = 0;                           ///< a temperature is an integer times 2^-bits of its unit
+  std::int64_t reference = 0, temperature_limit = 0;  ///< T0, and the largest |T - T0|; beyond it the limit is taken
   int temperature_shift = 0;
   std::array<FixedDrift, 3> drift;
   std::array<FixedRow, 3> row;

@@ -39,8 +39,8 @@ std::string raw_text(const FixedTriad& f, const Input& in) {
     const std::string drift = drift_text(f, name, i);
     if (!drift.empty())
       text += fmt::format("  const int32_t {0}_t{1} = (imulab_{7}_limit({0}_temperature[{2}], {3}, {4}) - {5}){6};\n", name, axis_names[axis], i,
-                          literal(f.lowest_temperature), literal(f.highest_temperature), literal(f.reference), times_power(f.temperature_shift),
-                          f.words->prefix);
+                          literal(f.reference - f.temperature_limit), literal(f.reference + f.temperature_limit), literal(f.reference),
+                          times_power(f.temperature_shift), f.words->prefix);
     text += fmt::format("  const int32_t {}_{} = {}imulab_{}_limit({}[{}], -{}, {}){}{};\n", name, axis_names[axis], in.sign[axis] < 0 ? "-" : "",
                         f.words->prefix, in.parameter, in.column[axis], f.in_limit, f.in_limit, times_power(f.in_shift), drift);
   }
@@ -86,9 +86,9 @@ std::string reading_text(const FixedTriad& f, const Input& in) {
 
 std::string temperature_text(const FixedTriad& f, const TriadModel& m) {
   if (!f.thermal) return "not read";
-  const auto value = [&](std::int64_t t) { return std::ldexp(static_cast<double>(t), -f.temperature_bits); };
-  return fmt::format("{} times 2^{}, from {:g} to {:g}", harmless(m.temperature->unit), f.temperature_bits, value(f.lowest_temperature),
-                     value(f.highest_temperature));
+  const double distance = std::ldexp(static_cast<double>(f.temperature_limit), -f.temperature_bits);
+  return fmt::format("{} times 2^{}, taken as at most {:g} from {:g}", harmless(m.temperature->unit), f.temperature_bits, distance,
+                     m.temperature->reference);
 }
 
 std::string comment_text(const SensorModel& m, const FixedTriad& a, const FixedTriad& g, const Input& accel, const Input& gyro) {

@@ -123,9 +123,9 @@ void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std
       for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c0;
     } else {
       const double* const t = temperature[axis].data() + begin;
-      const ThermalReading reading = *m.temperature;
+      const double reference = m.temperature->reference;
       for (std::size_t k = 0; k < n; ++k) {
-        const double tau = reading.tau(t[k]);
+        const double tau = t[k] - reference;
         v[axis][k] = u[k] - (c0 + (c1 + c2 * tau) * tau);
       }
     }
@@ -214,7 +214,7 @@ void add_drift(const TriadModel& m, const Inputs& temperature, const std::array<
     if (temperature[axis].size() != columns[axis].size() || !m.temperature)
       throw Error("decompensate: the model has thermal terms; expected a thermal reading for each sample and a reference temperature");
     for (std::size_t k = 0; k < columns[axis].size(); ++k) {
-      const double tau = m.temperature->tau(temperature[axis][k]);
+      const double tau = temperature[axis][k] - m.temperature->reference;
       columns[axis][k] += c0 + (c1 + c2 * tau) * tau;
     }
   }

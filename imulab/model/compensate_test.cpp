@@ -106,23 +106,6 @@ TEST(Compensate, FollowsTheEquationsTermByTerm) {
   EXPECT_DOUBLE_EQ(motion.rate.z(), 9 + 2 * motion.force.z());
 }
 
-TEST(Compensate, OutsideTheRangeTheThermalTermsKeepTheirValuesAtItsLimit) {
-  SensorModel m;
-  m.accel.thermal.col(1).setConstant(0.5);
-  m.accel.temperature = ThermalReading{"degC", 20, {10, 40}};
-  const SampleCompensator each(m);
-  for (const auto& [temperature, tau] : {std::pair(-30.0, -10.0), {10.0, -10.0}, {25.0, 5.0}, {90.0, 20.0}}) {
-    EXPECT_EQ(each({0, 0, 0}, {0, 0, 0}, temperature).force.x(), -0.5 * tau);
-    std::array<double, 6> values{};
-    const std::array<double, 1> read{temperature}, zero{0};
-    const auto column = [&](std::size_t k) { return std::span(&values[k], 1); };
-    compensate(m, {{zero, zero, zero}, {zero, zero, zero}, {}, {read, read, read}},
-               {{column(0), column(1), column(2)}, {column(3), column(4), column(5)}});
-    EXPECT_EQ(values[3], -0.5 * tau);
-  }
-  EXPECT_TRUE(std::isnan(each({0, 0, 0}, {0, 0, 0}, NAN).force.x()));
-}
-
 TEST(Compensate, PolynomialWithoutThisOutputIsAnError) {
   SensorModel m;
   m.accel.quadratic.x() = -0.1;  // V - 0.1 V^2 never exceeds 2.5

@@ -36,8 +36,8 @@ SampleCompensator::SampleCompensator(const SensorModel& model, const SampleOptio
     problems.push_back("the model has lever arms, which act over several samples; expected a model without, or leave_lever_arms in the options");
   throw_problems("the model", problems);
   needs_temperature_ = has_thermal_terms(model.gyro) || has_thermal_terms(model.accel);
-  if (model.gyro.temperature) gyro_temperature_ = *model.gyro.temperature;
-  if (model.accel.temperature) accel_temperature_ = *model.accel.temperature;
+  if (model.gyro.temperature) gyro_reference_.setConstant(model.gyro.temperature->reference);
+  if (model.accel.temperature) accel_reference_.setConstant(model.accel.temperature->reference);
 }
 
 Motion SampleCompensator::operator()(const Vector3d& gyro, const Vector3d& accel) const {
