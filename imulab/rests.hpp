@@ -23,7 +23,7 @@ namespace imulab {
 struct RestOptions {
   double window_s = 0.5;        ///< length of a window; motion much shorter than a window is not detected
   double shortest_s = 1.0;      ///< a shorter quiet part is not a rest
-  double part_K = INFINITY;     ///< a rest whose temperature changes by more than twice as much is divided into parts of it
+  double part = INFINITY;       ///< a rest whose thermal reading changes by more than twice as much is divided into parts of it
   double threshold_sigmas = 6;  ///< threshold above the center of the cluster of windows, in robust widths of the cluster
 };
 

@@ -9,7 +9,7 @@
 #include "imulab/files.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/not_json.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/unfinished.hpp"
 #include "imulab/parallel.hpp"

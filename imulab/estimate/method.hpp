@@ -29,6 +29,7 @@ struct RestEvidence {
   std::size_t rests = 0, turns = 0;
   double determined = 0;   ///< number of determined parameters among the nine of the accelerometers, from the directions of the rests
   bool explained = false;  ///< the gyros explain the turns
+  bool sweep = false;      ///< one attitude at many temperatures
 };
 struct MethodSupport {
   bool supported = false;

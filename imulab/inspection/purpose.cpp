@@ -65,18 +65,35 @@ std::string noise_by_unit(const SignalTable& table, const TriadEvidence& triads,
   return out;
 }
 
+namespace {
+
+/// The temperature of a log, and its extremes.
+struct LoggedTemperature {
+  std::span<const double> readings;
+  double low = 0, high = 0;
+  std::string unit;
+  bool changes() const { return high - low >= 10; }  // K: warming up is less
+};
+
+LoggedTemperature temperature_of(const SignalTable& table, const Inspection& result) {
+  const auto column = std::find_if(result.columns.begin(), result.columns.end(), [](const ColumnFinding& c) { return c.role == "temperature"; });
+  if (column == result.columns.end()) return {};
+  const std::vector<double>& readings = table.signals[static_cast<std::size_t>(column - result.columns.begin())].values;
+  const auto [low, high] = std::minmax_element(readings.begin(), readings.end());
+  return {readings, *low, *high, column->unit};
+}
+
+}  // namespace
+
+bool sweeps_in_one_attitude(const SignalTable& table, const TriadEvidence& triads, const Inspection& result) {
+  const LoggedTemperature temperature = temperature_of(table, result);
+  return triads.has_gyro && triads.has_accel && is_one_attitude(table, triads) && temperature.changes() && temperature.unit != "raw";
+}
+
 void add_purpose(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
   if (!is_one_attitude(table, triads)) return;
-  const auto column = std::find_if(result.columns.begin(), result.columns.end(), [](const ColumnFinding& c) { return c.role == "temperature"; });
-  double low = 0, high = 0;
-  std::span<const double> temperature;
-  if (column != result.columns.end()) {
-    temperature = table.signals[static_cast<std::size_t>(column - result.columns.begin())].values;
-    const auto [least, most] = std::minmax_element(temperature.begin(), temperature.end());
-    low = *least, high = *most;
-  }
-  constexpr double least_range = 10;  // K: warming up is less
-  if (high - low < least_range) {
+  const LoggedTemperature temperature = temperature_of(table, result);
+  if (!temperature.changes()) {
     result.note("good for: noise, as a log at rest in one attitude");
     return;
   }
@@ -84,14 +101,11 @@ void add_purpose(const SignalTable& table, const TriadEvidence& triads, Inspecti
   for (std::size_t c = 0; c < table.signals.size(); ++c)
     if (result.columns[c].role.starts_with("gyro.") || result.columns[c].role.starts_with("accel."))
       changes += fmt::format("{}{} {:+.3g}{}", changes.empty() ? "" : ", ", column_name(table, c),
-                             change_with(temperature, low, high, table.signals[c].values),
+                             change_with(temperature.readings, temperature.low, temperature.high, table.signals[c].values),
                              result.columns[c].unit.empty() || result.columns[c].unit == "count" ? "" : " " + result.columns[c].unit);
-  result.note(fmt::format("good for: how the zeros follow the temperature in this one attitude: from {:.3g} to {:.3g} {} the means change by {}", low,
-                          high, column->unit, changes));
-  if (!triads.has_gyro || !triads.has_accel) return;
-  for (MethodFinding& method : result.methods)
-    if (method.name == "static")
-      method.supported = true, method.why = "one attitude at many temperatures: the gyros' biases, and how all follow the temperature";
+  result.note(fmt::format("good for: how the zeros follow the temperature in this one attitude: from {:.3g} to {:.3g} {} the means change by {}{}",
+                          temperature.low, temperature.high, temperature.unit, changes,
+                          temperature.unit == "raw" ? "; for static, declare in the session what the thermometer reads at_25_degC and per_K" : ""));
 }
 
 }  // namespace imulab::inspection

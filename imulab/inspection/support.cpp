@@ -1,6 +1,7 @@
 // The evidence of an inspection: what the readings are worth, and what the data can support.
 #include "imulab/estimate/method.hpp"
 #include "imulab/inspection/evidence.hpp"
+#include "imulab/inspection/purpose.hpp"
 #include "imulab/model/finding_table.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/recording/clipping.hpp"
@@ -126,7 +127,7 @@ void add_support(const SignalTable& table, const std::vector<std::int64_t>& time
   result.findings.add<Code::rests_found>(
       rests, rests > 0 ? fmt::format(", whose directions determine {:.0f} of 9 accelerometer parameters", determined) : "",
       counted(triads.turns, "turn"), triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : "");
-  const RestEvidence evidence{rests, triads.turns, determined, triads.explained()};
+  const RestEvidence evidence{rests, triads.turns, determined, triads.explained(), sweeps_in_one_attitude(table, triads, result)};
   constexpr std::size_t few = 5;  // with four turns between them not even the accelerometers are determined
   for (const Method& method : methods_by_equipment()) {
     MethodSupport support = method.support ? method.support(evidence) : MethodSupport{false, fmt::format("needs {}", method.needs)};

@@ -137,29 +137,29 @@ bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& qu
   return !ratios.empty() && median(ratios) < 0.25;
 }
 
-/// Cuts runs in which the temperature changes by more than two parts [K] into parts: biases follow it, and the mean of the whole run has that of no
+/// Cuts runs in which the thermal reading changes by more than two parts into parts: biases follow it, and the mean of the whole run has that of no
 /// temperature. Gyros and accelerometers at one board share the first thermometer found.
-std::vector<Range> cut_by_temperature(const RecordingView& recording, const std::vector<Range>& runs, double part_K) {
+std::vector<Range> cut_by_temperature(const RecordingView& recording, const std::vector<Range>& runs, double part) {
   constexpr double block_s = 5, noises = 10;  // thermometers are noisy or coarse
-  if (!std::isfinite(part_K)) return runs;
-  std::size_t column = gyro_temperature_columns;
-  while (column < all_columns && !recording.has(column)) ++column;
+  if (!std::isfinite(part)) return runs;
+  const std::size_t column = recording.has(accel_temperature_columns) ? accel_temperature_columns : gyro_temperature_columns;
+  if (!recording.has(column)) return runs;
   const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));
   std::vector<Range> out;
   for (const Range& run : runs) {
     std::vector<double> means;
-    for (std::size_t at = run.begin; column < all_columns && at + block <= run.end; at += block)
+    for (std::size_t at = run.begin; at + block <= run.end; at += block)
       means.push_back(mean_of(recording, column, {at, at + block}));
     std::vector<double> steps;
     for (std::size_t k = 1; k < means.size(); ++k) steps.push_back(std::abs(means[k] - means[k - 1]));
     const auto [low, high] = means.empty() ? std::pair(0., 0.) : std::pair(*std::ranges::min_element(means), *std::ranges::max_element(means));
-    if (!(high - low > 2 * part_K) || !(high - low > noises * median(steps))) {
+    if (!(high - low > 2 * part) || !(high - low > noises * median(steps))) {
       out.push_back(run);
       continue;
     }
     std::size_t begin = 0;
     for (std::size_t k = 1; k <= means.size(); ++k) {
-      if (k < means.size() && std::abs(means[k] - means[begin]) < part_K) continue;
+      if (k < means.size() && std::abs(means[k] - means[begin]) < part) continue;
       out.push_back({run.begin + begin * block, k < means.size() ? run.begin + k * block : run.end});
       begin = k;
     }
@@ -186,7 +186,7 @@ QuietRuns rests_by_windows(const RecordingView& recording, const RestOptions& op
     found.notes.push_back("no rests found: even the quietest stretches move smoothly");
     return found;
   }
-  std::vector<Range> runs = cut_by_temperature(recording, quiet_runs(recording, quiet, length, stride), options.part_K);
+  std::vector<Range> runs = cut_by_temperature(recording, quiet_runs(recording, quiet, length, stride), options.part);
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
   std::vector<GyroLevel> levels = gyro_levels(recording, runs, g.noise);

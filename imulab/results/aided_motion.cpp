@@ -7,6 +7,7 @@
 #include <optional>
 
 namespace imulab {
+
 std::vector<AidedMotion> innovations_by_motion(const AidedNavigation& n) {
   std::vector<AidedMotion> all;
   for (const char* kind : aided::motion_kinds) all.push_back({.kind = kind});

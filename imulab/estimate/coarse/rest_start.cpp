@@ -11,6 +11,7 @@
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/rests_found.hpp"
 #include "imulab/recording/gyro_saturation.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -119,7 +120,10 @@ RestStart start_from_rests(const CalibrationInput& input, std::string_view metho
   const Recording& recording = kernel::only_recording(input, method);
   kernel::Findings findings;
   constexpr double part_K = 2;  // biases follow the temperature, and the mean of a warming rest has that of no temperature
-  const std::vector<Range> rests = kernel::rests_found(input, recording, findings, {.part_K = part_K});
+  RestOptions options;
+  if (const auto thermometer = thermometer_of(recording, input.session.source_of(recording.name)))
+    options.part = part_K * std::abs(thermometer->per_K);
+  const std::vector<Range> rests = kernel::rests_found(input, recording, findings, options);
   RestStart start = start_from_rests(recording, rests, input.session.imu, input.session.site.gravity());
   findings.append(start.findings);
   start.findings = std::move(findings);

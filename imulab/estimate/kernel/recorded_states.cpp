@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace imulab::kernel {
 
@@ -28,6 +29,59 @@ std::optional<TemperatureSweep> sweep_of(const Recording& r, const std::optional
   return out;
 }
 
+/// Consecutive equal means of a thermometer.
+struct Level {
+  std::size_t begin, end;
+  double value;
+};
+
+/// A temperature at a place between means.
+struct Knot {
+  double at, value;
+};
+
+/// The value at a place on the line through two knots, within half a step of the level.
+Knot on_line(const Knot& a, const Knot& b, double at, double level, double half_step) {
+  return {at, std::clamp(a.value + (b.value - a.value) * (at - a.at) / (b.at - a.at), level - half_step, level + half_step)};
+}
+
+/// Where a level passes to the next one, at once or within one mean: half way between them. Nothing if other readings lie between.
+std::optional<Knot> passage(std::span<const double> means, const Level& a, const Level& b) {
+  if (b.begin > a.end + 1) return {};
+  const double part = b.begin == a.end ? 0 : (b.value - means[a.end]) / (b.value - a.value);
+  return Knot{static_cast<double>(a.end) + std::clamp(part, 0.0, 1.0), 0.5 * (a.value + b.value)};
+}
+
+/// Replaces the means of a coarse thermometer, which are equal for some time, by lines between its passages from level to level.
+void join_levels(std::span<double> means) {
+  std::vector<Level> levels;
+  for (std::size_t k = 0; k < means.size(); ++k)
+    if (!levels.empty() && levels.back().end == k && levels.back().value == means[k])
+      levels.back().end = k + 1;
+    else
+      levels.push_back({k, k + 1, means[k]});
+  std::erase_if(levels, [](const Level& level) { return level.end - level.begin < 2; });
+  for (std::size_t first = 0, last = 0; first < levels.size(); first = ++last) {
+    std::vector<Knot> knots;
+    for (; last + 1 < levels.size(); ++last)
+      if (const auto knot = passage(means, levels[last], levels[last + 1]))
+        knots.push_back(*knot);
+      else
+        break;
+    if (knots.size() < 2) continue;
+    const auto half_step = [&](std::size_t k) { return 0.5 * std::abs(levels[k + 1].value - levels[k].value); };
+    const Knot begin = on_line(knots[0], knots[1], static_cast<double>(levels[first].begin), levels[first].value, half_step(first));
+    const Knot end = on_line(knots.back(), knots[knots.size() - 2], static_cast<double>(levels[last].end), levels[last].value, half_step(last - 1));
+    knots.insert(knots.begin(), begin), knots.push_back(end);
+    std::size_t k = 0;
+    for (std::size_t i = levels[first].begin; i < levels[last].end; ++i) {
+      const double at = static_cast<double>(i) + 0.5;
+      while (k + 2 < knots.size() && knots[k + 1].at < at) ++k;
+      means[i] = knots[k].value + (knots[k + 1].value - knots[k].value) * (at - knots[k].at) / (knots[k + 1].at - knots[k].at);
+    }
+  }
+}
+
 }  // namespace
 
 RecordedStates::RecordedStates(const Recording& recording, const Session& session, const SensorModel& model, const Scaling& scaling)
@@ -40,6 +94,9 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
       for (std::size_t i = begin; i < begin + block_; ++i) sum += thermometer_->warming(i);
       warming_.push_back(sum / static_cast<double>(block_));
     }
+    for (std::size_t first = 0, k = 1; k <= warming_.size(); ++k)  // of each recording
+      if (k == warming_.size() || recording_of(k * block_) != recording_of(first * block_))
+        join_levels(std::span(warming_).subspan(first, k - first)), first = k;
     const auto blocks = static_cast<std::size_t>(thermometer_lag_s / block_s);
     double most = 0;
     for (std::size_t j = blocks; j < warming_.size(); ++j)
@@ -64,6 +121,22 @@ int RecordedStates::recording_of(std::size_t sample) const {
   return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), sample) - starts.begin());
 }
 
+double RecordedStates::warming_at(std::size_t sample) const {
+  const double place = std::clamp(static_cast<double>(sample) / static_cast<double>(block_) - 0.5, 0.0, static_cast<double>(warming_.size()) - 1);
+  const std::size_t before = std::min(static_cast<std::size_t>(place), warming_.size() - 2), own = std::min(sample / block_, warming_.size() - 1);
+  if (recording_of(before * block_) != recording_of((before + 2) * block_ - 1)) return warming_[own];
+  return std::lerp(warming_[before], warming_[before + 1], place - static_cast<double>(before));
+}
+
+EffectState RecordedStates::over(const Range& range) const {
+  constexpr std::size_t places = 16;
+  EffectState state = at(range.begin + range.size() / 2);
+  if (warming_.size() < 2) return state;
+  state.warming = 0;
+  for (std::size_t k = 0; k < places; ++k) *state.warming += warming_at(range.begin + (2 * k + 1) * range.size() / (2 * places)) / places;
+  return state;
+}
+
 EffectState RecordedStates::at(std::size_t sample) const {
   EffectState state = common_;
   const std::vector<std::size_t>& starts = recording_->starts;
@@ -72,7 +145,7 @@ EffectState RecordedStates::at(std::size_t sample) const {
   const double begin = recording_->time_s(after == starts.begin() ? 0 : *(after - 1));
   const double end = recording_->time_s((after == starts.end() ? recording_->size() : *after) - 1);
   state.time = (recording_->time_s(sample) - begin) / std::max(end - begin, 1e-9) - 0.5;
-  if (thermometer_) state.warming = thermometer_->warming(sample);
+  if (thermometer_) state.warming = warming_.size() < 2 ? thermometer_->warming(sample) : warming_at(sample);
   if (warming_.size() > 2) {  // the slope between the means of the neighbors
     const std::size_t middle = std::clamp<std::size_t>(sample / block_, 1, warming_.size() - 2);
     if (recording_of((middle - 1) * block_) == recording_of((middle + 2) * block_ - 1))

@@ -29,6 +29,8 @@ class RecordedStates {
 
   /// Returns the state of a sample without force and rate.
   EffectState at(std::size_t sample) const;
+  /// Returns the state in the middle of a range, in a sweep with the mean temperature over it.
+  EffectState over(const Range& range) const;
   int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
   bool thermometer() const { return thermometer_.has_value(); }
   const std::optional<TemperatureSweep>& sweep() const { return sweep_; }
@@ -36,6 +38,8 @@ class RecordedStates {
  private:
   /// Returns the number of the joined recording that has this sample.
   int recording_of(std::size_t sample) const;
+  /// Returns the temperature of a sample in a sweep, between the means of the blocks around it.
+  double warming_at(std::size_t sample) const;
 
   const Recording* recording_;
   EffectState common_;

@@ -105,7 +105,7 @@ class HandheldProblem : public RestProblem {
 };
 
 /// Returns true for parts of rests, all in one attitude, in which the temperature changes: they show the gyros' biases, and how all biases follow the
-/// temperature.
+/// temperature. Throws Unsupported if the gyros do not vary.
 bool sweeps_in_one_attitude(const coarse::RestStart& start, const Recording& recording);
 
 /// Calibrates from rests and the rotations between them, in the name of a method.

@@ -100,11 +100,13 @@ std::string directions(const RestEvidence& e) { return fmt::format("{}, {:.0f} o
 }  // namespace
 
 MethodSupport support_static(const RestEvidence& e) {
+  if (e.sweep) return {true, "one attitude at many temperatures: the gyros' biases, and how all follow the temperature"};
   const bool enough = enough_directions(e);
   return {enough, directions(e) + (enough ? "" : ": at least nine rests in different directions are needed")};
 }
 
 MethodSupport support_handheld(const RestEvidence& e) {
+  if (e.sweep) return {true, "as static; together with a log by hand, all coefficients"};
   const bool still = enough_directions(e), turns = still && e.explained;
   return {turns, fmt::format("{}, {}{}", directions(e), counted(e.turns, "turn"),
                              turns   ? ""

@@ -121,7 +121,7 @@ std::vector<EffectState> rest_states(const Recording& recording, const coarse::R
   for (std::size_t k = 0; k < states.size(); ++k) {
     const RestMeans& rest = start.rests[k];
     EffectState& state = states[k];
-    state = recorded.at(rest.range.begin + rest.range.size() / 2);
+    state = recorded.over(rest.range);
     Vector3d square = Vector3d::Zero();
     const Vector3d mean = linear_output(start.model.accel, start.accel(rest));
     const bool continues = continues_rest(recording, start.rests, k);

@@ -169,7 +169,7 @@ void check_turns(RestStart& start, const Recording& recording, const Matrix3d& g
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
   RestStart start = coarse::start_from_rests(input, "static");
   const Recording& recording = input.recordings.front();
-  if (sweeps_in_one_attitude(start, recording)) return calibrate_with_links(input, options, "static", std::move(start));
+  if (options.terms.empty() && sweeps_in_one_attitude(start, recording)) return calibrate_with_links(input, options, "static", std::move(start));
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
   check_axes(start, recording);

@@ -3,7 +3,6 @@
 #include "imulab/core/nearest_name.hpp"
 #include "imulab/error.hpp"
 #include "imulab/formats/text/json_fields.hpp"
-#include "imulab/formats/text/not_json.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>

@@ -17,6 +17,12 @@
 
 namespace imulab {
 
+/// A text that does not even begin as JSON: another file in the place of one.
+class NotJson : public Error {
+ public:
+  using Error::Error;
+};
+
 struct JsonValue;
 
 /// An object: keys and values in their order.
