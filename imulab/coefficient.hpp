@@ -6,7 +6,7 @@
 //   for (const CoefficientIndex i : select_coefficients("accel.offset")) std::puts(coefficient(i).name.data());
 //   const UserUnit unit = user_unit(coefficient(index), value);        // arcsec: value / unit.size
 //
-// A function that takes a name throws Error if it is unknown. Looking up a name is a pass over the 66 rows; an index needs no search. Safe on any
+// A function that takes a name throws Error if it is unknown. Looking up a name is a pass over the 108 rows; an index needs no search. Safe on any
 // thread.
 #pragma once
 
@@ -20,10 +20,10 @@
 namespace imulab {
 
 enum class Triad { accel, gyro };
-enum class Term { offset, matrix, quadratic, cubic, thermal, g_sensitivity, lever_arm };
+enum class Term { offset, matrix, quadratic, cubic, thermal, matrix_thermal1, matrix_thermal2, g_sensitivity, lever_arm };
 
-/// One row of the table. `row` is the output axis. `column` is the input axis (matrix, g_sensitivity), the component (lever_arm) or the order 1 or 2
-/// (thermal); for the diagonal terms it equals `row`.
+/// One row of the table. `row` is the output axis. `column` is the input axis (matrix, its thermal terms, g_sensitivity), the component (lever_arm)
+/// or the order 1 to 3 (thermal); for the diagonal terms it equals `row`.
 struct Coefficient {
   std::string_view name;  ///< "gyro.matrix.xy": triad.term.element; the first letter of the element is the row
   Triad triad;
@@ -35,10 +35,11 @@ struct Coefficient {
 /// A coefficient's index in the table. CoefficientIndex(4) makes one from a number; it converts to a number to address a row or column.
 enum CoefficientIndex : int {};
 
-/// Returns all coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 6, lever_arm 9; gyro likewise, with g_sensitivity
-/// 9 instead of lever_arm. (These are Dai's 63, minus the six thermal constants that the gauge fixes, plus nine lever arm components.)
+/// Returns all coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 9, matrix_thermal1 9, matrix_thermal2 9, lever_arm
+/// 9; gyro likewise, with g_sensitivity 9 instead of lever_arm. (These are Dai's 63, minus the six thermal constants that the gauge fixes, plus nine
+/// lever arm components, six thermal terms of third order, and the matrices' thermal terms.)
 std::span<const Coefficient> coefficient_table();
-inline constexpr int coefficient_count = 66;
+inline constexpr int coefficient_count = 108;
 /// Returns one row of the table. Throws Error if `index` is outside the table.
 const Coefficient& coefficient(CoefficientIndex index);
 /// Returns all indices in order.
@@ -70,6 +71,13 @@ inline const TriadModel& triad_model(const SensorModel& model, Triad triad) { re
 double coefficient_value(const SensorModel& model, CoefficientIndex index);  ///< returns the value [SI, raw unit of the model]
 Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);  ///< one value per index
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value);                              ///< `value`: SI, raw unit of the model
+
+/// Returns true for the thermal terms of a matrix.
+inline bool is_matrix_thermal(Term term) { return term == Term::matrix_thermal1 || term == Term::matrix_thermal2; }
+/// Returns true for terms that act by the temperature alone.
+inline bool is_thermal(Term term) { return term == Term::thermal || is_matrix_thermal(term); }
+/// Returns true for terms that Dai's model lacks: the thermal ones of third order, and those of matrices.
+inline bool is_extended(const Coefficient& c) { return is_matrix_thermal(c.term) || (c.term == Term::thermal && c.column == 3); }
 
 /// Returns true for terms with three elements, one per axis (offset, quadratic, cubic). The other terms are 3x3 in the model and in files.
 bool is_vector(Term term);

@@ -8,10 +8,10 @@
 //   const Motion now = compensator({0, 0, 0.01}, {0.1, 0.2, 9.7}, 31.5);     // degC
 //   const CompensatedRecording whole = compensate(calibration.model, recording, Outliers::reject);
 //
-// The result is valid within the readings and temperatures that the calibration covered; samples outside these temperatures are listed. Units are
-// those of the model (`raw_unit`): a recording in other units is refused with an Error, but single samples are not checked. The inverse converges if
-// the polynomial is monotone. One sample takes 40 ns, without allocation. Several threads may use a model or a SampleCompensator at the same time,
-// but only one a Compensator.
+// The result is valid within the readings and temperatures that the calibration covered. Outside these temperatures the thermal terms keep their
+// values at the limit, and the samples are listed. Units are those of the model (`raw_unit`): a recording in other units is refused with an Error,
+// but single samples are not checked. The inverse converges if the polynomial is monotone. One sample takes 40 ns, without allocation. Several
+// threads may use a model or a SampleCompensator at the same time, but only one a Compensator.
 #pragma once
 
 #include "imulab/calibration.hpp"
@@ -91,7 +91,8 @@ class SampleCompensator {
   Motion operator()(const Vector3d& gyro, const Vector3d& accel) const;
   /// Compensates with the absolute thermal readings of each axis. Those of a triad without thermal terms are not used.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel, const Vector3d& gyro_temperature, const Vector3d& accel_temperature) const {
-    return compensate(model_, {gyro, accel, gyro_temperature - gyro_reference_, accel_temperature - accel_reference_});
+    const auto tau = [](const ThermalReading& of, const Vector3d& t) { return Vector3d(of.tau(t[0]), of.tau(t[1]), of.tau(t[2])); };
+    return compensate(model_, {gyro, accel, tau(gyro_temperature_, gyro_temperature), tau(accel_temperature_, accel_temperature)});
   }
   /// Compensates with one thermal reading for all axes.
   Motion operator()(const Vector3d& gyro, const Vector3d& accel, double temperature) const {
@@ -102,7 +103,7 @@ class SampleCompensator {
 
  private:
   SensorModel model_;
-  Vector3d gyro_reference_ = Vector3d::Zero(), accel_reference_ = Vector3d::Zero();
+  ThermalReading gyro_temperature_, accel_temperature_;
   bool needs_temperature_ = false;
 };
 

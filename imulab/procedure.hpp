@@ -30,6 +30,14 @@ struct HandHeldOptions {
   std::string grade = "mems";
 };
 
+/// An IMU that warms up from a cold soak while it is turned by hand: 95 % of the way to the room's temperature, exponentially.
+struct WarmUpOptions {
+  double from = -15, to = 25;  ///< degC: of the freezer and of the room
+  double minutes = 20;
+  HandHeldOptions by_hand{.first_rest = 15, .rest = 10, .move = 3};  ///< poses follow from the time
+};
+Session warm_up_procedure(const WarmUpOptions& options, std::uint64_t seed);
+
 /// Returns a procedure for an IMU turned by hand: rests at random attitudes (uniform gravity directions and headings, drawn by `seed`) and moves.
 Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed);
 

@@ -30,16 +30,22 @@ std::string c_of(const std::string& page) {
   return code;
 }
 
-std::string c_numbers(const Matrix3d& m) {
+std::string c_numbers(const Vector3d& v) { return fmt::format("{{{:.17g}, {:.17g}, {:.17g}}}", v[0], v[1], v[2]); }
+template <int columns>
+std::string c_numbers(const Eigen::Matrix<double, 3, columns>& m) {
   std::string text;
-  for (int i = 0; i < 3; ++i) text += fmt::format("{{{:.17g}, {:.17g}, {:.17g}}}, ", m(i, 0), m(i, 1), m(i, 2));
+  for (int i = 0; i < 3; ++i) {
+    text += "{";
+    for (int j = 0; j < columns; ++j) text += fmt::format("{:.17g}, ", m(i, j));
+    text += "}, ";
+  }
   return "{" + text + "}";
 }
-std::string c_numbers(const Vector3d& v) { return fmt::format("{{{:.17g}, {:.17g}, {:.17g}}}", v[0], v[1], v[2]); }
 
 std::string triad_of(const TriadModel& m) {
-  return fmt::format("{{{}, {}, {}, {}, {}, {:.17g}}}", c_numbers(m.offset), c_numbers(m.matrix), c_numbers(m.quadratic), c_numbers(m.cubic),
-                     c_numbers(m.thermal), m.temperature->reference);
+  return fmt::format("{{{}, {}, {}, {}, {}, {}, {}, {:.17g}, {{{:.17g}, {:.17g}}}}}", c_numbers(m.offset), c_numbers(m.matrix),
+                     c_numbers(m.quadratic), c_numbers(m.cubic), c_numbers(m.thermal), c_numbers(m.matrix_thermal1), c_numbers(m.matrix_thermal2),
+                     m.temperature->reference, m.temperature->range[0], m.temperature->range[1]);
 }
 
 /// Readings and temperatures, in the order of the page's function.
@@ -79,8 +85,10 @@ TEST(DocumentedFormula, OfTheConventionsIsTheWholeModel) {
   for (int i = 0; i < samples; ++i) {
     const std::array<double, 12> x = formula_sample(i);
     RawSample raw{.gyro = {x[3], x[4], x[5]}, .accel = {x[0], x[1], x[2]}};
-    raw.accel_tau = Vector3d(x[6], x[7], x[8]).array() - c.model.accel.temperature->reference;
-    raw.gyro_tau = Vector3d(x[9], x[10], x[11]).array() - c.model.gyro.temperature->reference;
+    for (std::size_t k = 0; k < 3; ++k) {  // some are outside the range
+      raw.accel_tau[static_cast<Eigen::Index>(k)] = c.model.accel.temperature->tau(x[6 + k]);
+      raw.gyro_tau[static_cast<Eigen::Index>(k)] = c.model.gyro.temperature->tau(x[9 + k]);
+    }
     const Motion expected = compensate(c.model, raw);
     Vector3d force, rate;
     ASSERT_TRUE(output >> force[0] >> force[1] >> force[2] >> rate[0] >> rate[1] >> rate[2]);

@@ -23,7 +23,11 @@ inline double every_terms_value(CoefficientIndex index) {
       case Term::cubic:
         return 1e-13;
       case Term::thermal:
-        return k.column == 1 ? 2.5 : 0.03;
+        return k.column == 1 ? 2.5 : k.column == 2 ? 0.03 : 3e-4;
+      case Term::matrix_thermal1:
+        return 1e-4;
+      case Term::matrix_thermal2:
+        return 1e-6;
       case Term::g_sensitivity:
         return 1e-4;
       case Term::lever_arm:

@@ -75,7 +75,7 @@ TEST(Validity, AllProblemsOfACalibrationAtOnce) {
   options.hybrid.curve_interval = -1;
   options.handheld.requirements = {Requirement{"nothing", {}, -1, {"ppm", 1e-6}}};
   EXPECT_THAT(refusal(wrong, options, std::vector<Range>{{50, 20}}),
-              AllOf(HasSubstr("terms: coefficient 400 is not in the table; expected 0 to 65"), HasSubstr("significance: -3 is no probability"),
+              AllOf(HasSubstr("terms: coefficient 400 is not in the table; expected 0 to 107"), HasSubstr("significance: -3 is no probability"),
                     HasSubstr("outlier_level: 7 is no probability"), HasSubstr("a requirement of no coefficient"), HasSubstr("handheld.rest_s: nan"),
                     HasSubstr("hybrid.curve_interval: -1"), HasSubstr("site.latitude_deg: 2578.31"), HasSubstr("site.gravity_mps2: -9.8"),
                     HasSubstr("imu.gyro_noise_density"), HasSubstr("gyro y"), HasSubstr("rests: samples 50 to 20 are no rest")));
@@ -120,9 +120,9 @@ TEST(Validity, PredictionsCheckProcedureAndOptions) {
     if (!method.example) continue;
     Session wrong = method.example({});
     wrong.site.latitude = 45;
-    const PredictionOptions options{.terms = {CoefficientIndex(-1)}, .requirements = {Requirement{"x", {CoefficientIndex(66)}, 1, {}}}};
+    const PredictionOptions options{.terms = {CoefficientIndex(-1)}, .requirements = {Requirement{"x", {CoefficientIndex(108)}, 1, {}}}};
     EXPECT_THAT(error_of([&] { predict(method, wrong, options); }),
-                AllOf(HasSubstr("terms: coefficient -1 "), HasSubstr("requirements: coefficient 66 "), HasSubstr("site.latitude_deg")));
+                AllOf(HasSubstr("terms: coefficient -1 "), HasSubstr("requirements: coefficient 108 "), HasSubstr("site.latitude_deg")));
   }
 }
 

@@ -92,9 +92,9 @@ TEST(CompensateCommand, UsesTheTemperatureAndFlagsWhatTheCalibrationNeverSaw) {
   folder.write("calibration.json", calibration_text(thermal_calibration()));
   const CommandResult result = run_imulab(folder, "compensate calibration.json session -o -");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  // gx = 2 (U - 0.1 (T - 20)) = 2 (1, 2 - 1, 3 - 6)
+  // gx = 2 (U - 0.1 (T - 20)), T at most 70: 2 (1, 2 - 1, 3 - 5)
   EXPECT_EQ(result.output,
-            "t,gx,gy,gz,ax,ay,az,flags\n0.01,2,6,12,4.5,5,6,\n0.02,2,12,24,8.5,10,100,saturated\n0.03,-6,18,36,12.5,15,18,out_of_range\n");
+            "t,gx,gy,gz,ax,ay,az,flags\n0.01,2,6,12,4.5,5,6,\n0.02,2,12,24,8.5,10,100,saturated\n0.03,-4,18,36,12.5,15,18,out_of_range\n");
   EXPECT_THAT(result.errors, HasSubstr("1 of 3 samples are outside the calibrated temperatures"));
 }
 

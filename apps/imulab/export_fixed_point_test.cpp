@@ -121,9 +121,9 @@ void expect_as_stated(const Calibration& c, CHeaderOptions options, const Ranges
 }
 
 TEST(ExportFixedPoint, IsAsExactAsItSaysOfCountsWithEveryTerm) {
-  // 16 bits; temperatures 1.5 times the calibrated distances from the references, 25 +- 67.5 degC, 4987.5 +- 168.75
+  // 16 bits; the calibrated temperatures
   const double t = 65536;
-  expect_as_stated(every_term(), {}, {32768, 32768, {(25 - 67.5) * t, (25 + 67.5) * t}, {(4987.5 - 168.75) * t, (4987.5 + 168.75) * t}});
+  expect_as_stated(every_term(), {}, {32768, 32768, {0, 70 * t}, {4900 * t, 5100 * t}});
 }
 
 TEST(ExportFixedPoint, IsAsExactAsItSaysOfReadingsInUnitsAlongOtherAxes) {
@@ -133,9 +133,9 @@ TEST(ExportFixedPoint, IsAsExactAsItSaysOfReadingsInUnitsAlongOtherAxes) {
   c.recorded_gyro = RecordedAs{"deg/s", 1, 0, {"-z", "-x", "+y"}};
   CHeaderOptions options;
   options.accel_range = 8, options.gyro_range = 500;
-  const double t = 65536, far = 1.5 * (5100 - 4987.123456) - 1e-4, zero = 4987.123456;
+  const double t = 65536;
   // 8 g 2^27 = 2^30; 500 deg/s 2^21 < 2^30
-  expect_as_stated(c, options, {std::ldexp(8, 27), std::ldexp(500, 21), {0, 0}, {(zero - far) * t, (zero + far) * t}});
+  expect_as_stated(c, options, {std::ldexp(8, 27), std::ldexp(500, 21), {0, 70 * t}, {4900 * t, 5100 * t}});
 }
 
 TEST(ExportFixedPoint, IsAsExactAsItSaysOfALinearUnit) {
@@ -150,9 +150,7 @@ TEST(ExportFixedPoint, IsAsExactAsItSaysOfALinearUnit) {
 
 TEST(ExportFixedPoint, OfQ15IsAsExactAsItSays) {
   // 16 bits; temperatures to a 2^8th degree, and to a quarter of a thermal reading about 5000
-  expect_as_stated(every_term(), {},
-                   {32767, 32767, {(25 - 67.5) * 256, (25 + 67.5) * 256}, {std::ceil((4987.5 - 168.75) * 4), std::floor((4987.5 + 168.75) * 4)}},
-                   true);
+  expect_as_stated(every_term(), {}, {32767, 32767, {0, 70 * 256}, {4900 * 4, 5100 * 4}}, true);
   Calibration c;
   c.covariance.resize(0, 0);
   c.model.accel.matrix << 1.01, 0.003, -0.002, 0.001, 0.99, 0.004, 0.0005, -0.003, 1.002;
@@ -175,7 +173,7 @@ TEST(ExportFixedPoint, OfQ15IsAsExactAsItSays) {
 
 TEST(ExportFixedPoint, OfQ15RefusesADriftThatItsWordsCannotHold) {
   Calibration c = every_term();
-  c.model.accel.thermal(0, 1) = 200;  // counts a degree: 13500 over 67.5 degrees of 32768
+  c.model.accel.thermal(0, 1) = 200;  // counts a degree: 9000 over 45 degrees of 32768
   CHeaderOptions options;
   options.fixed_point = true;
   EXPECT_NO_THROW(c_header(c, options));
@@ -210,16 +208,19 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {  // ctest: on
         t->offset[i] = full * any();
         t->quadratic[i] = model % 3 == 0 ? 0 : full / range / range * decades(1e-6, 0.3) * any();
         t->cubic[i] = model % 4 == 0 ? 0 : full / std::pow(range, 3) * decades(1e-6, 0.3) * any();
+        const double drift = range / (q15 ? 30 : 3);
         if (model % 2 == 0)
-          t->thermal.row(i) << 0, range / (q15 ? 3000 : 300) * decades(1e-6, 1) * any(), range / (q15 ? 3e5 : 3e4) * decades(1e-6, 1) * any();
+          for (int order = 1; order <= 3; ++order) t->thermal(i, order) = drift * std::pow(0.01, order) * decades(1e-6, 1) * any();
       }
+      for (Eigen::Index i = 0; i < 9 && model % 4 == 0; ++i)
+        t->matrix_thermal1(i) = decades(1e-7, 1e-3) * any(), t->matrix_thermal2(i) = decades(1e-9, 1e-5) * any();
       t->temperature = ThermalReading{"degC", 30 * any(), {-40, 85}};
       (t == &c.model.accel ? options.accel_range : options.gyro_range) = range;
       (t == &c.model.accel ? ranges.accel : ranges.gyro) = range;
       auto& temperature = t == &c.model.accel ? ranges.accel_temperature : ranges.gyro_temperature;
       const double zero = t->temperature->reference, far = 1.5 * std::max(zero + 40, 85 - zero) - 1e-4;
       const double step = q15 ? std::exp2(-std::floor(std::log2(32767 / (std::abs(zero) + far + 1e-4)))) : 1.0 / 65536;
-      if (model % 2 == 0) temperature[0] = std::ceil((zero - far) / step), temperature[1] = std::floor((zero + far) / step);
+      if (model % 2 == 0) temperature[0] = std::floor(-40 / step), temperature[1] = std::ceil(85 / step);
     }
     for (Eigen::Index i = 0; i < 9; ++i) c.model.g_sensitivity(i) = decades(1e-6, 1e-2) * any();
     const Errors said = stated(c_header(c, options)), found = measured(folder, c, options, ranges);

@@ -61,6 +61,25 @@ void add_hand_held(Verb& verb) {
   hand_held.does = [a] { write(a->output, hand_held_procedure(a->options, a->seed)); };
 }
 
+void add_warm_up(Verb& verb) {
+  struct Arguments {
+    WarmUpOptions options;
+    std::uint64_t seed = 1;
+    Output output;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Verb& own = verb.verb("warm-up", "By hand, from the freezer: also how all follows the temperature");
+  own.option("--cold DEGC", a->options.from, "temperature at the begin").in_range(-100, 200).show_default();
+  own.option("--room DEGC", a->options.to, "temperature of the room").in_range(-100, 200).show_default();
+  own.option("--minutes MINUTES", a->options.minutes, "duration of the warm-up, to 95 % of the way").in_range(1, 600).show_default();
+  own.option("--rest SECONDS", a->options.by_hand.rest, "duration of each rest, except the first").in_range(0.1, 86400).show_default();
+  grade_option(own, a->options.by_hand.grade);
+  own.option("--seed", a->seed, "random seed of the attitudes").show_default();
+  add_output(own, a->output);
+  own.example("imulab procedure warm-up -o warm-up.toml");
+  own.does = [a] { write(a->output, warm_up_procedure(a->options, a->seed)); };
+}
+
 void add_on_table(Verb& verb, const TableProcedure& procedure) {
   struct Arguments {
     TableProcedureOptions options;
@@ -176,6 +195,7 @@ void add_procedure(Verb& app) {
   verb.does = list_procedures;
   for (const TableProcedure& procedure : table_procedures()) add_on_table(verb, procedure);
   add_hand_held(verb);
+  add_warm_up(verb);
   add_dai_unit(verb);
   add_which(verb);
 }

@@ -55,7 +55,7 @@ double drift_outside(const CelsiusDrift& drift, const Matrix3d& correction, cons
   constexpr int steps = 100;
   const auto at = [&](double T) {
     const double d = T - tempcal_reference;
-    return Vector3d(drift.c1 * d + drift.c2 * (d * d));
+    return Vector3d(drift.c1 * d + drift.c2 * (d * d) + drift.c3 * (d * d * d));
   };
   double most = 0;
   for (int i = 0; i <= steps; ++i) {
@@ -93,8 +93,11 @@ std::string ardupilot_xyz(const std::string& name, const Vector3d& v) {
 }
 
 std::string tempcal_lines(const TriadParameters& p, const std::string& name) {
-  const Vector3d none = Vector3d::Zero(), c1 = p.drift ? p.drift->c1 : none, c2 = p.drift ? p.drift->c2 : none;
-  return ardupilot_xyz(name + "1", c1 * coefficient_scale) + ardupilot_xyz(name + "2", c2 * coefficient_scale) + ardupilot_xyz(name + "3", none);
+  const Vector3d none = Vector3d::Zero();
+  const auto line = [&](const char* order, const Vector3d CelsiusDrift::*c) {
+    return ardupilot_xyz(name + order, p.drift ? Vector3d((*p.drift).*c * coefficient_scale) : none);
+  };
+  return line("1", &CelsiusDrift::c1) + line("2", &CelsiusDrift::c2) + line("3", &CelsiusDrift::c3);
 }
 
 std::string ardupilot_name(const char* triad, int instance, const char* tail) {  // INS_ACCOFFS, INS_ACC2OFFS, INS_ACC3OFFS
@@ -103,7 +106,7 @@ std::string ardupilot_name(const char* triad, int instance, const char* tail) { 
 
 void tempcal_fact(Sentences& facts, const TriadParameters& p, const char* what, std::string (*size)(double)) {
   if (!p.drift) return;
-  facts.push_back(fmt::format("{} thermal offsets: the polynomial is the calibration's own, of second order; in single precision within {}.", what,
+  facts.push_back(fmt::format("{} thermal offsets: the polynomial is the calibration's own; in single precision within {}.", what,
                               size(single_precision_error(*p.drift, tempcal_reference))));
 }
 

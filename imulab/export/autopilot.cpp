@@ -13,13 +13,14 @@ std::optional<CelsiusDrift> celsius_drift(const TriadModel& m, double about) {
   if (m.thermal.isZero(0) || !m.temperature || (m.temperature->unit != "degC" && m.temperature->unit != "K")) return std::nullopt;
   if (!(m.temperature->range[1] > m.temperature->range[0])) return std::nullopt;
   const double zero = m.temperature->unit == "K" ? 273.15 : 0;
-  CelsiusDrift out{{m.temperature->range[0] - zero, m.temperature->range[1] - zero}, m.temperature->reference - zero, {}, {}, {}};
-  // c1 tau + c2 tau^2 with tau = d + e
+  CelsiusDrift out{{m.temperature->range[0] - zero, m.temperature->range[1] - zero}, m.temperature->reference - zero, {}, {}, {}, {}};
+  // c1 tau + c2 tau^2 + c3 tau^3 with tau = d + e
   const double e = about - out.reference;
-  const Vector3d c1 = m.thermal.col(1), c2 = m.thermal.col(2);
-  out.c0 = c1 * e + c2 * e * e;
-  out.c1 = c1 + 2 * e * c2;
-  out.c2 = c2;
+  const Vector3d c1 = m.thermal.col(1), c2 = m.thermal.col(2), c3 = m.thermal.col(3);
+  out.c0 = m.drift(Vector3d::Constant(e));
+  out.c1 = c1 + 2 * e * c2 + 3 * e * e * c3;
+  out.c2 = c2 + 3 * e * c3;
+  out.c3 = c3;
   return out;
 }
 
@@ -37,18 +38,23 @@ double single_precision_error(const CelsiusDrift& drift, double about) {
     const double d = drift.range[0] + (drift.range[1] - drift.range[0]) * i / steps - about;
     const auto single = static_cast<float>(d);
     for (int axis = 0; axis < 3; ++axis) {
-      const float c0 = static_cast<float>(drift.c0[axis]), c1 = static_cast<float>(drift.c1[axis]), c2 = static_cast<float>(drift.c2[axis]);
-      const float inexact = c0 + (c1 + c2 * single) * single;
-      most = std::max(most, std::abs(static_cast<double>(inexact) - (drift.c0[axis] + (drift.c1[axis] + drift.c2[axis] * d) * d)));
+      const float c0 = static_cast<float>(drift.c0[axis]), c1 = static_cast<float>(drift.c1[axis]), c2 = static_cast<float>(drift.c2[axis]),
+                  c3 = static_cast<float>(drift.c3[axis]);
+      const float inexact = c0 + (c1 + (c2 + c3 * single) * single) * single;
+      const double exact = drift.c0[axis] + (drift.c1[axis] + (drift.c2[axis] + drift.c3[axis] * d) * d) * d;
+      most = std::max(most, std::abs(static_cast<double>(inexact) - exact));
     }
   }
   return most;
 }
 
 double steepest_drift(const CelsiusDrift& drift, double about, const Vector3d& scale) {
+  constexpr int steps = 1000;
   double most = 0;
-  for (const double T : drift.range)  // the slope is linear: steepest at an end
-    most = std::max(most, scale.cwiseProduct(drift.c1 + 2 * (T - about) * drift.c2).cwiseAbs().maxCoeff());
+  for (int i = 0; i <= steps; ++i) {
+    const double d = drift.range[0] + (drift.range[1] - drift.range[0]) * i / steps - about;
+    most = std::max(most, scale.cwiseProduct(drift.c1 + 2 * d * drift.c2 + 3 * d * d * drift.c3).cwiseAbs().maxCoeff());
+  }
   return most;
 }
 

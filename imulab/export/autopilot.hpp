@@ -11,11 +11,11 @@
 
 namespace imulab::export_io {
 
-/// The thermal drift of a triad's readings as a polynomial of d = T - about, T in degC: c0 + c1 d + c2 d^2 (vectors over the axes).
+/// The thermal drift of a triad's readings as a polynomial of d = T - about, T in degC: c0 + c1 d + c2 d^2 + c3 d^3 (vectors over the axes).
 struct CelsiusDrift {
   std::array<double, 2> range;  ///< degC
   double reference;             ///< T0 of the calibration, degC: the drift is zero there
-  Vector3d c0, c1, c2;
+  Vector3d c0, c1, c2, c3;
 };
 /// Empty where the calibration has no thermal terms, where its thermal readings are no temperatures, and where their range is not known.
 std::optional<CelsiusDrift> celsius_drift(const TriadModel& m, double about);

@@ -29,20 +29,30 @@ std::string products(const std::array<double, 3>& coefficients, const std::strin
 
 std::array<double, 3> row(const Matrix3d& m, int i) { return {m(i, 0), m(i, 1), m(i, 2)}; }
 
+bool has_range(const TriadModel& m) { return m.temperature && m.temperature->has_range(); }
+
+/// A temperature within the calibrated range, if it is known; no number stays none.
+std::string limited_text(const TriadModel& m, const std::string& t) {
+  if (!has_range(m)) return t;
+  const std::string low = literal(m.temperature->range[0]), high = literal(m.temperature->range[1]);
+  return fmt::format("({0} < {1} ? {1} : {0} > {2} ? {2} : {0})", t, low, high);
+}
+
 /// The statements that turn three readings into the model's raw readings, less their thermal drift.
 std::string raw_text(const TriadModel& m, const Input& in) {
   const std::string name = in.triad_name();
-  const bool thermal = !m.thermal.isZero(0);
+  const bool thermal = m.varies();
   std::string text = thermal ? "" : fmt::format("  (void){}_temperature;\n", name);
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     if (thermal)
-      text += fmt::format("  const imulab_real {0}_t{1} = {0}_temperature[{2}] - {3};\n", name, axis_names[axis], i,
-                          literal(m.temperature ? m.temperature->reference : 0));
+      text += fmt::format("  const imulab_real {0}_t{1} = {2} - {3};\n", name, axis_names[axis],
+                          limited_text(m, fmt::format("{}_temperature[{}]", name, i)), literal(m.temperature ? m.temperature->reference : 0));
     std::string drift;
-    if (thermal && (m.thermal(i, 1) != 0 || m.thermal(i, 2) != 0)) {
-      const std::string t = fmt::format("{}_t{}", name, axis_names[axis]);
-      drift = fmt::format(" - ({} + {} * {}) * {}", literal(m.thermal(i, 1)), literal(m.thermal(i, 2)), t, t);
+    if (thermal && !m.thermal.row(i).isZero(0)) {
+      const std::string t = fmt::format("{}_t{}", name, axis_names[axis]), c2 = literal(m.thermal(i, 2));
+      const std::string upper = m.thermal(i, 3) == 0 ? c2 : fmt::format("({} + {} * {})", c2, literal(m.thermal(i, 3)), t);
+      drift = fmt::format(" - ({} + {} * {}) * {}", literal(m.thermal(i, 1)), upper, t, t);
     }
     std::string reading = fmt::format("{}[{}]", in.parameter, in.column[axis]);
     if (in.factor != 1)
@@ -54,8 +64,31 @@ std::string raw_text(const TriadModel& m, const Input& in) {
   return text;
 }
 
+/// The statements of the change of the matrix with the temperature.
+std::string change_text(const TriadModel& m, const std::string& name, const std::string& before, const char* out) {
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    const char* const axis = axis_names[static_cast<std::size_t>(i)];
+    const std::string first = products(row(m.matrix_thermal1, i), before), second = products(row(m.matrix_thermal2, i), before);
+    const std::string t = fmt::format("{}_t{}", name, axis);
+    std::string sum = fmt::format("{}_{}", before, axis);
+    if (!second.empty())
+      sum += fmt::format(" + {0} * (({1}) + {0} * ({2}))", t, first.empty() ? literal(0.0) : first, second);
+    else if (!first.empty())
+      sum += fmt::format(" + {} * ({})", t, first);
+    text += fmt::format("  const imulab_real {}_{} = {};\n", out, axis, sum);
+  }
+  return text;
+}
+
 /// The statements of the polynomial, in the order of the library's on columns.
 std::string polynomial_text(const TriadModel& m, const std::string& name, const char* out) {
+  if (m.matrix_varies()) {
+    TriadModel at_reference = m;
+    at_reference.matrix_thermal1.setZero(), at_reference.matrix_thermal2.setZero();
+    const std::string before = std::string(out) + "0";
+    return polynomial_text(at_reference, name, before.c_str()) + change_text(m, name, before, out);
+  }
   std::string text;
   for (int i = 0; i < 3; ++i) {
     const char* const axis = axis_names[static_cast<std::size_t>(i)];
@@ -101,7 +134,7 @@ std::string range_text(const TriadModel& m) {
 
 /// The condition that one of a triad's temperatures is outside its range; empty where no range is known.
 std::string outside_text(const TriadModel& m, const char* name) {
-  if (!m.temperature || (m.temperature->range[0] == 0 && m.temperature->range[1] == 0)) return {};
+  if (!has_range(m)) return {};
   std::string inside;
   for (int i = 0; i < 3; ++i)
     inside += fmt::format("{0}{1}_temperature[{2}] >= {3} && {1}_temperature[{2}] <= {4}", i ? " &&\n        " : "", name, i,
@@ -111,7 +144,8 @@ std::string outside_text(const TriadModel& m, const char* name) {
 
 std::string out_of_range_text(const SensorModel& m) {
   std::string text =
-      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses it all the same. Where a "
+      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses the nearest that it saw. "
+      "Where a "
       "triad's\n"
       " * calibration knows no range its temperatures are not read and may be 0 (null). */\n"
       "static inline int imulab_out_of_range(const imulab_real accel_temperature[3], const imulab_real gyro_temperature[3]) {\n";
@@ -123,7 +157,8 @@ std::string out_of_range_text(const SensorModel& m) {
 
 void expect_finite(const SensorModel& m) {
   for (const TriadModel* t : {&m.accel, &m.gyro})
-    if (!(t->offset.allFinite() && t->matrix.allFinite() && t->quadratic.allFinite() && t->cubic.allFinite() && t->thermal.allFinite()))
+    if (!(t->offset.allFinite() && t->matrix.allFinite() && t->quadratic.allFinite() && t->cubic.allFinite() && t->thermal.allFinite() &&
+          t->matrix_thermal1.allFinite() && t->matrix_thermal2.allFinite()))
       throw Error("the calibration has numbers that are not finite");
   if (!m.g_sensitivity.allFinite()) throw Error("the calibration has numbers that are not finite");
 }
@@ -207,6 +242,7 @@ std::vector<std::string> left_out_of_c_header(const Calibration& calibration) {
   constexpr export_io::Held all_but_lever_arms{.nonlinear = true,
                                                .accel_thermal = true,
                                                .gyro_thermal = true,
+                                               .matrix_thermal = true,
                                                .g_sensitivity = true,
                                                .accel_matrix = true,
                                                .gyro_matrix = true,

@@ -21,12 +21,14 @@ std::string times_power(int bits) { return bits == 0 ? "" : fmt::format(" * {}",
 
 std::string drift_text(const FixedTriad& f, const std::string& name, int axis) {
   const FixedDrift& d = f.drift[static_cast<std::size_t>(axis)];
-  if (d.k0 == 0 && d.k1 == 0 && d.k2 == 0) return {};
+  if (d.k0 == 0 && d.k1 == 0 && d.k2 == 0 && d.k3 == 0) return {};
   const std::string t = fmt::format("{}_t{}", name, axis_names[static_cast<std::size_t>(axis)]);
   const FixedWords& w = *f.words;
+  const auto plus_product = [&](std::int64_t k, const std::string& slope) {
+    return fmt::format("({1} + (int32_t)imulab_{0}_shift(imulab_{0}_product({2}, {3}), {4}))", w.prefix, literal(k), slope, t, w.v_bits);
+  };
   std::string slope = literal(d.k1);
-  if (d.k2 != 0)
-    slope = fmt::format("({1} + (int32_t)imulab_{0}_shift(imulab_{0}_product({2}, {3}), {4}))", w.prefix, slope, literal(d.k2), t, w.v_bits);
+  if (d.k2 != 0 || d.k3 != 0) slope = plus_product(d.k1, d.k3 != 0 ? plus_product(d.k2, literal(d.k3)) : literal(d.k2));
   return fmt::format(" -\n      (int32_t)imulab_{0}_shift({1} + imulab_{0}_product({2}, {3}), {4})", w.prefix, literal(d.k0), slope, t,
                      w.v_bits + d.shift);
 }
@@ -37,18 +39,47 @@ std::string raw_text(const FixedTriad& f, const Input& in) {
   for (int i = 0; i < 3; ++i) {
     const auto axis = static_cast<std::size_t>(i);
     const std::string drift = drift_text(f, name, i);
-    if (!drift.empty())
+    if (!drift.empty() || f.changes)
       text += fmt::format("  const int32_t {0}_t{1} = (imulab_{7}_limit({0}_temperature[{2}], {3}, {4}) - {5}){6};\n", name, axis_names[axis], i,
-                          literal(f.reference - f.temperature_limit), literal(f.reference + f.temperature_limit), literal(f.reference),
-                          times_power(f.temperature_shift), f.words->prefix);
+                          literal(f.lowest_temperature), literal(f.highest_temperature), literal(f.reference), times_power(f.temperature_shift),
+                          f.words->prefix);
     text += fmt::format("  const int32_t {}_{} = {}imulab_{}_limit({}[{}], -{}, {}){}{};\n", name, axis_names[axis], in.sign[axis] < 0 ? "-" : "",
                         f.words->prefix, in.parameter, in.column[axis], f.in_limit, f.in_limit, times_power(f.in_shift), drift);
   }
-  if (f.thermal && f.drift[0].largest == 0 && f.drift[1].largest == 0 && f.drift[2].largest == 0) text = "  (void)" + name + "_temperature;\n" + text;
+  if (f.thermal && !f.changes && f.drift[0].largest == 0 && f.drift[1].largest == 0 && f.drift[2].largest == 0)
+    text = "  (void)" + name + "_temperature;\n" + text;
   return text;
 }
 
-std::string polynomial_text(const FixedTriad& f, const std::string& name, const std::string& out) {
+/// A sum of products of integers and variables.
+std::string fixed_products(const FixedWords& w, const std::array<std::int64_t, 3>& k, const std::string& variable) {
+  std::string sum;
+  for (std::size_t j = 0; j < 3; ++j)
+    if (k[j] != 0) sum += fmt::format("{}imulab_{}_product({}, {}_{})", sum.empty() ? "" : " + ", w.prefix, literal(k[j]), variable, axis_names[j]);
+  return sum.empty() ? literal(std::int64_t{0}) : sum;
+}
+
+/// The change of the matrix with the temperature, and what of the force does not change.
+std::string change_text(const FixedTriad& f, const std::string& name, const std::string& before, const std::string& out) {
+  const FixedWords& w = *f.words;
+  const auto shifted = [&w](const std::string& sum, int bits) { return fmt::format("(int32_t)imulab_{0}_shift({1}, {2})", w.prefix, sum, bits); };
+  std::string text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const FixedChange& c = f.change[i];
+    const std::string axis = axis_names[i], t = name + "_t" + axis;
+    const auto times_t = [&](const std::string& x) { return shifted(fmt::format("imulab_{}_product({}, {})", w.prefix, x, t), w.v_bits); };
+    std::string slope = shifted(fixed_products(w, c.first, before), c.shift);
+    if (c.second != std::array<std::int64_t, 3>{}) slope += " + " + times_t(shifted(fixed_products(w, c.second, before), c.shift));
+    text += fmt::format("  const int32_t {}_{} = {}_{} +\n      {}", out, axis, before, axis, times_t(slope));
+    if (f.row[i].g_sensitivity != std::array<std::int64_t, 3>{})
+      text += " + " + shifted(fixed_products(w, f.row[i].g_sensitivity, "f"), f.row[i].shift);
+    text += ";\n";
+  }
+  return text;
+}
+
+std::string polynomial_text(const FixedTriad& f, const std::string& name, const std::string& result) {
+  const std::string out = f.changes ? result + "0" : result;
   const FixedWords& w = *f.words;
   const auto power = [&w](const std::string& a, const std::string& b) {
     return fmt::format("(int32_t)imulab_{0}_shift(imulab_{0}_product({1}, {2}), {3})", w.prefix, a, b, w.power_bits);
@@ -65,10 +96,10 @@ std::string polynomial_text(const FixedTriad& f, const std::string& name, const 
     };
     for (std::size_t j = 0; j < 3; ++j) add(r.matrix[j], name + "_" + axis_names[j]);
     add(r.quadratic, v + "2"), add(r.cubic, v + "3");
-    for (std::size_t j = 0; j < 3; ++j) add(r.g_sensitivity[j], std::string("f_") + axis_names[j]);
+    for (std::size_t j = 0; j < 3 && !f.changes; ++j) add(r.g_sensitivity[j], std::string("f_") + axis_names[j]);
     text += fmt::format("  const int32_t {}_{} = (int32_t)imulab_{}_shift({}, {});\n", out, axis, w.prefix, sum, r.shift);
   }
-  return text;
+  return f.changes ? text + change_text(f, name, out, result) : text;
 }
 
 /// Two figures, rounded up.
@@ -86,9 +117,9 @@ std::string reading_text(const FixedTriad& f, const Input& in) {
 
 std::string temperature_text(const FixedTriad& f, const TriadModel& m) {
   if (!f.thermal) return "not read";
-  const double distance = std::ldexp(static_cast<double>(f.temperature_limit), -f.temperature_bits);
-  return fmt::format("{} times 2^{}, taken as at most {:g} from {:g}", harmless(m.temperature->unit), f.temperature_bits, distance,
-                     m.temperature->reference);
+  const auto value = [&](std::int64_t t) { return std::ldexp(static_cast<double>(t), -f.temperature_bits); };
+  return fmt::format("{} times 2^{}, from {:g} to {:g}", harmless(m.temperature->unit), f.temperature_bits, value(f.lowest_temperature),
+                     value(f.highest_temperature));
 }
 
 std::string comment_text(const SensorModel& m, const FixedTriad& a, const FixedTriad& g, const Input& accel, const Input& gyro) {

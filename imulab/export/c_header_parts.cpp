@@ -131,8 +131,8 @@ RawSample raw_sample(const SensorModel& model, const Input& accel, const Input& 
     const auto column = [](const Input& triad, std::size_t body) { return static_cast<std::size_t>(triad.column[body]); };
     raw.accel[i] = accel.sign[axis] * accel.factor * in[column(accel, axis)];
     raw.gyro[i] = gyro.sign[axis] * gyro.factor * in[3 + column(gyro, axis)];
-    if (model.accel.temperature) raw.accel_tau[i] = in[6 + axis] - model.accel.temperature->reference;
-    if (model.gyro.temperature) raw.gyro_tau[i] = in[9 + axis] - model.gyro.temperature->reference;
+    if (model.accel.temperature) raw.accel_tau[i] = model.accel.temperature->tau(in[6 + axis]);
+    if (model.gyro.temperature) raw.gyro_tau[i] = model.gyro.temperature->tau(in[9 + axis]);
   }
   return raw;
 }
@@ -152,6 +152,7 @@ SensorModel absolute(SensorModel m) {
     t->offset = t->offset.cwiseAbs(), t->matrix = t->matrix.cwiseAbs();
     t->quadratic = t->quadratic.cwiseAbs(), t->cubic = t->cubic.cwiseAbs();
     t->thermal = -t->thermal.cwiseAbs();  // the drift is subtracted
+    t->matrix_thermal1 = t->matrix_thermal1.cwiseAbs(), t->matrix_thermal2 = t->matrix_thermal2.cwiseAbs();
   }
   m.g_sensitivity = m.g_sensitivity.cwiseAbs();
   return m;

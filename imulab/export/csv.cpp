@@ -100,8 +100,10 @@ std::string csv_text(const ExportInput& input) {
   std::string text = comment_head(
       input, "tables",
       {"Holds: every coefficient of the model with its standard uncertainty (inf: not determined by the data), noise with intervals.",
-       "V = u - (thermal.1 tau + thermal.2 tau^2), tau = T - reference: u a reading, V of its own axis",
-       "force = offset + matrix V + quadratic V^2 + cubic V^3      rate = offset + matrix V + quadratic V^2 + cubic V^3 + g_sensitivity force",
+       "V = u - (thermal.1 tau + thermal.2 tau^2 + thermal.3 tau^3), tau = T - reference, T not beyond its range: u a reading, V of its own axis",
+       "force = S (offset + matrix V + quadratic V^2 + cubic V^3)      rate = S (offset + matrix V + quadratic V^2 + cubic V^3) + g_sensitivity "
+       "force",
+       "S = 1 + matrix_thermal1 tau + matrix_thermal2 tau^2, tau of the row's axis; rows of matrix_thermal and thermal.3 that are left out are 0",
        "so offsets are added to the output. Readings: accelerometers in " + raw(c.model.accel, "m/s^2") + ", gyros in " + raw(c.model.gyro, "rad/s") +
            ".",
        fmt::format("u: along x, y, z of the body. Frame of the body: {}.", to_string(c.frame))},
@@ -109,6 +111,7 @@ std::string csv_text(const ExportInput& input) {
   text += "name,value,standard_uncertainty,unit\n";
   for (const CoefficientIndex index : coefficient_indices()) {
     auto sigma = standard_uncertainty(c, index);
+    if (is_extended(coefficient(index)) && !sigma && coefficient_value(c.model, index) == 0) continue;
     if (std::find(undetermined.begin(), undetermined.end(), coefficient(index).name) != undetermined.end())
       sigma = std::numeric_limits<double>::infinity();
     text += fmt::format("{},{},{},{}\n", coefficient(index).name, exact_number(coefficient_value(c.model, index)),

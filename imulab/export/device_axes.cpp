@@ -34,6 +34,8 @@ TriadModel turned_model(const TriadModel& m, const Matrix3d& P) {
   out.quadratic = P.transpose() * m.quadratic;  // of V^2, which has no sign
   out.cubic = P.cwiseAbs().transpose() * m.cubic;
   out.thermal = P.transpose() * m.thermal;
+  out.matrix_thermal1 = P.transpose() * m.matrix_thermal1 * P;
+  out.matrix_thermal2 = P.transpose() * m.matrix_thermal2 * P;
   return out;
 }
 

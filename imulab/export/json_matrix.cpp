@@ -24,12 +24,10 @@ MatrixJson triad_json(const ConsumerTriad& t, const TriadModel& m, const char* s
   MatrixJson out{{"unit_in", m.raw_unit.empty() ? si : m.raw_unit}, {"unit_out", si}, {"matrix", rows(t.C)}, {"bias", numbers(t.b)}};
   if (!m.quadratic.isZero(0)) out["quadratic"] = numbers(m.quadratic);
   if (!m.cubic.isZero(0)) out["cubic"] = numbers(m.cubic);
-  if (m.thermal.isZero(0) || !m.temperature) return out;
-  out["thermal"] = {{"c1", numbers(m.thermal.col(1))},
-                    {"c2", numbers(m.thermal.col(2))},
-                    {"unit", m.temperature->unit},
-                    {"reference", m.temperature->reference},
-                    {"range", m.temperature->range}};
+  if (!m.varies() || !m.temperature) return out;
+  out["thermal"] = {{"c1", numbers(m.thermal.col(1))},       {"c2", numbers(m.thermal.col(2))}, {"c3", numbers(m.thermal.col(3))},
+                    {"m1", rows(m.matrix_thermal1)},         {"m2", rows(m.matrix_thermal2)},   {"unit", m.temperature->unit},
+                    {"reference", m.temperature->reference}, {"range", m.temperature->range}};
   return out;
 }
 
@@ -94,12 +92,13 @@ std::string json_matrix_text(const ExportInput& input) {
       {"created", plain(c.created)},
       {"frame", std::string(to_string(c.frame))},
       {"equations",
-       {"V = u - (c1 (T - reference) + c2 (T - reference)^2): u a reading along the body axis, T the thermal reading of its axis; V = u without "
-        "\"thermal\"",
-        "specific force = matrix (V - bias) + quadratic V^2 + cubic V^3 of the accelerometers; at rest +g along up",
-        "angular rate = matrix (V - bias - g_sensitivity force) + quadratic V^2 + cubic V^3 of the gyros",
+       {"V = u - (c1 tau + c2 tau^2 + c3 tau^3), tau = T - reference: u a reading along the body axis, T the thermal reading of its axis, not "
+        "beyond the range; V = u without \"thermal\"",
+        "specific force = S (matrix (V - bias) + quadratic V^2 + cubic V^3) of the accelerometers; at rest +g along up",
+        "angular rate = S (matrix (V - bias) + quadratic V^2 + cubic V^3) - matrix g_sensitivity force of the gyros",
+        "S = identity + m1 tau + m2 tau^2, tau of the row's axis",
         "matrices by rows; matrix is the correction, bias is subtracted from readings; absent terms are zero",
-        "units: of bias, c1 and c2 unit_in; of matrix unit_out / unit_in; of g_sensitivity unit_in / (m/s^2)",
+        "units: of bias, c1, c2 and c3 unit_in; of m1 and m2 1; of matrix unit_out / unit_in; of g_sensitivity unit_in / (m/s^2)",
         "recorded: how the recording had the readings: column j times unit / counts_per_unit (/ interval_s) is u along axes[j]; null: not known",
         "standard_uncertainty: of the coefficients of imulab's own model, outputs in SI, readings in unit_in; not_determined: starting values",
         "noise: axes have every term of x, y, z with its interval of 95 %"}},

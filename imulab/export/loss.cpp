@@ -32,7 +32,7 @@ const std::vector<Vector3d>& directions() {
 }
 
 bool has_range(const TriadModel& m) { return m.temperature && m.temperature->range[1] > m.temperature->range[0]; }
-bool drifts_without_range(const TriadModel& m) { return !m.thermal.isZero(0) && !has_range(m); }
+bool drifts_without_range(const TriadModel& m) { return m.varies() && !has_range(m); }
 
 /// The thermal readings less their reference, over the calibrated range; only zero where no range is known.
 std::vector<double> drifts(const TriadModel& m) {
@@ -119,6 +119,8 @@ void replace_matrix(TriadModel& m, const Matrix3d& matrix) {
   m.offset = -matrix * bias;
 }
 
+constexpr const char *thermal_terms = "thermal terms", *thermal_matrix = "matrix over temperature";
+
 struct Step {
   const char* what;  ///< "off-diagonal terms"
   bool of_accel;
@@ -132,6 +134,7 @@ std::string range_of(const TriadModel& m) {
   return fmt::format(" over {:g} to {:g} {}", m.temperature->range[0], m.temperature->range[1], unit == "degC" || unit == "K" ? unit : "raw");
 }
 
+void remove_change(TriadModel& m) { m.matrix_thermal1 = m.matrix_thermal2 = Matrix3d::Zero(); }
 void remove_nonlinear(TriadModel& m) { m.quadratic = m.cubic = Vector3d::Zero(); }
 Matrix3d diagonal_of(const Matrix3d& m) { return m.diagonal().asDiagonal(); }
 
@@ -143,8 +146,12 @@ std::vector<Step> steps(const SensorModel& model, const Held& held) {
   };
   add(held.nonlinear, "quadratic and cubic terms", true, force, [](SensorModel& m) { remove_nonlinear(m.accel); });
   add(held.nonlinear, "quadratic and cubic terms", false, rate, [](SensorModel& m) { remove_nonlinear(m.gyro); });
-  add(held.accel_thermal, "thermal terms", true, range_of(model.accel), [](SensorModel& m) { m.accel.thermal.setZero(); });
-  add(held.gyro_thermal, "thermal terms", false, range_of(model.gyro), [](SensorModel& m) { m.gyro.thermal.setZero(); });
+  if (model.accel.matrix_varies())
+    add(held.matrix_thermal, thermal_matrix, true, force + range_of(model.accel), [](SensorModel& m) { remove_change(m.accel); });
+  if (model.gyro.matrix_varies())
+    add(held.matrix_thermal, thermal_matrix, false, rate + range_of(model.gyro), [](SensorModel& m) { remove_change(m.gyro); });
+  add(held.accel_thermal, thermal_terms, true, range_of(model.accel), [](SensorModel& m) { m.accel.thermal.setZero(); });
+  add(held.gyro_thermal, thermal_terms, false, range_of(model.gyro), [](SensorModel& m) { m.gyro.thermal.setZero(); });
   add(held.g_sensitivity, "g-sensitivity", false, force, [](SensorModel& m) { m.g_sensitivity.setZero(); });
   add(held.accel_matrix, "off-diagonal terms", true, force, [](SensorModel& m) { replace_matrix(m.accel, diagonal_of(m.accel.matrix)); });
   add(held.gyro_matrix, "off-diagonal terms", false, rate, [](SensorModel& m) { replace_matrix(m.gyro, diagonal_of(m.gyro.matrix)); });
@@ -165,10 +172,10 @@ std::string together(const SensorModel& model, const SensorModel& other, bool of
 }
 
 /// The loss of thermal terms whose range is not known: what a change of temperature costs, where even that can be said.
-std::string drift_without_range(const SensorModel& model, const SensorModel& before, const SensorModel& now, bool of_accel) {
+std::string drift_without_range(const SensorModel& model, const SensorModel& before, const SensorModel& now, bool of_accel, const char* what) {
   constexpr double change = 10;
   const TriadModel& m = of_accel ? model.accel : model.gyro;
-  const std::string begin = of_accel ? "accelerometers' thermal terms: " : "gyros' thermal terms: ";
+  const std::string begin = fmt::format("{} {}: ", of_accel ? "accelerometers'" : "gyros'", what);
   if (!m.temperature) return begin + "their size is not known: the calibration names neither reference nor range of temperatures";
   const std::vector<double> none{0}, changes{0, change, -change};
   const double size = difference(model, before, now, of_accel, of_accel ? changes : none, of_accel ? none : changes);
@@ -208,9 +215,9 @@ std::vector<std::string> losses(const SensorModel& model, const Held& held) {
   for (const Step& step : steps(model, held)) {
     const SensorModel before = now;
     step.remove(now);
-    const bool thermal = std::string_view(step.what) == "thermal terms";
+    const bool thermal = step.what == thermal_terms || step.what == thermal_matrix;
     if (thermal && drifts_without_range(step.of_accel ? model.accel : model.gyro)) {
-      out.push_back(drift_without_range(model, before, now, step.of_accel));
+      out.push_back(drift_without_range(model, before, now, step.of_accel, step.what));
       continue;
     }
     const std::vector<double> none{0};

@@ -13,6 +13,7 @@ namespace imulab::export_io {
 struct Held {
   bool nonlinear = false;                            ///< quadratic and cubic
   bool accel_thermal = false, gyro_thermal = false;  ///< drift of the readings
+  bool matrix_thermal = false;                       ///< of both triads
   bool g_sensitivity = false;                        ///< of the gyros
   bool accel_matrix = false, gyro_matrix = false;    ///< whole matrices
   bool accel_scale = false, gyro_scale = false;      ///< their diagonals

@@ -22,7 +22,7 @@ std::string px4_thermal(const TriadModel& m, const std::string& group, int insta
   std::string text = fmt::format("1\t1\t{}_ENABLE\t1\t6\n", group) + px4_line(name + "TREF", about) + px4_line(name + "TMIN", drift.range[0]) +
                      px4_line(name + "TMAX", drift.range[1]);
   for (int axis = 0; axis < 3; ++axis) {
-    const std::array<double, 4> c{drift.c0[axis], drift.c1[axis], drift.c2[axis], 0};
+    const std::array<double, 4> c{drift.c0[axis], drift.c1[axis], drift.c2[axis], drift.c3[axis]};
     for (std::size_t power = 4; power-- > 0;) text += px4_line(fmt::format("{}X{}_{}", name, power, axis), c[power]);
   }
   return text;
@@ -35,9 +35,8 @@ void px4_thermal_fact(Sentences& facts, const TriadModel& m, const char* what, s
   const CelsiusDrift own = *celsius_drift(m, about);
   // TemperatureCompensation.cpp: a new offset once the temperature has changed by more than 1 degC
   const double lag = steepest_drift(own, about, m.matrix.diagonal()) + single_precision_error(own, about);
-  facts.push_back(
-      fmt::format("{} thermal offsets: the polynomial is the calibration's own, of second order, over {:g} to {:g} degC; outside PX4 keeps", what,
-                  drift->range[0], drift->range[1]));
+  facts.push_back(fmt::format("{} thermal offsets: the polynomial is the calibration's own over {:g} to {:g} degC; outside PX4 keeps", what,
+                              drift->range[0], drift->range[1]));
   facts.push_back(
       fmt::format("that of the nearer end. PX4 sets them anew only when the temperature has changed by more than 1 degC: within {}.", size(lag)));
 }

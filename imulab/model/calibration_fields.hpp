@@ -130,22 +130,40 @@ void describe(Fields& f, Quality& q) {
   f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional);
 }
 
+/// Describes thermal terms. Files of earlier versions have none of the third order.
+template <class Fields>
+void describe_thermal(Fields& f, TriadModel& m) {
+  if constexpr (Fields::reads) {
+    bool earlier = false;
+    f.attempt([&] { earlier = f.at().has("thermal") && f.at()["thermal"].item(0, 3, "rows of 4 numbers").size() == 3; });
+    if (earlier) {
+      Matrix3d terms = Matrix3d::Zero();
+      f("thermal", terms);
+      m.thermal << terms, Vector3d::Zero();
+    } else {
+      f("thermal", m.thermal, fields::optional);
+    }
+    for (std::size_t axis = 0; axis < 3 && f.at().has("thermal"); ++axis)
+      f.attempt([&] {
+        const auto constant = f.at()["thermal"].item(axis, 3, "rows of 4 numbers").item(0, earlier ? 3 : 4, "numbers");
+        if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
+      });
+  } else {
+    f("thermal", m.thermal);
+  }
+  f("matrix_thermal1", m.matrix_thermal1, fields::if_any), f("matrix_thermal2", m.matrix_thermal2, fields::if_any);
+}
+
 /// Describes a triad. The matrix is required; other missing terms are zero. `coupling` is the accelerometers' lever arm or the gyros' g-sensitivity.
 template <class Fields>
 void describe_triad(Fields& f, TriadModel& m, const char* coupling_key, Matrix3d& coupling) {
   f("offset", m.offset, fields::optional), f("matrix", m.matrix), f("quadratic", m.quadratic, fields::optional);
   f("cubic", m.cubic, fields::optional);
-  f("thermal", m.thermal, fields::optional);
-  if constexpr (Fields::reads)
-    for (std::size_t axis = 0; axis < 3 && f.at().has("thermal"); ++axis)
-      f.attempt([&] {
-        const auto constant = f.at()["thermal"].item(axis, 3, "rows of 3 numbers").item(0, 3, "numbers");
-        if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
-      });
+  describe_thermal(f, m);
   f(coupling_key, coupling, fields::optional), f("raw", m.raw_unit, fields::if_any), f("temperature", m.temperature, fields::optional);
   if constexpr (Fields::reads) {
     const std::string why = "expected a reading with its reference, because the thermal terms are not zero";
-    const bool there = f.at().has("temperature"), wrong = !m.temperature && !m.thermal.isZero(0) && (!there || f.at()["temperature"].is_null());
+    const bool there = f.at().has("temperature"), wrong = !m.temperature && m.varies() && (!there || f.at()["temperature"].is_null());
     fields::check(f, !wrong, there ? "temperature" : "", there ? why : "temperature: is missing; " + why);
   }
   fields::known_keys_only(f);

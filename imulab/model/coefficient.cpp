@@ -15,13 +15,19 @@ namespace imulab {
 
 namespace {
 
-constexpr std::array<Term, 6> accel_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::lever_arm};
-constexpr std::array<Term, 6> gyro_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity};
+constexpr std::array common_terms{Term::offset,  Term::matrix,          Term::quadratic,      Term::cubic,
+                                  Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2};
+
+std::vector<Term> terms_of(Triad triad) {
+  std::vector<Term> terms(common_terms.begin(), common_terms.end());
+  terms.push_back(triad == Triad::accel ? Term::lever_arm : Term::g_sensitivity);
+  return terms;
+}
 
 /// Returns the columns of a term in one row: {first, past the last}.
 std::array<int, 2> columns_of(Term term, int row) {
   if (is_vector(term)) return {row, row + 1};
-  if (term == Term::thermal) return {1, 3};  // orders; the gauge fixes order 0
+  if (term == Term::thermal) return {1, 4};  // orders; the gauge fixes order 0
   return {0, 3};
 }
 
@@ -43,7 +49,11 @@ std::string si_unit_text(Triad triad, Term term, int column) {
     case Term::cubic:
       return "(" + out + ")/raw^3";
     case Term::thermal:
-      return column == 1 ? "raw/K" : "raw/K^2";
+      return column == 1 ? "raw/K" : "raw/K^" + std::to_string(column);
+    case Term::matrix_thermal1:
+      return "1/K";
+    case Term::matrix_thermal2:
+      return "1/K^2";
     case Term::g_sensitivity:
       return "(rad/s)/(m/s^2)";
     case Term::lever_arm:
@@ -60,7 +70,7 @@ struct CoefficientTable {
   CoefficientTable() {
     std::size_t at = 0;
     for (const Triad triad : {Triad::accel, Triad::gyro})
-      for (const Term term : triad == Triad::accel ? accel_terms : gyro_terms)
+      for (const Term term : terms_of(triad))
         for (int row = 0; row < 3; ++row)
           for (int column = columns_of(term, row)[0]; column < columns_of(term, row)[1]; ++column, ++at) {
             const std::string name = std::string(to_string(triad)) + "." + std::string(to_string(term)) + "." + element_name(term, row, column);
@@ -87,6 +97,10 @@ auto& element(Model& model, const Coefficient& c) {
       return triad.cubic(c.row);
     case Term::thermal:
       return triad.thermal(c.row, c.column);
+    case Term::matrix_thermal1:
+      return triad.matrix_thermal1(c.row, c.column);
+    case Term::matrix_thermal2:
+      return triad.matrix_thermal2(c.row, c.column);
     case Term::g_sensitivity:
       return model.g_sensitivity(c.row, c.column);
     case Term::lever_arm:
@@ -207,7 +221,7 @@ std::vector<std::string> problems_of(const SensorModel& model) {
            "the raw readings are in \"" + m->raw_unit + "\"; expected count or " + unit);
     expect(m->thermal.col(0).isZero(0), "the constant of a thermal polynomial is not 0; expected it in the offset");
     if (!m->temperature) {
-      expect(m->thermal.isZero(0), "the model has thermal terms, but no reference temperature; expected one");
+      expect(!m->varies(), "the model has thermal terms, but no reference temperature; expected one");
       continue;
     }
     const ThermalReading& t = *m->temperature;
@@ -248,6 +262,10 @@ std::string_view to_string(Term term) {
       return "cubic";
     case Term::thermal:
       return "thermal";
+    case Term::matrix_thermal1:
+      return "matrix_thermal1";
+    case Term::matrix_thermal2:
+      return "matrix_thermal2";
     case Term::g_sensitivity:
       return "g_sensitivity";
     case Term::lever_arm:

@@ -19,12 +19,13 @@ std::vector<std::string> names(const std::vector<CoefficientIndex>& indices) {
   return out;
 }
 
-TEST(CoefficientTable, HoldsThe57IndependentCoefficientsAndNineLeverArms) {
+TEST(CoefficientTable, HoldsThe57IndependentCoefficientsLeverArmsAndMoreThermalTerms) {
   const auto table = coefficient_table();
   ASSERT_EQ(table.size(), static_cast<std::size_t>(coefficient_count));
   const auto lever_arms = std::count_if(table.begin(), table.end(), [](const Coefficient& c) { return c.term == Term::lever_arm; });
   EXPECT_EQ(lever_arms, 9);
-  EXPECT_EQ(static_cast<int>(table.size()) - lever_arms, 63 - 6);  // Dai's 63 minus c0, d0
+  EXPECT_EQ(std::count_if(table.begin(), table.end(), is_extended), 6 + 36);  // c3; M1, M2
+  EXPECT_EQ(std::ssize(table) - lever_arms - 42, 63 - 6);                     // Dai's 63 minus c0, d0
   std::set<std::string_view> unique;
   for (const auto& c : table) unique.insert(c.name);
   EXPECT_EQ(unique.size(), table.size());
@@ -36,7 +37,7 @@ TEST(CoefficientTable, NamesAreThoseOfTheFiles) {
     EXPECT_EQ(coefficient(coefficient_index(name)).name, name);
   EXPECT_EQ(coefficient_table()[0].name, "accel.offset.x");
   EXPECT_EQ(coefficient_table()[4].name, "accel.matrix.xy");
-  EXPECT_EQ(coefficient_table()[65].name, "gyro.g_sensitivity.zz");
+  EXPECT_EQ(coefficient_table()[107].name, "gyro.g_sensitivity.zz");
   EXPECT_EQ(coefficient(coefficient_index("gyro.matrix.xy")).unit, "(rad/s)/raw");
 }
 
@@ -73,7 +74,8 @@ TEST(SelectCoefficients, TakesNamesTermsAndGroups) {
   EXPECT_THAT(names(select_coefficients("accel.offset")), ElementsAre("accel.offset.x", "accel.offset.y", "accel.offset.z"));
   EXPECT_THAT(names(select_coefficients("gyro.matrix.diagonal")), ElementsAre("gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"));
   EXPECT_EQ(select_coefficients("gyro.matrix.off_diagonal").size(), 6u);
-  EXPECT_EQ(select_coefficients("accel.thermal").size(), 6u);
+  EXPECT_EQ(select_coefficients("accel.thermal").size(), 9u);
+  EXPECT_EQ(select_coefficients("gyro.matrix_thermal1.diagonal").size(), 3u);
 }
 
 TEST(SelectCoefficients, RefusesWhatTheTableDoesNotHold) {

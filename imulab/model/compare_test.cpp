@@ -197,10 +197,10 @@ TEST(Compare, TestsOnlyWhatBothEstimated) {
   Calibration a = any_calibration(3), b;
   b.model = a.model;
   b.estimated = coefficients({"gyro.offset", "accel.thermal"});
-  b.covariance = 1e-12 * Eigen::MatrixXd::Identity(9, 9);
+  b.covariance = 1e-12 * Eigen::MatrixXd::Identity(12, 12);
   const Comparison comparison = compare(a, b);
   EXPECT_EQ(comparison.consistency.degrees_of_freedom, 3);
-  EXPECT_EQ(comparison.coefficients.size(), 30u + 6);
+  EXPECT_EQ(comparison.coefficients.size(), 30u + 9);
 }
 
 /// Returns the calibration in a rig's frame: a' = F a with a fixed F.

@@ -13,11 +13,6 @@ namespace imulab {
 
 namespace {
 
-/// Returns c0 + c1 tau + c2 tau^2 per axis: the contribution of the temperature to the raw output.
-Vector3d drift(const Matrix3d& thermal, const Vector3d& tau) {
-  return thermal.col(0) + thermal.col(1).cwiseProduct(tau) + thermal.col(2).cwiseProduct(tau.cwiseAbs2());
-}
-
 /// Returns A0 + A1 V + A2 V^2 + A3 V^3.
 Vector3d polynomial(const TriadModel& m, const Vector3d& v) {
   return m.offset + m.matrix * v + (m.quadratic + m.cubic.cwiseProduct(v)).cwiseProduct(v.cwiseAbs2());
@@ -51,13 +46,41 @@ Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
 
 // One sample with the order of sums of the columns below, for bit-identical results.
 
+/// The thermal terms of an axis.
+struct AxisDrift {
+  double c0, c1, c2, c3;
+  AxisDrift(const TriadModel& m, Eigen::Index axis)
+      : c0(m.thermal(axis, 0)), c1(m.thermal(axis, 1)), c2(m.thermal(axis, 2)), c3(m.thermal(axis, 3)) {}
+  bool constant() const { return c1 == 0 && c2 == 0 && c3 == 0; }
+  double at(double tau) const { return c0 + (c1 + (c2 + c3 * tau) * tau) * tau; }
+};
+
 Vector3d without_drift_of_sample(const TriadModel& m, const Vector3d& u, const Vector3d& tau) {
   Vector3d v;
   for (int i = 0; i < 3; ++i) {
-    const double c0 = m.thermal(i, 0), c1 = m.thermal(i, 1), c2 = m.thermal(i, 2);
-    v[i] = c1 == 0 && c2 == 0 ? u[i] - c0 : u[i] - (c0 + (c1 + c2 * tau[i]) * tau[i]);
+    const AxisDrift c(m, i);
+    v[i] = c.constant() ? u[i] - c.c0 : u[i] - c.at(tau[i]);
   }
   return v;
+}
+
+/// A row of M1 tau + M2 tau^2, times the output.
+struct RowChange {
+  double x1, y1, z1, x2, y2, z2;
+  RowChange(const TriadModel& m, Eigen::Index row)
+      : x1(m.matrix_thermal1(row, 0)),
+        y1(m.matrix_thermal1(row, 1)),
+        z1(m.matrix_thermal1(row, 2)),
+        x2(m.matrix_thermal2(row, 0)),
+        y2(m.matrix_thermal2(row, 1)),
+        z2(m.matrix_thermal2(row, 2)) {}
+  double of(double x, double y, double z, double tau) const { return tau * ((x1 * x + y1 * y + z1 * z) + tau * (x2 * x + y2 * y + z2 * z)); }
+};
+
+void change_of_sample(const TriadModel& m, const Vector3d& tau, Vector3d& out) {
+  if (!m.matrix_varies()) return;
+  const Vector3d p = out;
+  for (int i = 0; i < 3; ++i) out[i] += RowChange(m, i).of(p[0], p[1], p[2], tau[i]);
 }
 
 void polynomial_of_sample(const TriadModel& m, const Vector3d& v, Vector3d& out) {
@@ -72,15 +95,21 @@ void polynomial_of_sample(const TriadModel& m, const Vector3d& v, Vector3d& out)
 Motion compensate(const SensorModel& model, const RawSample& raw) {
   Motion out;
   polynomial_of_sample(model.accel, without_drift_of_sample(model.accel, raw.accel, raw.accel_tau), out.force);
+  change_of_sample(model.accel, raw.accel_tau, out.force);
   polynomial_of_sample(model.gyro, without_drift_of_sample(model.gyro, raw.gyro, raw.gyro_tau), out.rate);
+  change_of_sample(model.gyro, raw.gyro_tau, out.rate);
   const Matrix3d& c = model.g_sensitivity;
   for (int i = 0; i < 3; ++i) out.rate[i] += c(i, 0) * out.force[0] + c(i, 1) * out.force[1] + c(i, 2) * out.force[2];
   return out;
 }
 
 RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& gyro_tau, const Vector3d& accel_tau) {
-  const Vector3d accel = invert(model.accel, motion.force, "accelerometers'") + drift(model.accel.thermal, accel_tau);
-  const Vector3d gyro = invert(model.gyro, motion.rate - model.g_sensitivity * motion.force, "gyros'") + drift(model.gyro.thermal, gyro_tau);
+  const auto at_reference = [](const TriadModel& m, const Vector3d& out, const Vector3d& tau) {
+    return m.matrix_varies() ? Vector3d(m.matrix_factor(tau).inverse() * out) : out;
+  };
+  const Vector3d accel = invert(model.accel, at_reference(model.accel, motion.force, accel_tau), "accelerometers'") + model.accel.drift(accel_tau);
+  const Vector3d rate = motion.rate - model.g_sensitivity * motion.force;
+  const Vector3d gyro = invert(model.gyro, at_reference(model.gyro, rate, gyro_tau), "gyros'") + model.gyro.drift(gyro_tau);
   return {.gyro = gyro, .accel = accel, .gyro_tau = gyro_tau, .accel_tau = accel_tau};
 }
 
@@ -97,7 +126,7 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
       throw Error(std::string("compensate: the ") + what + " column has " + std::to_string(size) + " samples, expected " + std::to_string(n));
   };
   const auto need_thermal = [&](const TriadModel& m, const Inputs& columns, const std::string& what) {
-    const bool used = !m.thermal.rightCols<2>().isZero(0);
+    const bool used = m.varies();
     if (used && columns[0].empty() && n > 0) throw Error("the calibration has thermal terms, but the recording has no " + what + " temperature");
     if (used && !m.temperature) throw Error("the calibration has thermal terms, but no reference temperature for the " + what);
     for (const auto& c : columns)
@@ -113,22 +142,32 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
   need_thermal(model.gyro, raw.gyro_temperature, "gyro");
 }
 
-/// Computes V = U - (c0 + c1 tau + c2 tau^2) for samples begin .. begin + n.
+/// Computes V = U - (c0 + c1 tau + c2 tau^2 + c3 tau^3) for samples begin .. begin + n.
 void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& v) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const u = raw[axis].data() + begin;
-    const auto c = m.thermal.row(static_cast<Eigen::Index>(axis));
-    const double c0 = c(0), c1 = c(1), c2 = c(2);
-    if (c1 == 0 && c2 == 0) {
-      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c0;
+    const AxisDrift c(m, static_cast<Eigen::Index>(axis));
+    if (c.constant()) {
+      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.c0;
     } else {
       const double* const t = temperature[axis].data() + begin;
-      const double reference = m.temperature->reference;
-      for (std::size_t k = 0; k < n; ++k) {
-        const double tau = t[k] - reference;
-        v[axis][k] = u[k] - (c0 + (c1 + c2 * tau) * tau);
-      }
+      const ThermalReading reading = *m.temperature;
+      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.at(reading.tau(t[k]));
     }
+  }
+}
+
+/// Adds (M1 tau + M2 tau^2) times the output.
+void change(const TriadModel& m, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& out) {
+  if (!m.matrix_varies()) return;
+  const ThermalReading reading = *m.temperature;
+  const RowChange x(m, 0), y(m, 1), z(m, 2);
+  const double *const tx = temperature[0].data() + begin, *const ty = temperature[1].data() + begin, *const tz = temperature[2].data() + begin;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double px = out[0][k], py = out[1][k], pz = out[2][k];
+    out[0][k] += x.of(px, py, pz, reading.tau(tx[k]));
+    out[1][k] += y.of(px, py, pz, reading.tau(ty[k]));
+    out[2][k] += z.of(px, py, pz, reading.tau(tz[k]));
   }
 }
 
@@ -168,8 +207,10 @@ void compensate(const SensorModel& model, const RawColumns& raw, const MotionCol
     const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
     load(model.accel, raw.accel, raw.accel_temperature, begin, n, v);
     polynomial(model.accel, v, n, force);
+    change(model.accel, raw.accel_temperature, begin, n, force);
     load(model.gyro, raw.gyro, raw.gyro_temperature, begin, n, v);
     polynomial(model.gyro, v, n, rate);
+    change(model.gyro, raw.gyro_temperature, begin, n, rate);
     if (sensitive) add_product(model.g_sensitivity, force, n, rate);
     store(force, begin, n, out.force);
     store(rate, begin, n, out.rate);
@@ -205,18 +246,29 @@ void invert_columns(const TriadModel& m, const char* triad, const std::array<std
   }
 }
 
-/// Adds c0 + c1 tau + c2 tau^2.
+void expect_readings(const TriadModel& m, std::size_t readings, std::size_t samples) {
+  if (readings != samples || !m.temperature)
+    throw Error("decompensate: the model has thermal terms; expected a thermal reading for each sample and a reference temperature");
+}
+
+/// Multiplies the output by the inverse of I + M1 tau + M2 tau^2.
+void remove_change(const TriadModel& m, const Inputs& temperature, const std::array<std::span<double>, 3>& columns) {
+  if (!m.matrix_varies()) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) expect_readings(m, temperature[axis].size(), columns[axis].size());
+  const auto tau = [&](std::size_t axis, std::size_t k) { return m.temperature->tau(temperature[axis][k]); };
+  for (std::size_t k = 0; k < columns[0].size(); ++k) {
+    const Vector3d out = m.matrix_factor({tau(0, k), tau(1, k), tau(2, k)}).inverse() * Vector3d(columns[0][k], columns[1][k], columns[2][k]);
+    for (std::size_t axis = 0; axis < 3; ++axis) columns[axis][k] = out[static_cast<Eigen::Index>(axis)];
+  }
+}
+
+/// Adds c0 + c1 tau + c2 tau^2 + c3 tau^3.
 void add_drift(const TriadModel& m, const Inputs& temperature, const std::array<std::span<double>, 3>& columns) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto c = m.thermal.row(static_cast<Eigen::Index>(axis));
-    const double c0 = c(0), c1 = c(1), c2 = c(2);
-    if (c0 == 0 && c1 == 0 && c2 == 0) continue;
-    if (temperature[axis].size() != columns[axis].size() || !m.temperature)
-      throw Error("decompensate: the model has thermal terms; expected a thermal reading for each sample and a reference temperature");
-    for (std::size_t k = 0; k < columns[axis].size(); ++k) {
-      const double tau = temperature[axis][k] - m.temperature->reference;
-      columns[axis][k] += c0 + (c1 + c2 * tau) * tau;
-    }
+    const AxisDrift c(m, static_cast<Eigen::Index>(axis));
+    if (c.c0 == 0 && c.constant()) continue;
+    expect_readings(m, temperature[axis].size(), columns[axis].size());
+    for (std::size_t k = 0; k < columns[axis].size(); ++k) columns[axis][k] += c.at(m.temperature->tau(temperature[axis][k]));
   }
 }
 
@@ -232,6 +284,8 @@ void decompensate(const SensorModel& model, const Inputs& gyro_temperature, cons
       for (std::size_t k = 0; k < columns.rate[axis].size(); ++k)
         columns.rate[axis][k] -= c(0) * columns.force[0][k] + c(1) * columns.force[1][k] + c(2) * columns.force[2][k];
     }
+  remove_change(model.accel, accel_temperature, columns.force);
+  remove_change(model.gyro, gyro_temperature, columns.rate);
   invert_columns(model.accel, "accelerometers'", columns.force);
   invert_columns(model.gyro, "gyros'", columns.rate);
   add_drift(model.accel, accel_temperature, columns.force);
@@ -251,32 +305,40 @@ struct TriadDerivatives {
   CoefficientRows coefficients = CoefficientRows::Zero();
 };
 
-/// Computes V = U - (c1 tau + c2 tau^2), out = A0 + A1 V + A2 V^2 + A3 V^3.
+/// Computes V = U - (c1 tau + c2 tau^2 + c3 tau^3), P = A0 + A1 V + A2 V^2 + A3 V^3, out = S P.
 TriadDerivatives derivatives(Triad triad, const TriadModel& m, const Vector3d& reading, const Vector3d& tau) {
-  const Vector3d v = reading - m.thermal.col(0) - m.thermal.col(1).cwiseProduct(tau) - m.thermal.col(2).cwiseProduct(tau.cwiseAbs2());
+  const Vector3d v = reading - m.drift(tau), p = polynomial(m, v);
+  const Matrix3d factor = m.matrix_factor(tau);
   TriadDerivatives d;
-  const Vector3d bend = 2 * m.quadratic.cwiseProduct(v) + 3 * m.cubic.cwiseProduct(v.cwiseAbs2());
-  d.raw = m.matrix + Matrix3d(bend.asDiagonal());
-  d.temperature = -d.raw * Vector3d(m.thermal.col(1) + 2 * m.thermal.col(2).cwiseProduct(tau)).asDiagonal();
+  d.raw = factor * polynomial_derivative(m, v);
+  const Vector3d steepness = m.thermal.col(1) + (2 * m.thermal.col(2) + 3 * m.thermal.col(3).cwiseProduct(tau)).cwiseProduct(tau);
+  d.temperature = -d.raw * steepness.asDiagonal();
+  d.temperature.diagonal() += (m.matrix_thermal1 + 2 * tau.asDiagonal() * m.matrix_thermal2) * p;
   const int first = coefficient_index(triad, Term::offset, 0, 0);
   const auto table = coefficient_table();
   for (int k = first; k < coefficient_count && table[static_cast<std::size_t>(k)].triad == triad; ++k) {
     const Coefficient& c = table[static_cast<std::size_t>(k)];
     switch (c.term) {
       case Term::offset:
-        d.coefficients(c.row, k) = 1;
+        d.coefficients.col(k) = factor.col(c.row);
         break;
       case Term::matrix:
-        d.coefficients(c.row, k) = v[c.column];
+        d.coefficients.col(k) = factor.col(c.row) * v[c.column];
         break;
       case Term::quadratic:
-        d.coefficients(c.row, k) = v[c.row] * v[c.row];
+        d.coefficients.col(k) = factor.col(c.row) * (v[c.row] * v[c.row]);
         break;
       case Term::cubic:
-        d.coefficients(c.row, k) = v[c.row] * v[c.row] * v[c.row];
+        d.coefficients.col(k) = factor.col(c.row) * (v[c.row] * v[c.row] * v[c.row]);
         break;
       case Term::thermal:
-        d.coefficients.col(k) = -d.raw.col(c.row) * (c.column == 1 ? tau[c.row] : tau[c.row] * tau[c.row]);
+        d.coefficients.col(k) = -d.raw.col(c.row) * (c.column == 1 ? tau[c.row] : std::pow(tau[c.row], c.column));
+        break;
+      case Term::matrix_thermal1:
+        d.coefficients(c.row, k) = tau[c.row] * p[c.column];
+        break;
+      case Term::matrix_thermal2:
+        d.coefficients(c.row, k) = tau[c.row] * tau[c.row] * p[c.column];
         break;
       case Term::g_sensitivity:
       case Term::lever_arm:

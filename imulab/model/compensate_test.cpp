@@ -39,9 +39,10 @@ SensorModel draw_model() {
     m.accel.cubic(i) = draw_sign() * draw(5e-6, 2e-5) * accel_scale / (raw_g * raw_g);
     m.gyro.quadratic(i) = draw_sign() * draw(1.5e-4, 2.5e-4) * gyro_scale / raw_dps;
     m.gyro.cubic(i) = draw_sign() * draw(4e-10, 1e-9) * gyro_scale / (raw_dps * raw_dps);
-    m.accel.thermal.row(i) << 0, draw(-1e-3, 1e-3) * raw_g, draw(-1e-5, 1e-5) * raw_g;
-    m.gyro.thermal.row(i) << 0, draw(-0.05, 0.05) * raw_dps, draw(-1e-3, 1e-3) * raw_dps;
+    m.accel.thermal.row(i) << 0, draw(-1e-3, 1e-3) * raw_g, draw(-1e-5, 1e-5) * raw_g, draw(-1e-7, 1e-7) * raw_g;
+    m.gyro.thermal.row(i) << 0, draw(-0.05, 0.05) * raw_dps, draw(-1e-3, 1e-3) * raw_dps, draw(-1e-5, 1e-5) * raw_dps;
   }
+  for (TriadModel* triad : {&m.accel, &m.gyro}) triad->matrix_thermal1 = draw_matrix(3e-4), triad->matrix_thermal2 = draw_matrix(6e-6);
   m.accel.temperature = m.gyro.temperature = ThermalReading{"degC", 25.0, {0.0, 70.0}};
   m.g_sensitivity = draw_matrix(0.04 * unit::deg / unit::g);
   return m;
@@ -93,17 +94,47 @@ TEST(Compensate, FollowsTheEquationsTermByTerm) {
   m.accel.matrix << 2, 0.5, 0, 0, 3, 0, 0.25, 0, 4;
   m.accel.quadratic = {0.01, 0, 0};
   m.accel.cubic = {0, 0.001, 0};
-  m.accel.thermal << 0, 0.5, 0.25, 0, 0, 0, 0, 0, 0;
+  m.accel.thermal.row(0) << 0, 0.5, 0.125, 0.0625;
   m.gyro.offset = {1, 0, 0};
   m.g_sensitivity << 0, 1, 0, 0, 0, 0, 0, 0, 2;
   const Motion motion = compensate(m, RawSample{.gyro = {7, 8, 9}, .accel = {5, 2, 1}, .accel_tau = {2, 0, 0}});
-  // Va = (5 - 0.5 2 - 0.25 4, 2, 1) = (3, 2, 1)
+  // Va = (5 - 0.5 2 - 0.125 4 - 0.0625 8, 2, 1) = (3, 2, 1)
   EXPECT_DOUBLE_EQ(motion.force.x(), 0.1 + 2 * 3 + 0.5 * 2 + 0.01 * 9);
   EXPECT_DOUBLE_EQ(motion.force.y(), 0.2 + 3 * 2 + 0.001 * 8);
   EXPECT_DOUBLE_EQ(motion.force.z(), 0.3 + 0.25 * 3 + 4 * 1);
   EXPECT_DOUBLE_EQ(motion.rate.x(), 1 + 7 + 1 * motion.force.y());
   EXPECT_DOUBLE_EQ(motion.rate.y(), 8);
   EXPECT_DOUBLE_EQ(motion.rate.z(), 9 + 2 * motion.force.z());
+}
+
+TEST(Compensate, TheMatrixFollowsTheTemperatureOfEachRowsAxis) {
+  SensorModel m;
+  m.gyro.offset = {1, 0, 0};
+  m.gyro.matrix_thermal1 << 0.5, 0, 0, 0, 0, 0.25, 0, 0, 0;
+  m.gyro.matrix_thermal2 << 0, 0.125, 0, 0, 0, 0, 0, 0, 0.0625;
+  m.g_sensitivity(0, 2) = 1;
+  // The output without it is (8, 8, 9).
+  const Motion motion = compensate(m, RawSample{.gyro = {7, 8, 9}, .accel = {0, 0, 3}, .gyro_tau = {2, 4, 8}});
+  EXPECT_DOUBLE_EQ(motion.rate.x(), 8 + 2 * 0.5 * 8 + 4 * 0.125 * 8 + 3);
+  EXPECT_DOUBLE_EQ(motion.rate.y(), 8 + 4 * 0.25 * 9);
+  EXPECT_DOUBLE_EQ(motion.rate.z(), 9 + 64 * 0.0625 * 9);
+}
+
+TEST(Compensate, OutsideTheRangeTheThermalTermsKeepTheirValuesAtItsLimit) {
+  SensorModel m;
+  m.accel.thermal.col(1).setConstant(0.5);
+  m.accel.temperature = ThermalReading{"degC", 20, {10, 40}};
+  const SampleCompensator each(m);
+  for (const auto& [temperature, tau] : {std::pair(-30.0, -10.0), {10.0, -10.0}, {25.0, 5.0}, {90.0, 20.0}}) {
+    EXPECT_EQ(each({0, 0, 0}, {0, 0, 0}, temperature).force.x(), -0.5 * tau);
+    std::array<double, 6> values{};
+    const std::array<double, 1> read{temperature}, zero{0};
+    const auto column = [&](std::size_t k) { return std::span(&values[k], 1); };
+    compensate(m, {{zero, zero, zero}, {zero, zero, zero}, {}, {read, read, read}},
+               {{column(0), column(1), column(2)}, {column(3), column(4), column(5)}});
+    EXPECT_EQ(values[3], -0.5 * tau);
+  }
+  EXPECT_TRUE(std::isnan(each({0, 0, 0}, {0, 0, 0}, NAN).force.x()));
 }
 
 TEST(Compensate, PolynomialWithoutThisOutputIsAnError) {
@@ -162,8 +193,11 @@ SensorModel full_model() {
   m.accel.cubic = {1e-5, -2e-5, 3e-5};
   m.gyro.quadratic = {-1e-3, 2e-3, 1e-3};
   m.gyro.cubic = {2e-5, 1e-5, -3e-5};
-  m.accel.thermal << 0, 1e-2, 1e-4, 0, -2e-2, 1e-4, 0, 3e-2, -1e-4;
-  m.gyro.thermal << 0, 2e-2, -1e-4, 0, 1e-2, 1e-4, 0, -3e-2, 2e-4;
+  m.accel.thermal << 0, 1e-2, 1e-4, 1e-6, 0, -2e-2, 1e-4, 0, 0, 3e-2, -1e-4, 2e-6;
+  m.gyro.thermal << 0, 2e-2, -1e-4, 0, 0, 1e-2, 1e-4, -1e-6, 0, -3e-2, 2e-4, 1e-6;
+  m.accel.matrix_thermal1 << 2e-4, 0, 0, 1e-5, -1e-4, 0, 2e-5, 0, 3e-4;
+  m.gyro.matrix_thermal1 << 2e-4, 1e-5, -1e-5, 0, -1e-4, 3e-5, 1e-5, 0, 3e-4;
+  m.gyro.matrix_thermal2 << 2e-6, 0, 1e-7, 0, -1e-6, 0, 0, 2e-7, 3e-6;
   m.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
   m.gyro.temperature = ThermalReading{"raw", 5, {0, 70}};
   m.g_sensitivity << 1e-3, 2e-3, -1e-3, 3e-3, 1e-3, 2e-3, -2e-3, 1e-3, 4e-3;
@@ -187,8 +221,8 @@ void expect_columns_equal_samples(const SensorModel& m, bool temperatures) {
         sample.gyro(i) = raw.gyro[axis][k];
         sample.accel(i) = raw.accel[axis][k];
         if (temperatures) {
-          sample.gyro_tau(i) = raw.gyro_temperature[axis][k] - (m.gyro.temperature ? m.gyro.temperature->reference : 0);
-          sample.accel_tau(i) = raw.accel_temperature[axis][k] - (m.accel.temperature ? m.accel.temperature->reference : 0);
+          sample.gyro_tau(i) = m.gyro.temperature ? m.gyro.temperature->tau(raw.gyro_temperature[axis][k]) : 0;
+          sample.accel_tau(i) = m.accel.temperature ? m.accel.temperature->tau(raw.accel_temperature[axis][k]) : 0;
         }
       }
       const Motion motion = compensate(m, sample);

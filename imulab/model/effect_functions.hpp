@@ -58,11 +58,22 @@ inline double changed(const EffectState& s, int, int) { return s.changed; }
 inline double changed_in_force(const EffectState& s, int i, int) { return s.changed * s.force[i]; }
 inline double changed_in_rate(const EffectState& s, int i, int) { return s.changed * s.rate[i]; }
 inline double warming(const EffectState& s, int, int) { return s.warming.value_or(0); }
-/// Terms of c1 (d + l) + c2 (d + l)^2 / 50 K, whose coefficients are independent: d and d^2; l, 2 d l and l^2.
+/// Terms of c1 (d + l) + c2 (d + l)^2 / 50 K + c3 (d + l)^3 / (50 K)^2, whose coefficients are independent: powers of d, then those with l.
 inline double thermal(const EffectState& s, int, int function) {
-  const double d = s.warming.value_or(0), l = s.warming_rate * thermometer_lag_s;
-  const std::array terms{d, d * d / second_order_per_first, l, 2 * d * l / second_order_per_first, l * l / second_order_per_first};
+  const double d = s.warming.value_or(0), l = s.warming_rate * thermometer_lag_s, K = second_order_per_first;
+  const std::array terms{
+      d, d * d / K, d * d * d / (K * K), l, 2 * d * l / K, l * l / K, 3 * d * d * l / (K * K), 3 * d * l * l / (K * K), l * l * l / (K * K)};
   return terms[static_cast<std::size_t>(function)];
+}
+/// d, d^2 / 50 K, l or 2 d l / 50 K times an input.
+template <Triad triad>
+OutputChange matrix_over_temperature(const EffectState& s, int column) {
+  const MatrixThermal m = matrix_thermal(triad, column);
+  const double d = s.warming.value_or(0), l = s.warming_rate * thermometer_lag_s, first = m.lags ? l : d, second = (m.lags ? 2 * l : d) * d;
+  const double size = m.order == 1 ? first : second / second_order_per_first;
+  const Vector3d& input = triad == Triad::accel ? s.force : s.rate;
+  const Vector3d change = m.size() * size * input[m.column] * Vector3d::Unit(m.row);
+  return triad == Triad::accel ? OutputChange{.force = change} : OutputChange{.rate = change};
 }
 inline double warming_in_force(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.force[i]; }
 inline double warming_in_rate(const EffectState& s, int i, int) { return s.warming.value_or(0) * s.rate[i]; }

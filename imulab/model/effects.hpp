@@ -114,6 +114,21 @@ struct EffectColumn {
 // sigma).
 inline constexpr double second_order_per_first = 50, thermometer_lag_s = 30;
 
+/// A column of an effect matrix_thermal: an element of M1 or M2, or of their lags.
+struct MatrixThermal {
+  int row, column, order;
+  bool lags;
+  /// Misalignments change a tenth as much as scales.
+  double size() const { return row == column ? 1 : 0.1; }
+};
+/// Accelerometers have a lower triangle, since rests do not show a rotation.
+inline MatrixThermal matrix_thermal(Triad triad, int column) {
+  constexpr std::array<std::array<int, 2>, 9> elements{{{0, 0}, {1, 1}, {2, 2}, {1, 0}, {2, 0}, {2, 1}, {0, 1}, {0, 2}, {1, 2}}};
+  const int count = triad == Triad::accel ? 6 : 9;
+  const auto& [row, input] = elements[static_cast<std::size_t>(column % count)];
+  return {row, input, 1 + (column / count) % 2, column / count >= 2};
+}
+
 /// Returns all effects.
 std::span<const Effect> effects();
 /// Returns the effect with this name, or null.

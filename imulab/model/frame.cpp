@@ -73,6 +73,8 @@ Coefficients<T> rotated(Coefficients<T> c) {
   set_block<T>(c, Triad::accel, Term::matrix, r * a1);
   set_block<T>(c, Triad::gyro, Term::matrix, r * block(c, Triad::gyro, Term::matrix));
   set_block<T>(c, Triad::gyro, Term::g_sensitivity, r * block(c, Triad::gyro, Term::g_sensitivity) * r.transpose());
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (const Term term : {Term::matrix_thermal1, Term::matrix_thermal2}) set_block<T>(c, triad, term, r * block(c, triad, term) * r.transpose());
   set_block<T>(c, Triad::accel, Term::lever_arm, block(c, Triad::accel, Term::lever_arm) * r.transpose());  // row i is r_i
   return c;
 }

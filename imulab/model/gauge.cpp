@@ -2,6 +2,8 @@
 
 #include "imulab/error.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 
 namespace imulab {
@@ -28,13 +30,22 @@ SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, 
 
 namespace {
 
-/// Uses c1 tau + c2 tau^2 with tau = tau' + by: its constant part moves to the polynomial.
+/// Uses the thermal terms with tau = tau' + by: their constant part moves to the polynomial. Of S P with S = I + M1 tau + M2 tau^2, that is the value
+/// of S at the new reference; the small products of its elements beside the diagonal with nonlinear terms are left out.
 TriadModel with_reference(TriadModel m, double reference) {
   if (!m.temperature) return m;
   const double by = reference - m.temperature->reference;
-  const Vector3d constant = m.thermal.col(1) * by + m.thermal.col(2) * (by * by);
-  m.thermal.col(1) += 2 * by * m.thermal.col(2);
+  const Vector3d constant = m.drift(Vector3d::Constant(by));
+  const Matrix3d factor = m.matrix_factor(Vector3d::Constant(by));
+  m.thermal.col(1) += by * (2 * m.thermal.col(2) + 3 * by * m.thermal.col(3));
+  m.thermal.col(2) += 3 * by * m.thermal.col(3);
   m.temperature->reference = reference;
+  if (m.matrix_varies()) {
+    m.offset = factor * m.offset, m.matrix = factor * m.matrix;
+    m.quadratic = factor.diagonal().cwiseProduct(m.quadratic), m.cubic = factor.diagonal().cwiseProduct(m.cubic);
+    m.matrix_thermal1 = (m.matrix_thermal1 + 2 * by * m.matrix_thermal2) * factor.inverse();
+    m.matrix_thermal2 = m.matrix_thermal2 * factor.inverse();
+  }
   return of_shifted_readings(m, constant);
 }
 
@@ -95,7 +106,7 @@ MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<Co
 Calibration in_gauge_of(const Calibration& a, const Calibration& b) {
   const auto reference = [](const TriadModel& of_a, const TriadModel& of_b) {
     if (!of_a.temperature || !of_b.temperature) return of_b.temperature ? of_b.temperature->reference : 0;
-    const bool drifts = !of_a.thermal.isZero(0) || !of_b.thermal.isZero(0);
+    const bool drifts = of_a.varies() || of_b.varies();
     if (of_a.temperature->unit == of_b.temperature->unit) return of_a.temperature->reference;
     if (drifts)
       throw Error("thermal terms of readings in " + of_a.temperature->unit + " and in " + of_b.temperature->unit +

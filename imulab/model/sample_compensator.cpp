@@ -10,8 +10,6 @@
 namespace imulab {
 namespace {
 
-bool has_thermal_terms(const TriadModel& m) { return !m.thermal.rightCols<2>().isZero(0); }
-
 void check_form(const TriadModel& m, const char* triad, std::string_view unit, std::string_view temperature_unit,
                 std::vector<std::string>& problems) {
   const std::string_view si = std::string_view(triad) == "gyro" ? "rad/s" : "m/s^2";
@@ -21,7 +19,7 @@ void check_form(const TriadModel& m, const char* triad, std::string_view unit, s
     problems.push_back(fmt::format("{}: the readings are in {}; expected {}, which the calibration was made from", triad, unit, m.raw_unit));
   if (temperature_unit != "degC" && temperature_unit != "K" && temperature_unit != "raw")
     problems.push_back(fmt::format("{}: the temperatures are in \"{}\"; expected degC, K or raw", triad, temperature_unit));
-  else if (has_thermal_terms(m) && m.temperature && m.temperature->unit != temperature_unit)
+  else if (m.varies() && m.temperature && m.temperature->unit != temperature_unit)
     problems.push_back(fmt::format("{}: the temperatures are in {}; expected {}, which the calibration was made from", triad, temperature_unit,
                                    m.temperature->unit));
 }
@@ -35,9 +33,9 @@ SampleCompensator::SampleCompensator(const SensorModel& model, const SampleOptio
   if (!options.leave_lever_arms && !model.lever_arm.isZero(0))
     problems.push_back("the model has lever arms, which act over several samples; expected a model without, or leave_lever_arms in the options");
   throw_problems("the model", problems);
-  needs_temperature_ = has_thermal_terms(model.gyro) || has_thermal_terms(model.accel);
-  if (model.gyro.temperature) gyro_reference_.setConstant(model.gyro.temperature->reference);
-  if (model.accel.temperature) accel_reference_.setConstant(model.accel.temperature->reference);
+  needs_temperature_ = model.gyro.varies() || model.accel.varies();
+  if (model.gyro.temperature) gyro_temperature_ = *model.gyro.temperature;
+  if (model.accel.temperature) accel_temperature_ = *model.accel.temperature;
 }
 
 Motion SampleCompensator::operator()(const Vector3d& gyro, const Vector3d& accel) const {

@@ -54,7 +54,7 @@ TEST(SampleCompensator, GivesTheBitsOfTheColumns) {
   const std::array<std::vector<double>, 12> columns = drawn_columns(n);
   for (const bool thermal : {true, false}) {
     SensorModel model = drawn_unit();
-    if (!thermal) model.gyro.thermal.setZero(), model.accel.thermal.setZero();
+    if (!thermal) model.gyro.remove_temperature(), model.accel.remove_temperature();
     std::array<std::vector<double>, 6> out;
     for (auto& column : out) column.resize(n);
     RawColumns raw;

@@ -44,7 +44,8 @@ UserValue user_value(const Calibration& calibration, CoefficientIndex index, con
     const double scale = std::abs(triad.matrix(c.row, c.row)) * unit::arcsec;
     return {value / scale, sigma / scale, "arcsec"};
   }
-  if (c.term == Term::g_sensitivity || c.term == Term::lever_arm) return in(user_unit(c, largest_of_term(calibration, c)));
+  if (c.term == Term::g_sensitivity || c.term == Term::lever_arm || is_matrix_thermal(c.term))
+    return in(user_unit(c, largest_of_term(calibration, c)));
   if (triad.raw_unit == "count") return of_counts(c, calibration, model, value, sigma);
   if (c.term == Term::offset) return in(user_unit(c, largest_of_term(calibration, c)));
   if (c.term == Term::matrix) return {(value - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
@@ -62,6 +63,8 @@ constexpr std::array misalignment{UserUnit{"arcsec", unit::arcsec}, UserUnit{"ar
                                   UserUnit{"deg", unit::deg},       UserUnit{"ppm", unit::ppm},
                                   UserUnit{"mrad", 1e-3},           UserUnit{"rad", 1}};
 constexpr std::array g_sensitivity{UserUnit{"deg/h/g", unit::deg_per_h / unit::g}, UserUnit{"deg/s/g", unit::deg / unit::g}};
+constexpr std::array scale_over_temperature{UserUnit{"ppm/K", unit::ppm}, UserUnit{"ppm/K^2", unit::ppm}};
+constexpr std::array turn_over_temperature{UserUnit{"arcsec/K", unit::arcsec}, UserUnit{"arcsec/K^2", unit::arcsec}};
 constexpr std::array lever_arm{UserUnit{"mm", 1e-3}, UserUnit{"m", 1}};
 
 }  // namespace
@@ -69,9 +72,12 @@ constexpr std::array lever_arm{UserUnit{"mm", 1e-3}, UserUnit{"m", 1}};
 UserUnit unit_of_si_readings(const Coefficient& c, const TriadModel& triad) {
   const bool accel = c.triad == Triad::accel;
   if (c.term == Term::thermal) {
-    const bool raw = triad.temperature && triad.temperature->unit == "raw", square = c.column == 2;
-    if (accel) return {raw ? (square ? "ug/raw^2" : "ug/raw") : (square ? "ug/K^2" : "ug/K"), unit::ug};
-    return {raw ? (square ? "deg/h/raw^2" : "deg/h/raw") : (square ? "deg/h/K^2" : "deg/h/K"), unit::deg_per_h};
+    constexpr std::array<std::array<std::string_view, 3>, 4> names{{{"ug/K", "ug/K^2", "ug/K^3"},
+                                                                    {"deg/h/K", "deg/h/K^2", "deg/h/K^3"},
+                                                                    {"ug/raw", "ug/raw^2", "ug/raw^3"},
+                                                                    {"deg/h/raw", "deg/h/raw^2", "deg/h/raw^3"}}};
+    const bool raw = triad.temperature && triad.temperature->unit == "raw";
+    return {names[(accel ? 0 : 1) + (raw ? 2 : 0)][static_cast<std::size_t>(c.column - 1)], accel ? unit::ug : unit::deg_per_h};
   }
   const int order = c.term == Term::quadratic ? 2 : 3;
   if (accel) return {order == 2 ? "ug/g^2" : "ug/g^3", unit::ug / std::pow(unit::g, order)};
@@ -88,6 +94,11 @@ std::span<const UserUnit> user_units(const Coefficient& c) {
       return g_sensitivity;
     case Term::lever_arm:
       return lever_arm;
+    case Term::matrix_thermal1:
+    case Term::matrix_thermal2: {
+      const std::span<const UserUnit> units = c.row == c.column ? std::span(scale_over_temperature) : std::span(turn_over_temperature);
+      return units.subspan(c.term == Term::matrix_thermal1 ? 0 : 1, 1);
+    }
     case Term::quadratic:
     case Term::cubic:
     case Term::thermal:

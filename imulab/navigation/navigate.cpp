@@ -33,18 +33,20 @@ namespace {
 
 /// Returns the reading whose compensation is the mean of a range. It differs from the mean raw reading by the effect of noise on nonlinearity.
 RawSample mean_reading(const SensorModel& model, const Recording& r, const Range& range) {
-  const auto mean = [&](const Columns3& columns, double origin) {
+  const auto mean = [&](const Columns3& columns, const auto& value) {
     Vector3d out = Vector3d::Zero();
     if (columns[0].empty()) return out;
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t i = range.begin; i < range.end; ++i)
-        out[static_cast<Eigen::Index>(k)] += (columns[k][i] - origin) / static_cast<double>(range.size());
+        out[static_cast<Eigen::Index>(k)] += value(columns[k][i]) / static_cast<double>(range.size());
     return out;
   };
-  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
-  if (model.accel.temperature) accel_tau = mean(r.accel_temperature, model.accel.temperature->reference);
-  if (model.gyro.temperature) gyro_tau = mean(r.gyro_temperature, model.gyro.temperature->reference);
-  return decompensate(model, {.rate = mean(r.gyro, 0), .force = mean(r.accel, 0)}, gyro_tau, accel_tau);
+  const auto tau = [&](const TriadModel& m, const Columns3& temperature) {
+    return m.temperature ? mean(temperature, [&](double t) { return m.temperature->tau(t); }) : Vector3d(Vector3d::Zero());
+  };
+  const auto as_read = [](double reading) { return reading; };
+  return decompensate(model, {.rate = mean(r.gyro, as_read), .force = mean(r.accel, as_read)}, tau(model.gyro, r.gyro_temperature),
+                      tau(model.accel, r.accel_temperature));
 }
 
 /// Returns the position of the session's initial state, or else of its site.

@@ -40,7 +40,11 @@ std::string kind_of(const Coefficient& c, BodyFrame frame) {
     case Term::cubic:
       return triad + " cubic term";
     case Term::thermal:
-      return triad + (c.column == 1 ? " thermal term" : " quadratic thermal term");
+      return triad + (c.column == 1 ? " thermal term" : c.column == 2 ? " quadratic thermal term" : " cubic thermal term");
+    case Term::matrix_thermal1:
+    case Term::matrix_thermal2:
+      return triad + (c.row == c.column ? " scale" : " misalignment") +
+             (c.term == Term::matrix_thermal1 ? " over temperature" : " over temperature squared");
     case Term::g_sensitivity:
       return "gyro g-sensitivity";
     case Term::lever_arm:

@@ -91,31 +91,36 @@ SmallCurve convergence_curve(const CalibrationResult& result, const ConvergenceC
   return out;
 }
 
-/// The covariance of two coefficients of one axis; zero where they were not estimated.
-Eigen::Matrix2d covariance_of(const Calibration& c, CoefficientIndex first, CoefficientIndex second) {
+/// Coefficients of one curve.
+using CurveTerms = std::vector<CoefficientIndex>;
+
+/// Their covariance; zero where they were not estimated.
+Eigen::MatrixXd covariance_of(const Calibration& c, const CurveTerms& terms) {
   const auto place = [&](CoefficientIndex index) { return std::find(c.estimated.begin(), c.estimated.end(), index) - c.estimated.begin(); };
   const auto n = static_cast<std::ptrdiff_t>(c.estimated.size());
-  const std::ptrdiff_t at[] = {place(first), place(second)};
-  Eigen::Matrix2d out = Eigen::Matrix2d::Zero();
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j)
-      if (at[i] < n && at[j] < n) out(i, j) = c.covariance(at[i], at[j]);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(std::ssize(terms), std::ssize(terms));
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    for (std::size_t j = 0; j < terms.size(); ++j)
+      if (const auto a = place(terms[i]), b = place(terms[j]); a < n && b < n)
+        out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = c.covariance(a, b);
   return out;
 }
 
-/// a p(x) + b q(x), with its band.
+/// A sum of coefficients times powers of x from `lowest` on, with its band.
 struct Curve {
   std::vector<double> x, y, low, high;
 };
 
-template <class Basis>
-Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value, const Eigen::Matrix2d& covariance, const Basis& basis) {
+Curve curve_of(const Calibration& c, const CurveTerms& terms, int lowest, double from, double to, double zero, double factor) {
   constexpr int points = 60;
+  const Eigen::VectorXd value = factor * coefficient_values(c.model, terms);
+  const Eigen::MatrixXd covariance = factor * factor * covariance_of(c, terms);
   Curve out;
   for (int i = 0; i <= points; ++i) {
     const double x = from + (to - from) * i / points;
-    const Eigen::Vector2d b = basis(x);
-    const double y = b.dot(value) / unit, s = band_sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
+    Eigen::VectorXd b(std::ssize(terms));
+    for (Eigen::Index k = 0; k < b.size(); ++k) b[k] = std::pow(x - zero, static_cast<double>(lowest + k));
+    const double y = b.dot(value), s = band_sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b)));
     out.x.push_back(x);
     out.y.push_back(y);
     out.low.push_back(y - s), out.high.push_back(y + s);
@@ -124,11 +129,11 @@ Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value
 }
 
 /// The curve of an axis of a triad.
-SmallCurve small_curve(const Curve& c, Triad triad, int axis, const std::string& x_label) {
+SmallCurve small_curve(const Curve& c, Triad triad, int axis, const std::string& x_label, const std::string& y_label) {
   SmallCurve out{.family = std::string(to_string(triad)),
                  .name = fmt::format("{} {}", triad == Triad::accel ? "accelerometer" : "gyro", "xyz"[axis]),
                  .x_label = x_label,
-                 .y_label = triad == Triad::accel ? "µg" : "deg/h",
+                 .y_label = y_label,
                  .x = c.x,
                  .y = c.y,
                  .low = c.low,
@@ -139,17 +144,31 @@ SmallCurve small_curve(const Curve& c, Triad triad, int axis, const std::string&
   return out;
 }
 
-bool estimated(const Calibration& c, CoefficientIndex index) { return contains(c.estimated, index); }
+const char* output_unit(Triad triad) { return triad == Triad::accel ? "µg" : "deg/h"; }
+
+bool any_estimated(const Calibration& c, const CurveTerms& terms) {
+  return std::ranges::any_of(terms, [&](CoefficientIndex index) { return contains(c.estimated, index); });
+}
+
+/// Over the calibrated temperatures; `factor`: of the coefficients.
+std::optional<SmallCurve> curve_over_temperature(const Calibration& c, Triad triad, int axis, const CurveTerms& terms, double factor,
+                                                 const std::string& unit) {
+  const TriadModel& m = triad_model(c.model, triad);
+  if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || !any_estimated(c, terms)) return {};
+  const auto [low, high] = m.temperature->range;
+  return small_curve(curve_of(c, terms, 1, low, high, m.temperature->reference, factor), triad, axis, m.temperature->unit, unit);
+}
 
 std::optional<SmallCurve> thermal_curve(const Calibration& c, Triad triad, int axis) {
-  const TriadModel& m = triad_model(c.model, triad);
-  const CoefficientIndex first = coefficient_index(triad, Term::thermal, axis, 1), second = coefficient_index(triad, Term::thermal, axis, 2);
-  if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || (!estimated(c, first) && !estimated(c, second))) return {};
-  const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h, scale = m.matrix(axis, axis), reference = m.temperature->reference;
-  const Curve curve = curve_of(m.temperature->range[0], m.temperature->range[1], unit, {scale * m.thermal(axis, 1), scale * m.thermal(axis, 2)},
-                               scale * scale * covariance_of(c, first, second),
-                               [&](double t) { return Eigen::Vector2d(t - reference, (t - reference) * (t - reference)); });
-  return small_curve(curve, triad, axis, m.temperature->unit);
+  CurveTerms terms;
+  for (int order = 1; order <= 3; ++order) terms.push_back(coefficient_index(triad, Term::thermal, axis, order));
+  const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h;
+  return curve_over_temperature(c, triad, axis, terms, triad_model(c.model, triad).matrix(axis, axis) / unit, output_unit(triad));
+}
+
+std::optional<SmallCurve> scale_curve(const Calibration& c, Triad triad, int axis) {
+  const CurveTerms terms{coefficient_index(triad, Term::matrix_thermal1, axis, axis), coefficient_index(triad, Term::matrix_thermal2, axis, axis)};
+  return curve_over_temperature(c, triad, axis, terms, 1 / unit::ppm, "ppm");
 }
 
 /// The largest force or rate of an axis: as the fit states it, else of the recordings.
@@ -164,16 +183,14 @@ double full_scale(const CalibrationReport& report, Triad triad, int axis) {
 std::optional<SmallCurve> nonlinearity_curve(const CalibrationReport& report, Triad triad, int axis) {
   const Calibration& c = report.result.calibration;
   const TriadModel& m = triad_model(c.model, triad);
-  const CoefficientIndex second = coefficient_index(triad, Term::quadratic, axis, axis), third = coefficient_index(triad, Term::cubic, axis, axis);
+  const CurveTerms terms{coefficient_index(triad, Term::quadratic, axis, axis), coefficient_index(triad, Term::cubic, axis, axis)};
   const double most = full_scale(report, triad, axis), scale = m.matrix(axis, axis);
-  if ((!estimated(c, second) && !estimated(c, third)) || !(most > 0) || scale == 0) return {};
+  if (!any_estimated(c, terms) || !(most > 0) || scale == 0) return {};
   const bool accel = triad == Triad::accel;
   const double in = accel ? unit::g : unit::deg, out = accel ? unit::ug : unit::deg_per_h;
-  const Curve curve = curve_of(-most / in, most / in, out, {m.quadratic[axis], m.cubic[axis]}, covariance_of(c, second, third), [&](double x) {
-    const double raw = x * in / scale;
-    return Eigen::Vector2d(raw * raw, raw * raw * raw);
-  });
-  return small_curve(curve, triad, axis, accel ? "g" : "deg/s");
+  Curve curve = curve_of(c, terms, 2, -most / scale, most / scale, 0, 1 / out);
+  for (double& x : curve.x) x *= scale / in;
+  return small_curve(curve, triad, axis, accel ? "g" : "deg/s", output_unit(triad));
 }
 
 }  // namespace
@@ -202,9 +219,15 @@ std::vector<SmallCurve> curves_of_axes(const auto& curve_of_axis) {
 
 std::string thermal_section(const Calibration& c) {
   const auto curves = curves_of_axes([&](Triad triad, int axis) { return thermal_curve(c, triad, axis); });
-  if (curves.empty()) return {};
-  return section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.",
-                 grid(curves));
+  const auto scales = curves_of_axes([&](Triad triad, int axis) { return scale_curve(c, triad, axis); });
+  std::string out;
+  if (!curves.empty())
+    out +=
+        section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.", grid(curves));
+  if (!scales.empty())
+    out += section("thermal-scales", "Scales over temperature",
+                   "How each axis' scale differs from that at the reference temperature, with two sigma.", grid(scales));
+  return out;
 }
 
 std::string nonlinearity_section(const CalibrationReport& report) {

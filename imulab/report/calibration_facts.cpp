@@ -101,7 +101,8 @@ bool has_estimated(const Calibration& c, Term term, Triad triad) {
 std::string model_equation(const Calibration& c) {
   std::string fixed;
   for (const Triad triad : {Triad::accel, Triad::gyro})
-    for (const Term term : {Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity, Term::lever_arm}) {
+    for (const Term term :
+         {Term::quadratic, Term::cubic, Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2, Term::g_sensitivity, Term::lever_arm}) {
       const bool belongs = term == Term::g_sensitivity ? triad == Triad::gyro : term == Term::lever_arm ? triad == Triad::accel : true;
       if (belongs && !has_estimated(c, term, triad)) fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
     }
@@ -110,7 +111,8 @@ std::string model_equation(const Calibration& c) {
     if (triad->temperature)
       reference +=
           fmt::format("{}{} {} ({})", reference.empty() ? "" : ", ", number_text(triad->temperature->reference, 6), triad->temperature->unit, name);
-  return "<p><code>V = U − (c1 τ + c2 τ²), τ = T − T0<br>a = A0 + A1 Va + A2 Va² + A3 Va³<br>w = W0 + W1 Vg + W2 Vg² + W3 Vg³ + C a</code></p>\n" +
+  return "<p><code>V = U − (c1 τ + c2 τ² + c3 τ³), τ = T − T0<br>a = S (A0 + A1 Va + A2 Va² + A3 Va³)<br>w = S (W0 + W1 Vg + W2 Vg² + W3 Vg³) + C "
+         "a<br>S = I + M1 τ + M2 τ²</code></p>\n" +
          paragraph(
              "U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; "
              "quadratic and "

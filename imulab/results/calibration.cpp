@@ -24,6 +24,7 @@ namespace {
 
 using text::to_digits_of;
 using text::two_digits;
+using text::two_ends;
 using text::wrapped;
 
 std::string detail_rows(const Calibration& calibration) {
@@ -31,7 +32,7 @@ std::string detail_rows(const Calibration& calibration) {
   for (const CoefficientIndex index : calibration.estimated) {
     const double value = coefficient_value(calibration.model, index), sigma = *standard_uncertainty(calibration, index);
     const UserValue user = user_value(calibration, index);
-    text += fmt::format("  {:<21} {:>13.7g} {:>8.2g} {:>11} {:>7} {}\n", coefficient(index).name, value, sigma,
+    text += fmt::format("  {} {:>8.2g} {:>11} {:>7} {}\n", two_ends(coefficient(index).name, fmt::format("{:.7g}", value), 35), sigma,
                         to_digits_of(user.uncertainty, user.value), two_digits(user.uncertainty), user.unit);
   }
   return text;
@@ -43,7 +44,7 @@ std::string correction_rows(const Calibration& calibration, const SensorModel& c
   for (const CoefficientIndex index : calibration.estimated) {
     const UserValue before = user_value(calibration, index, coarse), after = user_value(calibration, index);
     const auto digits = [&](double value) { return to_digits_of(after.uncertainty, value); };
-    text += fmt::format("  {:<21} {:>13} {:>12} {:>13} {}\n", coefficient(index).name, digits(before.value), digits(after.value - before.value),
+    text += fmt::format("  {} {:>12} {:>13} {}\n", two_ends(coefficient(index).name, digits(before.value), 35), digits(after.value - before.value),
                         digits(after.value), after.unit);
   }
   return text;
@@ -61,7 +62,7 @@ std::string coefficient_rows(const Calibration& calibration) {
   for (const CoefficientIndex index : calibration.estimated) {
     if (is_hidden(calibration, coefficient(index)) || !is_result(calibration, index)) continue;
     const UserValue user = user_value(calibration, index);
-    text += fmt::format("  {:<21} {:>14} {:>12}  {}\n", coefficient(index).name, to_digits_of(user.uncertainty, user.value),
+    text += fmt::format("  {} {:>12}  {}\n", two_ends(coefficient(index).name, to_digits_of(user.uncertainty, user.value), 36),
                         two_digits(user.uncertainty), user.unit);
   }
   return text;

@@ -45,19 +45,21 @@ std::string heading(std::size_t comparisons, bool yearly) {
 std::string coefficient_row(const std::vector<Comparison>& comparisons, std::size_t row, double mark_from, const std::optional<double>& years) {
   const CoefficientDifference& first = comparisons[0].coefficients[row];
   const auto sigmas = [&](const CoefficientDifference& d) { return or_dash(d.user_sigmas(), "{:+.1f}") + (significant(d, mark_from) ? "*" : " "); };
-  std::string text = fmt::format("{:<21}", coefficient(first.index).name);
+  const std::string_view name = coefficient(first.index).name;
+  std::string text;
   if (comparisons.size() == 1) {
     const double sigma = first.user_uncertainty.value_or(0);
-    text += fmt::format(" {:>12} {:>10} {:<15} {:>9}", text::to_digits_of(sigma, first.user_difference), sigma > 0 ? text::two_digits(sigma) : "-",
-                        first.user_unit, sigmas(first));
+    text += fmt::format("{} {:>10} {:<15} {:>9}", text::two_ends(name, text::to_digits_of(sigma, first.user_difference), 34),
+                        sigma > 0 ? text::two_digits(sigma) : "-", first.user_unit, sigmas(first));
     if (years) text += fmt::format(" {:>8}", text::to_digits_of(sigma / std::abs(*years), first.user_difference / *years));
   } else if (comparisons.size() <= most_pairs_beside) {
-    for (const auto& c : comparisons) text += fmt::format(" {:>7}", sigmas(c.coefficients[row]));
+    text = text::two_ends(name, sigmas(first), 29);
+    for (std::size_t k = 1; k < comparisons.size(); ++k) text += fmt::format(" {:>7}", sigmas(comparisons[k].coefficients[row]));
   } else {
     const auto size = [&](const Comparison& c) { return std::abs(c.coefficients[row].user_sigmas().value_or(-1)); };
     const auto largest = std::ranges::max_element(comparisons, {}, size);
     const auto differing = std::ranges::count_if(comparisons, [&](const Comparison& c) { return significant(c.coefficients[row], mark_from); });
-    text += fmt::format(" {:>10}  {:<8} {:>3} of {}", sigmas(largest->coefficients[row]),
+    text += fmt::format("{}  {:<8} {:>3} of {}", text::two_ends(name, sigmas(largest->coefficients[row]), 32),
                         letter_of(static_cast<std::size_t>(largest - comparisons.begin()) + 1) + " - A", differing, comparisons.size());
   }
   return text.substr(0, text.find_last_not_of(' ') + 1) + "\n";
@@ -80,8 +82,9 @@ std::string value_rows(const std::vector<Comparison>& comparisons) {
     text += "\n";
     for (std::size_t row = 0; row < comparisons[0].coefficients.size(); ++row) {
       const CoefficientDifference& first = comparisons[0].coefficients[row];
-      text += fmt::format("{:<21}", coefficient(first.index).name);
-      for (std::size_t k = from; k < to; ++k) text += fmt::format(" {:>16.9g}", k == 0 ? first.a : comparisons[k - 1].coefficients[row].b);
+      const auto value = [&](std::size_t k) { return fmt::format("{:.9g}", k == 0 ? first.a : comparisons[k - 1].coefficients[row].b); };
+      text += text::two_ends(coefficient(first.index).name, value(from), 38);
+      for (std::size_t k = from + 1; k < to; ++k) text += fmt::format(" {:>16}", value(k));
       text += "\n";
     }
   }

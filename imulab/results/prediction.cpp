@@ -55,6 +55,11 @@ std::string short_name(const std::string& source) {
   return first + " " + second;
 }
 
+/// In two columns; a long name takes room from the unit's.
+std::string name_and_unit(CoefficientIndex index, const UserUnit& unit) {
+  return fmt::format("{:<35}", fmt::format("{:<21} {}", coefficient(index).name, unit.name));
+}
+
 /// `named`: where each row's largest source is looked up; null: not named.
 std::string share_rows(const Prediction& p, const Shares& shares, const Shares* named = nullptr) {
   std::string text;
@@ -69,7 +74,7 @@ std::string share_rows(const Prediction& p, const Shares& shares, const Shares* 
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    text += fmt::format("{:<21} {:<13} {:>7}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
+    text += fmt::format("{} {:>7}", name_and_unit(p.coefficients[i], unit), text::two_digits(p.sigma[row] / unit.size));
     for (std::size_t k = 0; k < shares.sources.size(); ++k)
       text += fmt::format(" {:>{}.0f}", shares.percent(row, static_cast<Eigen::Index>(k)), width(k));
     text += named != nullptr ? " " + short_name(largest_source(*named, row)) + "\n" : "\n";
@@ -109,7 +114,7 @@ std::string sigma_rows(const Prediction& p) {
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    text += fmt::format("{:<21} {:<13} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
+    text += fmt::format("{} {:>10.4g} {:>12.2g} {:>12.4g}", name_and_unit(p.coefficients[i], unit), first[row] / unit.size,
                         p.second_order[row] / unit.size, p.sigma[row] / unit.size);
     text += p.monte_carlo ? fmt::format(" {:>11.4g}\n", p.monte_carlo->sigma[row] / unit.size) : "\n";
   }
@@ -169,15 +174,14 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     const StatedSigma stated = predicted(p, p.coefficients[i]);
     const double sigma = stated.sigma, limit = limit_of(p.coefficients[i], requirements);
-    text += fmt::format("{:<21} {:<13} {:>9}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(sigma / unit.size));
+    text += fmt::format("{} {:>9}", name_and_unit(p.coefficients[i], unit), text::two_digits(sigma / unit.size));
     if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, stated.compared() / limit);
     text += std::find(p.considered.begin(), p.considered.end(), p.coefficients[i]) == p.considered.end() ? "\n" : "  its prior\n";
   }
   for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
-    const Coefficient& c = coefficient(p.undetermined[i]);
-    const UserUnit unit = user_unit(c, 0, TriadModel{});
+    const UserUnit unit = user_unit(coefficient(p.undetermined[i]), 0, TriadModel{});
     const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
-    text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
+    text += fmt::format("{} {:>9}  not determined\n", name_and_unit(p.undetermined[i], unit), remaining);
   }
   if (!p.considered.empty())
     text += "\n" + text::wrapped("", "Its prior: the procedure does not show the term; its prior enters the other uncertainties.");

@@ -9,6 +9,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -69,6 +70,26 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
     }
     session.steps.push_back(hold);
   }
+  validate(session);
+  return session;
+}
+
+Session warm_up_procedure(const WarmUpOptions& options, std::uint64_t seed) {
+  HandHeldOptions by_hand = options.by_hand;
+  if (!(std::isfinite(options.from) && std::isfinite(options.to))) throw Error("warm-up: expected temperatures that are finite numbers");
+  if (!(options.minutes > 0)) throw Error(fmt::format("warm-up: {:g} minutes; expected more than 0", options.minutes));
+  const double seconds = 60 * options.minutes, pause = by_hand.rest + by_hand.move;
+  by_hand.poses = 1 + static_cast<int>(std::min(1e6, std::max(0.0, std::floor((seconds - by_hand.first_rest) / pause))));
+  Session session = hand_held_procedure(by_hand, seed);
+  session.imu.name = "warm-up";
+  RecordingSource& source = session.recordings.front();
+  source.gyro_temperature = source.accel_temperature = ThermalSource{.columns = {std::string("temperature")}};
+  constexpr double time_constants = 3;
+  for (Step& step : session.steps) {
+    const double way = 1 - std::exp(-time_constants * step.end / session.steps.back().end);
+    step.temperature = std::round(10 * (options.from + (options.to - options.from) * way)) / 10;
+  }
+  session.steps.front().temperature = options.from;
   validate(session);
   return session;
 }

@@ -4,9 +4,9 @@
 #include "imulab/calibration.hpp"
 #include "imulab/model/effects.hpp"
 #include "imulab/recording.hpp"
+#include "imulab/rig/temperature.hpp"
 #include "imulab/session.hpp"
 #include "imulab/simulate.hpp"
-#include "imulab/simulate/temperature.hpp"
 
 #include <cstdint>
 #include <span>

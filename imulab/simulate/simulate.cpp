@@ -12,9 +12,9 @@
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/rig/rig_errors.hpp"
+#include "imulab/rig/temperature.hpp"
 #include "imulab/session.hpp"
 #include "imulab/simulate/effects.hpp"
-#include "imulab/simulate/temperature.hpp"
 
 #include <fmt/core.h>
 

@@ -3,8 +3,8 @@
 #include "imulab/compensate.hpp"
 #include "imulab/error.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/rig/temperature.hpp"
 #include "imulab/simulate/effects.hpp"
-#include "imulab/simulate/temperature.hpp"
 
 #include <fmt/format.h>
 
@@ -20,7 +20,7 @@ using namespace simulate;
 void check(const SensorModel& model, const std::optional<motion::UnitTemperature>& temperature) {
   if (!model.lever_arm.isZero(0)) throw Error("the IMU has lever arms, but the motion is that of a single point; expected none");
   const auto check_thermal = [&](const TriadModel& triad, const char* name, const ThermalSource* source) {
-    if (triad.thermal.isZero(0)) return;
+    if (!triad.varies()) return;
     if (source == nullptr) throw Error(fmt::format("the IMU's {} have thermal terms; expected a temperature profile", name));
     const std::string expected = triad.temperature.value_or(ThermalReading{}).unit;
     if (source->unit != expected)

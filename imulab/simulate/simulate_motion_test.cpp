@@ -45,9 +45,9 @@ TEST(SimulateMotion, CompensationGivesTheMotionBackButForTheNoise) {
 /// Its gyros' thermal terms are in a resonance's units.
 Truth thermal_unit() {
   Truth unit;
-  unit.model.accel.thermal << 0, 1e-2, 1e-4, 0, -2e-2, 0, 0, 0, 3e-4;
+  unit.model.accel.thermal << 0, 1e-2, 1e-4, 0, 0, -2e-2, 0, 0, 0, 0, 3e-4, 0;
   unit.model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
-  unit.model.gyro.thermal << 0, 1e-3, 0, 0, -2e-3, 1e-5, 0, 3e-3, 0;
+  unit.model.gyro.thermal << 0, 1e-3, 0, 0, 0, -2e-3, 1e-5, 0, 0, 3e-3, 0, 0;
   unit.model.gyro.temperature = ThermalReading{"raw", 5000, {4900, 5100}};
   return unit;
 }

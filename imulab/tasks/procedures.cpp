@@ -29,6 +29,7 @@ Session table_procedure(std::string_view name) {
 
 constexpr std::array all_procedures{
     StandardProcedure{"handheld", "hands", "both triads", [] { return hand_held_procedure({}, 1); }},
+    StandardProcedure{"warm-up", "hands, a freezer", "both, over temperature", [] { return warm_up_procedure({}, 1); }},
     StandardProcedure{"ferraris", "hands, a square box", "both triads, coarse", [] { return table_procedure("ferraris"); }},
     StandardProcedure{"six-position", "table, 2 axes", "accelerometers", [] { return table_procedure("six-position"); }},
     StandardProcedure{"two-axis", "table, 2 axes", "both triads", [] { return table_procedure("two-axis"); }},

@@ -44,7 +44,9 @@ class Terms:
     matrix: FloatArray  #: (3, 3)
     quadratic: FloatArray  #: (3,)
     cubic: FloatArray  #: (3,)
-    thermal: FloatArray  #: (3, 2): linear and quadratic, a row an axis
+    thermal: FloatArray  #: (3, 3): linear, quadratic and cubic, a row an axis
+    matrix_thermal1: FloatArray  #: (3, 3)
+    matrix_thermal2: FloatArray  #: (3, 3)
     g_sensitivity: FloatArray | None = None  #: (3, 3) of gyros; None of accelerometers
     lever_arm: FloatArray | None = None  #: (3, 3) of accelerometers, row i that of accelerometer i; None of gyros
 
@@ -56,7 +58,7 @@ class Triad(Terms):
     sigma: Terms = field(kw_only=True)
 
 
-_SHAPES = {"offset": (3,), "matrix": (3, 3), "quadratic": (3,), "cubic": (3,), "thermal": (3, 2), "g_sensitivity": (3, 3), "lever_arm": (3, 3)}
+_SHAPES = {"offset": (3,), "quadratic": (3,), "cubic": (3,)}  # others: (3, 3)
 
 
 def _arrays_of(numbers: dict[str, float | None], triad: str) -> dict[str, FloatArray]:
@@ -66,7 +68,7 @@ def _arrays_of(numbers: dict[str, float | None], triad: str) -> dict[str, FloatA
         own, term, element = name.split(".")
         if own == triad:
             place = tuple("xyz".index(c) if c in "xyz" else int(c) - 1 for c in element)
-            terms.setdefault(term, np.full(_SHAPES[term], np.nan))[place] = np.nan if value is None else value
+            terms.setdefault(term, np.full(_SHAPES.get(term, (3, 3)), np.nan))[place] = np.nan if value is None else value
     return {term: _arrays.fixed(array) for term, array in terms.items()}
 
 

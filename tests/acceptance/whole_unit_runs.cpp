@@ -98,6 +98,8 @@ double step_of(const Coefficient& c) {
       return 1e-2 * full / std::pow(50.0, c.column);
     case Term::g_sensitivity:
       return 1e-2 * 7 / 300;
+    case Term::matrix_thermal1:
+    case Term::matrix_thermal2:
     case Term::lever_arm:
       break;
   }
@@ -130,7 +132,7 @@ Matrix6 noise_of(const Point& p, const WholeUnitSession& s, const Vector6& motio
   Matrix6 noise = by_motion * in_motion * by_motion.transpose();
   const RecordingSource& source = s.session.recordings.front();
   for (Index k = 0; k < 3; ++k) {
-    const auto slope = [&](const Matrix3d& thermal, double tau) { return thermal(k, 1) + 2 * thermal(k, 2) * tau; };
+    const auto slope = [&](const Thermal& thermal, double tau) { return thermal(k, 1) + 2 * thermal(k, 2) * tau; };
     noise(k, k) += std::pow(slope(model.accel.thermal, p.accel_tau[k]) * source.accel_temperature->noise, 2) / p.samples;
     noise(3 + k, 3 + k) += std::pow(slope(model.gyro.thermal, p.gyro_tau[k]) * source.gyro_temperature->noise, 2) / p.samples;
   }

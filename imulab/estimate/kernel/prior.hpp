@@ -38,6 +38,7 @@ inline double prior_sigma(const PriorSizes& sizes, const Coefficient& c, double 
   if (c.term == Term::quadratic) return t.quadratic * scale * scale;
   if (c.term == Term::cubic) return t.cubic * scale * scale * scale;
   if (c.term == Term::thermal) return t.drift / scale / std::pow(thermal_range, c.column);
+  if (is_matrix_thermal(c.term)) return 0;  // no method has them as parameters of their own
   return c.term == Term::g_sensitivity ? sizes.g_sensitivity : sizes.lever_arm;
 }
 

@@ -89,19 +89,21 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
   constexpr double block_s = 5;  // thermometers are noisy or coarse
   if (sweep_) {
     block_ = std::max<std::size_t>(1, static_cast<std::size_t>(block_s / recording.interval_s));
-    for (std::size_t begin = 0; begin + block_ <= recording.size(); begin += block_) {
-      double sum = 0;
-      for (std::size_t i = begin; i < begin + block_; ++i) sum += thermometer_->warming(i);
-      warming_.push_back(sum / static_cast<double>(block_));
+    std::vector<std::size_t> starts = recording.starts;
+    starts.insert(starts.begin(), 0), starts.push_back(recording.size());
+    for (std::size_t r = 0; r + 1 < starts.size(); ++r) {
+      blocks_.push_back({starts[r], warming_.size(), 0});
+      for (std::size_t begin = starts[r]; begin + block_ <= starts[r + 1]; begin += block_, ++blocks_.back().size) {
+        double sum = 0;
+        for (std::size_t i = begin; i < begin + block_; ++i) sum += thermometer_->warming(i);
+        warming_.push_back(sum / static_cast<double>(block_));
+      }
+      join_levels(std::span(warming_).subspan(blocks_.back().first, blocks_.back().size));
     }
-    for (std::size_t first = 0, k = 1; k <= warming_.size(); ++k)  // of each recording
-      if (k == warming_.size() || recording_of(k * block_) != recording_of(first * block_))
-        join_levels(std::span(warming_).subspan(first, k - first)), first = k;
     const auto blocks = static_cast<std::size_t>(thermometer_lag_s / block_s);
     double most = 0;
-    for (std::size_t j = blocks; j < warming_.size(); ++j)
-      if (recording_of((j - blocks) * block_) == recording_of((j + 1) * block_ - 1))
-        most = std::max(most, std::abs(warming_[j] - warming_[j - blocks]));
+    for (const Blocks& own : blocks_)
+      for (std::size_t j = own.first + blocks; j < own.first + own.size; ++j) most = std::max(most, std::abs(warming_[j] - warming_[j - blocks]));
     sweep_->range_K = (sweep_->reading.range[1] - sweep_->reading.range[0]) / std::abs(sweep_->per_K);
     sweep_->shortest_s = most > 0 ? sweep_->range_K / most * thermometer_lag_s : HUGE_VAL;
   }
@@ -122,16 +124,18 @@ int RecordedStates::recording_of(std::size_t sample) const {
 }
 
 double RecordedStates::warming_at(std::size_t sample) const {
-  const double place = std::clamp(static_cast<double>(sample) / static_cast<double>(block_) - 0.5, 0.0, static_cast<double>(warming_.size()) - 1);
-  const std::size_t before = std::min(static_cast<std::size_t>(place), warming_.size() - 2), own = std::min(sample / block_, warming_.size() - 1);
-  if (recording_of(before * block_) != recording_of((before + 2) * block_ - 1)) return warming_[own];
-  return std::lerp(warming_[before], warming_[before + 1], place - static_cast<double>(before));
+  const Blocks& own = blocks_[static_cast<std::size_t>(recording_of(sample))];
+  if (own.size < 2) return thermometer_->warming(sample);
+  const double place = static_cast<double>(sample - own.first_sample) / static_cast<double>(block_) - 0.5;
+  const double inside = std::clamp(place, 0.0, static_cast<double>(own.size - 1));
+  const std::size_t before = std::min(static_cast<std::size_t>(inside), own.size - 2);
+  return std::lerp(warming_[own.first + before], warming_[own.first + before + 1], inside - static_cast<double>(before));
 }
 
 EffectState RecordedStates::over(const Range& range) const {
   constexpr std::size_t places = 16;
   EffectState state = at(range.begin + range.size() / 2);
-  if (warming_.size() < 2) return state;
+  if (!sweep_) return state;
   state.warming = 0;
   for (std::size_t k = 0; k < places; ++k) *state.warming += warming_at(range.begin + (2 * k + 1) * range.size() / (2 * places)) / places;
   return state;
@@ -145,11 +149,11 @@ EffectState RecordedStates::at(std::size_t sample) const {
   const double begin = recording_->time_s(after == starts.begin() ? 0 : *(after - 1));
   const double end = recording_->time_s((after == starts.end() ? recording_->size() : *after) - 1);
   state.time = (recording_->time_s(sample) - begin) / std::max(end - begin, 1e-9) - 0.5;
-  if (thermometer_) state.warming = warming_.size() < 2 ? thermometer_->warming(sample) : warming_at(sample);
-  if (warming_.size() > 2) {  // the slope between the means of the neighbors
-    const std::size_t middle = std::clamp<std::size_t>(sample / block_, 1, warming_.size() - 2);
-    if (recording_of((middle - 1) * block_) == recording_of((middle + 2) * block_ - 1))
-      state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
+  if (thermometer_) state.warming = sweep_ ? warming_at(sample) : thermometer_->warming(sample);
+  if (!sweep_) return state;
+  if (const Blocks& own = blocks_[static_cast<std::size_t>(state.recording)]; own.size > 2) {  // the slope between the means of the neighbors
+    const std::size_t middle = own.first + std::clamp<std::size_t>((sample - own.first_sample) / block_, 1, own.size - 2);
+    state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
   }
   return state;
 }

@@ -38,6 +38,10 @@ class RecordedStates {
  private:
   /// Returns the number of the joined recording that has this sample.
   int recording_of(std::size_t sample) const;
+  /// The blocks of one recording.
+  struct Blocks {
+    std::size_t first_sample, first, size;
+  };
   /// Returns the temperature of a sample in a sweep, between the means of the blocks around it.
   double warming_at(std::size_t sample) const;
 
@@ -47,6 +51,7 @@ class RecordedStates {
   std::optional<TemperatureSweep> sweep_;
   std::size_t block_ = 1;          ///< samples of a mean of the thermometer
   std::vector<double> warming_{};  ///< K, of each block in a sweep
+  std::vector<Blocks> blocks_{};   ///< of each recording in a sweep
 };
 
 }  // namespace imulab::kernel

@@ -109,40 +109,53 @@ Eigen::MatrixXd raw_covariance_of(const RestProblem& problem, const std::vector<
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
     const double value = coefficient_value(raw, indices[i]);
-    if (c.term != Term::thermal) by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
+    if (!is_thermal(c.term)) by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
   }
   const double relative = problem.relative_gravity_sigma();
   return covariance + relative * relative * by_gravity * by_gravity.transpose();
 }
 
-/// The thermal terms c1 and c2 of scaled readings, from the effects of the outputs: A1 c1 tau + A1 c2 tau^2 = b1 warming + b2 warming^2 / 50 K.
+/// The thermal terms of scaled readings, from the effects of the outputs: A1 (c1 tau + c2 tau^2 + c3 tau^3) = b1 warming + b2 warming^2 / 50 K +
+/// b3 warming^3 / (50 K)^2, -(M1 tau + M2 tau^2) = B1 warming + B2 warming^2 / 50 K.
 struct ThermalTerms {
   std::vector<CoefficientIndex> indices;
   Eigen::MatrixXd by_parameter;  ///< a row per coefficient
-  VectorXd value;
+  VectorXd value, prior;         ///< prior: one sigma
 };
 
 ThermalTerms thermal_terms(const RestProblem& problem, Index parameters) {
   ThermalTerms out;
   const kernel::Effects& effects = problem.effects();
   std::vector<VectorXd> rows;
+  const auto add = [&](CoefficientIndex index, Index first, const VectorXd& by_effect) {
+    VectorXd row = VectorXd::Zero(parameters);
+    row.segment(parameters - effects.size() + first, by_effect.size()) = by_effect;
+    out.indices.push_back(index);
+    rows.push_back(std::move(row));
+  };
   for (const kernel::EffectGroup& g : effects.groups()) {
     if ((g.effect->needs & Effect::by_sweep) == 0 || !problem.sweep()) continue;
     const Triad triad = g.effect->changes(Triad::accel) ? Triad::accel : Triad::gyro;
     if (!(triad == Triad::accel ? problem.sweep()->accel : problem.sweep()->gyro)) continue;
     const Matrix3d to_readings = triad_model(problem.model(), triad).matrix.inverse();
-    const double per_K = problem.sweep()->per_K, factor[] = {1 / per_K, 1 / (per_K * per_K * second_order_per_first)};
-    for (int axis = 0; axis < 3; ++axis)
-      for (int order = 1; order <= 2; ++order) {
-        VectorXd row = VectorXd::Zero(parameters);
-        row.segment<3>(parameters - effects.size() + g.first + 3 * (order - 1)) = factor[order - 1] * to_readings.row(axis).transpose();
-        out.indices.push_back(coefficient_index(triad, Term::thermal, axis, order));
-        rows.push_back(std::move(row));
+    const double per_K = problem.sweep()->per_K;
+    const auto factor = [&](int order) { return 1 / (std::pow(per_K, order) * std::pow(second_order_per_first, order - 1)); };
+    if (g.effect->name.ends_with(".matrix_thermal"))
+      for (int column = 0; column < g.effect->basis; ++column) {
+        const MatrixThermal m = matrix_thermal(triad, column);
+        const Term term = m.order == 1 ? Term::matrix_thermal1 : Term::matrix_thermal2;
+        if (!m.lags) add(coefficient_index(triad, term, m.row, m.column), g.first + column, VectorXd::Constant(1, -m.size() * factor(m.order)));
       }
+    else
+      for (int axis = 0; axis < 3; ++axis)
+        for (int order = 1; order <= 3; ++order)
+          add(coefficient_index(triad, Term::thermal, axis, order), g.first + 3 * (order - 1), factor(order) * to_readings.row(axis).transpose());
   }
   out.by_parameter.resize(std::ssize(rows), parameters);
   for (std::size_t i = 0; i < rows.size(); ++i) out.by_parameter.row(static_cast<Index>(i)) = rows[i].transpose();
-  out.value = out.by_parameter.rightCols(effects.size()) * effects.value();
+  const auto by_effect = out.by_parameter.rightCols(effects.size());
+  out.value = by_effect * effects.value();
+  out.prior = (by_effect * effects.sigma().asDiagonal()).rowwise().norm();
   return out;
 }
 
@@ -182,9 +195,12 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(covariance.rows())) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
   for (std::size_t k = 0; k < thermal.indices.size(); ++k) {
+    // Terms that Dai's model lacks are stated if the data say more of them than their prior.
+    const auto at = static_cast<Index>(k);
+    const bool seen = std::sqrt(covariance(n + at, n + at)) <= 0.9 * thermal.prior[at];
     indices.push_back(thermal.indices[k]);
-    kept.push_back(!implausible);
-    set_coefficient(scaled, thermal.indices[k], thermal.value[static_cast<Index>(k)]);
+    kept.push_back(!implausible && (seen || !is_extended(coefficient(thermal.indices[k]))));
+    set_coefficient(scaled, thermal.indices[k], thermal.value[at]);
     TriadModel& triad = coefficient(thermal.indices[k]).triad == Triad::accel ? scaled.accel : scaled.gyro;
     if (!implausible) triad.temperature = problem.sweep()->reading;
   }

@@ -9,6 +9,8 @@
 #include "imulab/recording/rests_of_view.hpp"
 #include "imulab/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+#include "imulab/rig/machine.hpp"
+#include "imulab/rig/temperature.hpp"
 #include "imulab/session.hpp"
 #include "imulab/units.hpp"
 
@@ -36,6 +38,20 @@ void set_noise(MeanNoise& means, Vector3d SampleNoise::*triad, const NoiseModel&
   means.rounding.*triad = Vector3d::Constant(std::sqrt(rounding_variance(noise.resolution, sigma)));
 }
 
+/// Adds what thermal sensors without noise read at the steps' set points.
+void add_temperatures(Recording& recording, const Session& procedure, const RecordingSource& source) {
+  if (!source.gyro_temperature && !source.accel_temperature) return;
+  const std::vector<Range> samples = recorded_samples(source, procedure.steps_of(source));
+  const TemperatureProfile profile(recorded_motion(procedure, source, {}), procedure.rig_of(source));
+  const std::vector<TemperatureProfile::State> temperatures = temperatures_at(samples, profile, recording.interval_s);
+  for (auto& [columns, sensor] :
+       {std::pair{&recording.gyro_temperature, source.gyro_temperature}, {&recording.accel_temperature, source.accel_temperature}}) {
+    std::optional<ThermalSource> exact = sensor;
+    if (exact) exact->noise = 0;
+    *columns = thermal_readings(exact, temperatures, samples, 0, "");
+  }
+}
+
 Foreseen foresee(const Session& procedure) {
   const RecordingSource source = kernel::only_source(procedure);
   Foreseen out{procedure, {}, {}};
@@ -45,6 +61,7 @@ Foreseen foresee(const Session& procedure) {
   // Without a latitude, the method estimates both parts of the Earth's rate; the result is the same for any latitude.
   const double latitude = procedure.site.latitude.value_or(45 * unit::deg);
   out.recording = ideal_recording(procedure, source, {earth_rate_enu(latitude), gravity});
+  add_temperatures(out.recording, procedure, source);
   const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
   std::vector<Range> rests;  // rests are the holds: an ideal recording has no others
   if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;

@@ -5,9 +5,11 @@
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/grade.hpp"
 #include "imulab/procedure.hpp"
+#include "imulab/units.hpp"
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::rests {
@@ -53,6 +55,19 @@ TEST(RestsPrediction, TooFewPosesDetermineLess) {
   const Prediction p = predict_handheld(procedure_of("mems", 3));
   EXPECT_TRUE(contains(p.undetermined, coefficient_index("accel.offset.x")));
   EXPECT_THAT(predict_handheld(procedure_of("mems", 12)).undetermined, IsEmpty());
+}
+
+/// The prior of a scale over temperature is 250 ppm/K, that of c1 1000 ug/K (docs/theory/effects.md). A warm-up of 20 min determines them to less
+/// than a third, one of 2 min hardly.
+TEST(RestsPrediction, OfAWarmUpHasTheTermsOverTemperature) {
+  const auto sigma = [](const Prediction& p, const char* name) {
+    const auto at = std::ranges::find(p.coefficients, coefficient_index(name));
+    return at == p.coefficients.end() ? HUGE_VAL : p.sigma[at - p.coefficients.begin()];
+  };
+  const Prediction p = predict_handheld(warm_up_procedure({}, 1));
+  for (const char* name : {"accel.matrix_thermal1.xx", "gyro.matrix_thermal1.zz"}) EXPECT_LT(sigma(p, name), 80 * unit::ppm) << name;
+  EXPECT_LT(sigma(p, "accel.thermal.y1"), 100 * unit::ug);
+  EXPECT_GT(sigma(predict_handheld(warm_up_procedure({.minutes = 2}, 1)), "accel.matrix_thermal1.xx"), 120 * unit::ppm);
 }
 
 TEST(RestsPrediction, SaysWhatAProcedureLacks) {

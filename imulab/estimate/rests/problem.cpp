@@ -100,13 +100,15 @@ kernel::Effects expected_effects(const coarse::RestStart& start, const Recording
                               .sweep = start.recorded->sweep().has_value(),
                               .recordings = start.recorded->recordings()};
   if (setting.sweep)
-    for (const std::string triad : {"accel", "gyro"}) {  // the first order is a part of the thermal terms
-      double& first_order = sizes.declared.try_emplace(triad + ".offset_temperature", 0).first->second;
-      if (first_order > 0) sizes.declared.try_emplace(triad + ".thermal", first_order);
-      first_order = 0;
+    for (const std::string triad : {"accel", "gyro"}) {  // the first orders are parts of the thermal terms
+      for (const auto& [part, whole] : {std::pair{".offset_temperature", ".thermal"}, {".scale_temperature", ".matrix_thermal"}}) {
+        double& first_order = sizes.declared.try_emplace(triad + part, 0).first->second;
+        if (first_order > 0) sizes.declared.try_emplace(triad + whole, first_order);
+        first_order = 0;
+      }
       // Sizes of other effects say little of this one, and in one attitude it looks like a bias.
-      const std::string scale = triad + ".scale_temperature";
-      sizes.declared.try_emplace(scale, sizes.of(*find_effect(scale)));
+      const std::string matrix = triad + ".matrix_thermal";
+      sizes.declared.try_emplace(matrix, sizes.of(*find_effect(matrix)));
     }
   return kernel::Effects(sizes, setting);
 }

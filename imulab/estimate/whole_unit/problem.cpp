@@ -41,7 +41,7 @@ std::vector<CoefficientIndex> candidates(const MachinePoints& points) {
   std::vector<CoefficientIndex> indices;
   for (const CoefficientIndex k : coefficient_indices()) {
     const Coefficient& c = coefficient(k);
-    if (c.term == Term::lever_arm || (c.term == Term::thermal && !points.thermal[c.triad == Triad::accel ? 0 : 1].known)) continue;
+    if (c.term == Term::lever_arm || is_extended(c) || (c.term == Term::thermal && !points.thermal[c.triad == Triad::accel ? 0 : 1].known)) continue;
     indices.push_back(k);
   }
   return indices;

@@ -27,11 +27,15 @@ constexpr std::string_view format_family = "imulab.calibration/", format_name = 
 Field element(const Field& shaped, Triad triad, Term term, int row, int column) {
   const auto i = static_cast<std::size_t>(row), j = static_cast<std::size_t>(column);
   const Field field = shaped[to_string(triad)][to_string(term)];
-  return is_vector(term) ? field.item(i, 3, "numbers") : field.item(i, 3, "rows of 3 numbers").item(j, 3, "numbers");
+  if (is_vector(term)) return field.item(i, 3, "numbers");
+  const Field elements = field.item(i, 3, "rows of numbers");
+  return elements.item(j, term == Term::thermal && elements.size() != 3 ? 4 : 3, "numbers");
 }
 
-bool has_term(const Field& shaped, const Coefficient& c) {
-  return shaped.has(to_string(c.triad)) && shaped[to_string(c.triad)].has(to_string(c.term));
+/// Files of earlier versions have no thermal terms of the third order.
+bool has_element(const Field& shaped, const Coefficient& c) {
+  if (!shaped.has(to_string(c.triad)) || !shaped[to_string(c.triad)].has(to_string(c.term))) return false;
+  return c.term != Term::thermal || c.column < 3 || shaped[to_string(c.triad)][to_string(c.term)].item(0, 3, "rows of numbers").size() > 3;
 }
 
 std::vector<CoefficientIndex> read_estimated(const Field& names) {
@@ -80,7 +84,7 @@ Eigen::MatrixXd read_constant(const Field& field, const Calibration& c) {
 void check_uncertainties(const Field& field, const Calibration& calibration) {
   for (const CoefficientIndex i : coefficient_indices()) {
     const Coefficient& c = coefficient(i);
-    if (!has_term(field, c)) continue;
+    if (!has_element(field, c)) continue;
     const Field stated = element(field, c.triad, c.term, c.row, c.column);
     const auto computed = standard_uncertainty(calibration, i);
     if (!computed && !stated.is_null()) stated.expected("null: the covariance does not hold " + std::string(c.name));
@@ -123,18 +127,21 @@ JsonFields uncertainties_json(const Calibration& calibration) {
   JsonFields out;
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     JsonFields terms;
-    for (const Term term : {Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::lever_arm, Term::g_sensitivity}) {
-      std::array<std::array<std::optional<double>, 3>, 3> rows;
+    for (const Term term : {Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2,
+                            Term::lever_arm, Term::g_sensitivity}) {
+      std::array<std::vector<std::optional<double>>, 3> rows;
+      rows.fill(std::vector<std::optional<double>>(term == Term::thermal ? 4 : 3));
       std::array<std::optional<double>, 3> diagonal;
-      bool any = false;
+      bool any = false, known = !is_matrix_thermal(term);
       for (const CoefficientIndex i : coefficient_indices()) {
         const Coefficient& c = coefficient(i);
         if (c.triad != triad || c.term != term) continue;
         any = true;
         const auto row = static_cast<std::size_t>(c.row), column = static_cast<std::size_t>(c.column);
         rows[row][column] = diagonal[row] = standard_uncertainty(calibration, i);
+        known = known || diagonal[row];
       }
-      if (any) terms.fields.emplace_back(to_string(term), is_vector(term) ? JsonValue(diagonal) : JsonValue(rows));
+      if (any && known) terms.fields.emplace_back(to_string(term), is_vector(term) ? JsonValue(diagonal) : JsonValue(rows));
     }
     out.fields.emplace_back(to_string(triad), std::move(terms));
   }

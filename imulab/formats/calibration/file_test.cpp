@@ -138,8 +138,8 @@ TEST(CalibrationFile, HasTheShapeOfTheFormat) {
   EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["matrix"][0][0].is_null());
   EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["thermal"][0][0].is_null());
   EXPECT_EQ(json["model"]["accel"]["raw"], "count");
-  EXPECT_EQ(json["model"]["accel"].size(), 8u);
-  EXPECT_EQ(json["model"]["gyro"].size(), 7u) << "a raw unit that is not known is left out";
+  EXPECT_EQ(json["model"]["accel"].size(), 10u);
+  EXPECT_EQ(json["model"]["gyro"].size(), 9u) << "a raw unit that is not known is left out";
 }
 
 TEST(CalibrationFile, KeysBeyondTheFormatAreLeftAlone) {
@@ -329,7 +329,8 @@ TEST(CalibrationFile, AMistypedKeyIsNotZero) {
   EXPECT_EQ(with("", "", ""), "");
   EXPECT_EQ(with("", "", R"("ofset": [1, 2, 3], )"), "c.json: model.accel.ofset: is unknown; did you mean offset?");
   EXPECT_EQ(with("", "", R"("g_sensitivity": [[0, 0, 0], [0, 0, 0], [0, 0, 0]], )"),
-            "c.json: model.accel.g_sensitivity: is unknown; expected one of offset, matrix, quadratic, cubic, thermal, lever_arm, raw, temperature");
+            "c.json: model.accel.g_sensitivity: is unknown; expected one of offset, matrix, quadratic, cubic, thermal, matrix_thermal1, "
+            "matrix_thermal2, lever_arm, raw, temperature");
   EXPECT_EQ(with("", R"("rate": {}, )", ""), "c.json: model.rate: is unknown; expected one of accel, gyro");
   EXPECT_EQ(with(R"("Frame": "accelerometers", )", "", ""), "c.json: Frame: is unknown; did you mean frame?");
   EXPECT_EQ(with(R"("covarience": {}, )", "", ""), "c.json: covarience: is unknown; did you mean covariance?");

@@ -52,28 +52,12 @@ struct Cubic {
   Vector3d c0 = Vector3d::Zero(), c1 = Vector3d::Zero(), c2 = Vector3d::Zero(), c3 = Vector3d::Zero();
 };
 
-/// d^3 as q0 + q1 d + q2 d^2 with the least largest error over the range, h^3 / 4 (the Chebyshev polynomial of third order), h half the range.
-struct Economized {
-  double q0, q1, q2, error;
-};
-Economized economized_cube(const ThermalReading& t) {
-  const double h = (t.range[1] - t.range[0]) / 2, m = (t.range[1] + t.range[0]) / 2 - t.reference;
-  return {m * m * m - 0.75 * h * h * m, 0.75 * h * h - 3 * m * m, 3 * m, h * h * h / 4};
-}
-
-/// Biases b at the reference. The sensor model has drifts of second order.
-void set_triad(ImportedModel& out, TriadModel& m, const char* name, const Vector3d& scale, const Vector3d& b, const Cubic& drift,
-               const ThermalReading& temperature) {
-  const Economized cube = economized_cube(temperature);
+/// Biases b at the reference.
+void set_triad(TriadModel& m, const Vector3d& scale, const Vector3d& b, const Cubic& drift, const ThermalReading& temperature) {
   m.matrix = scale.asDiagonal();
-  m.offset = -scale.cwiseProduct(b + drift.c0 + cube.q0 * drift.c3);
-  m.thermal.col(1) = drift.c1 + cube.q1 * drift.c3;
-  m.thermal.col(2) = drift.c2 + cube.q2 * drift.c3;
+  m.offset = -scale.cwiseProduct(b + drift.c0);
+  m.thermal << Vector3d::Zero(), drift.c1, drift.c2, drift.c3;
   if (!m.thermal.isZero(0)) m.temperature = temperature;
-  if (drift.c3.isZero(0)) return;
-  out.warnings.push_back(
-      fmt::format("{}: the thermal terms of third order are replaced by the nearest of second order: within {:.2g} {} over {:g} to {:g} degC", name,
-                  drift.c3.cwiseAbs().maxCoeff() * cube.error, m.raw_unit, temperature.range[0], temperature.range[1]));
 }
 
 void name_units(SensorModel& m) {
@@ -143,8 +127,8 @@ ImportedModel read_px4(const Source& s) {
   };
   ThermalReading accel_temperature, gyro_temperature;
   const Cubic accel = px4_drift(s, p, "TC_A", accel_temperature), gyro = px4_drift(s, p, "TC_G", gyro_temperature);
-  set_triad(out, out.model.accel, "accelerometers", xyz("ACC", "SCALE"), xyz("ACC", "OFF"), accel, accel_temperature);
-  set_triad(out, out.model.gyro, "gyros", Vector3d::Ones(), xyz("GYRO", "OFF"), gyro, gyro_temperature);
+  set_triad(out.model.accel, xyz("ACC", "SCALE"), xyz("ACC", "OFF"), accel, accel_temperature);
+  set_triad(out.model.gyro, Vector3d::Ones(), xyz("GYRO", "OFF"), gyro, gyro_temperature);
   return out;
 }
 
@@ -160,8 +144,8 @@ ImportedModel read_ardupilot(const Source& s) {
   };
   ThermalReading accel_temperature, gyro_temperature;
   const Cubic accel = ardupilot_drift(s, p, "ACC", accel_temperature), gyro = ardupilot_drift(s, p, "GYR", gyro_temperature);
-  set_triad(out, out.model.accel, "accelerometers", xyz("ACC", "SCAL"), xyz("ACC", "OFFS"), accel, accel_temperature);
-  set_triad(out, out.model.gyro, "gyros", Vector3d::Ones(), xyz("GYR", "OFFS"), gyro, gyro_temperature);
+  set_triad(out.model.accel, xyz("ACC", "SCAL"), xyz("ACC", "OFFS"), accel, accel_temperature);
+  set_triad(out.model.gyro, Vector3d::Ones(), xyz("GYR", "OFFS"), gyro, gyro_temperature);
   return out;
 }
 

@@ -58,7 +58,9 @@ ImportedModel read_csv_table(const Source& s) {
   };
   ImportedModel out;
   for (const CoefficientIndex i : coefficient_indices()) {
-    const Row& found = row(std::string(coefficient(i).name));
+    const std::string name(coefficient(i).name);
+    if (is_extended(coefficient(i)) && !rows.contains(name)) continue;
+    const Row& found = row(name);
     set_coefficient(out.model, i, found.value);
     if (!found.determined) out.not_determined.emplace_back(coefficient(i).name);
   }
@@ -72,7 +74,7 @@ ImportedModel read_csv_table(const Source& s) {
     }
   for (auto& [m, name] : {std::pair{&out.model.accel, "accel"}, std::pair{&out.model.gyro, "gyro"}}) {
     const std::string temperature = fmt::format("{}.temperature.", name);
-    if (!rows.contains(temperature + "reference") && m->thermal.isZero(0)) continue;
+    if (!rows.contains(temperature + "reference") && !m->varies()) continue;
     const Row& reference = row(temperature + "reference");
     const double lowest = row(temperature + "lowest").value, highest = row(temperature + "highest").value;
     if (lowest > highest) fail_at(s, reference.line, temperature + "lowest: is above highest; expected a range");

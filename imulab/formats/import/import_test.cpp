@@ -1,6 +1,7 @@
 // Files of other programs become calibrations that do what those programs' equations do; what was exported comes back; damage is named by file and
 // line.
 #include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
 #include "imulab/exchange.hpp"
 #include "imulab/files.hpp"
 
@@ -11,6 +12,7 @@
 #include "tests/export_unit.hpp"
 #include "tests/import_texts.hpp"
 #include "tests/run_command.hpp"
+#include <algorithm>
 #include <functional>
 
 namespace imulab::export_test {
@@ -116,27 +118,24 @@ TEST(Import, AutopilotsParametersComeBack) {
   }
 }
 
-TEST(Import, TermsOfThirdOrderAreReplacedWithinWhatIsSaid) {
-  const std::string text = import_file("ardupilot.param");
-  const Imported imported = import(text);
-  // 3e-6 (32.5 K)^3 / 4
-  EXPECT_THAT(imported.warnings, testing::ElementsAre("accelerometers: the thermal terms of third order are replaced by the nearest of second order: "
-                                                      "within 0.026 m/s^2 over -5 to 60 degC"));
-  // ArduPilot's equation (AP_InertialSensor_tempcal.cpp) for the z accelerometer of this file: P(d) = 1e-6 (3000 d + 30 d^2 + 3 d^3), d = T - 35
+TEST(Import, TermsOfThirdOrderAreTheAutopilots) {
+  const Imported imported = import(import_file("ardupilot.param"));
+  EXPECT_THAT(imported.warnings, IsEmpty());
+  // ArduPilot's equation (AP_InertialSensor_tempcal.cpp) for the z accelerometer of this file: P(d) = 1e-6 (3000 d + 30 d^2 + 3 d^3), d = T - 35,
+  // T at most 60 and at least -5 degC
   const auto P = [](double T) { return 1e-6 * (3000 + (30 + 3 * (T - 35)) * (T - 35)) * (T - 35); };
-  double worst = 0;
-  for (double T = -5; T <= 60; T += 0.25) {
-    RawSample raw{.accel = {0, 0, 9.8}};
-    raw.accel_tau.setConstant(T - imported.calibration.model.accel.temperature->reference);
-    worst = std::max(worst, std::abs(compensate(imported.calibration.model, raw).force.z() - (9.8 - P(T) + P(22.5) + 0.1)));
-  }
-  EXPECT_NEAR(worst, 3e-6 * 32.5 * 32.5 * 32.5 / 4, 1e-6);  // the polynomial's extremes lie between the temperatures tried
+  const SampleCompensator compensator(imported.calibration.model);
+  for (double T = -20; T <= 70; T += 0.25)
+    EXPECT_NEAR(compensator({0, 0, 0}, {0, 0, 9.8}, T).force.z(), 9.8 - P(std::clamp(T, -5.0, 60.0)) + P(22.5) + 0.1, 1e-12) << T;
   // PX4's with the term in X3
   std::string px4 = exported("px4", {thermal_unit()});
   const std::string name = "TC_A0_X3_1\t0.0";
   ASSERT_NE(px4.find(name), std::string::npos);
   px4.replace(px4.find(name), name.size(), "TC_A0_X3_1\t1e-6");
-  EXPECT_THAT(import(px4).warnings, testing::ElementsAre(HasSubstr("within 0.0086 m/s^2")));
+  const Imported cubic = import(px4);
+  EXPECT_THAT(cubic.warnings, IsEmpty());
+  EXPECT_NEAR(cubic.calibration.model.accel.thermal(1, 3), 1e-6, 1e-12);
+  EXPECT_NEAR(import(exported("px4", {cubic.calibration})).calibration.model.accel.thermal(1, 3), 1e-6, 1e-12);
 }
 
 TEST(Import, ImuTksFilesAreReadByItsEquation) {

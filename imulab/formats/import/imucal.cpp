@@ -136,6 +136,9 @@ ImportedModel read_json_matrix(const Source& s) {
     const Field t = f["thermal"];
     triad->thermal.col(1) = vector_field(t["c1"]);
     triad->thermal.col(2) = vector_field(t["c2"]);
+    if (t.has("c3")) triad->thermal.col(3) = vector_field(t["c3"]);
+    if (t.has("m1")) triad->matrix_thermal1 = matrix_field(t["m1"]);
+    if (t.has("m2")) triad->matrix_thermal2 = matrix_field(t["m2"]);
     triad->temperature = ThermalReading{
         t["unit"].text(), t["reference"].number(), {t["range"].item(0, 2, "numbers").number(), t["range"].item(1, 2, "numbers").number()}};
     if (triad->temperature->unit != "degC" && triad->temperature->unit != "K" && triad->temperature->unit != "raw")

@@ -86,4 +86,8 @@ std::string wrapped(std::string_view first, std::string_view sentence, std::size
   return text + "\n";
 }
 
+std::string two_ends(std::string_view left, std::string_view right, std::size_t width) {
+  return fmt::format("{} {:>{}}", left, right, width - std::min(width, left.size() + 1));
+}
+
 }  // namespace imulab::text

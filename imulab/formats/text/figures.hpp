@@ -29,4 +29,7 @@ std::string minutes(double seconds);
 /// than a line stay whole. Counts code points of UTF-8.
 std::string wrapped(std::string_view first, std::string_view sentence, std::size_t width = terminal_width);
 
+/// `left` at the begin and `right` at the end of this many characters, or of as many as they need with a blank between them.
+std::string two_ends(std::string_view left, std::string_view right, std::size_t width);
+
 }  // namespace imulab::text

@@ -59,6 +59,8 @@ class JsonWriter {
   void operator()(std::string_view key, const Value& value, const fields::How& how = {}) {
     if constexpr (json_io::Optional<Value>) {
       if (how.left_out && !value) return;
+    } else if constexpr (json_io::Matrix<Value>) {
+      if (how.left_out && value.isZero(0)) return;
     } else if constexpr (requires { value.empty(); }) {
       if (how.left_out && value.empty()) return;
     }
@@ -127,7 +129,9 @@ class JsonReader {
       for (std::size_t i = 0; i < rows; ++i)
         for (std::size_t j = 0; j < columns; ++j)
           value(static_cast<int>(i), static_cast<int>(j)) = json_io::read_number(
-              Value::ColsAtCompileTime == 1 ? at.item(i, rows, "numbers") : at.item(i, rows, "rows of 3 numbers").item(j, columns, "numbers"), how);
+              Value::ColsAtCompileTime == 1 ? at.item(i, rows, "numbers")
+                                            : at.item(i, rows, columns == 4 ? "rows of 4 numbers" : "rows of 3 numbers").item(j, columns, "numbers"),
+              how);
     } else if constexpr (json_io::List<Value>) {
       if constexpr (requires { value.resize(0); }) value.clear(), value.resize(at.size());
       for (std::size_t i = 0; i < value.size(); ++i) read(at.item(i, value.size(), how.things), value[i], how);

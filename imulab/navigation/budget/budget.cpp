@@ -152,6 +152,8 @@ std::string group_of(const Coefficient& c) {
     case Term::cubic:
       return triad + "nonlinearity";
     case Term::thermal:
+    case Term::matrix_thermal1:
+    case Term::matrix_thermal2:
       return triad + "temperature";
     case Term::g_sensitivity:
       return "g-sensitivity";

@@ -111,20 +111,23 @@ Columns compensated(const Plan& plan, const Columns& truth, const std::string& r
     noise.add_fast(0, out[axis]);
   }
   // Thermal readings are constant, so the raw reading includes their drift.
-  const auto thermal = [](const TriadModel& m, const Vector3d& tau) {
-    return Vector3d(m.thermal.col(1).cwiseProduct(tau) + m.thermal.col(2).cwiseProduct(tau.cwiseAbs2()));
-  };
-  const SensorModel erring = drawn_model(plan, run);
-  const auto without_thermal = [&](SensorModel m, const Vector3d& accel, const Vector3d& gyro) {
-    m.accel.thermal.setZero(), m.gyro.thermal.setZero();
-    m.accel.thermal.col(0) = accel, m.gyro.thermal.col(0) = gyro;
+  const ErrorSources& s = plan.sources;
+  const auto at = [](TriadModel m, const Vector3d& tau) {
+    const Vector3d drift = m.drift(tau);
+    const Matrix3d factor = m.matrix_factor(tau);
+    m.offset = factor * m.offset, m.matrix = factor * m.matrix;
+    m.quadratic = factor.diagonal().cwiseProduct(m.quadratic), m.cubic = factor.diagonal().cwiseProduct(m.cubic);
+    m.remove_temperature();
+    m.thermal.col(0) = drift;
     return m;
   };
-  const ErrorSources& s = plan.sources;
+  SensorModel true_model = s.model, assumed = drawn_model(plan, run);
+  true_model.accel = at(s.model.accel, s.accel_tau), true_model.gyro = at(s.model.gyro, s.gyro_tau);
+  assumed.accel = at(assumed.accel, s.accel_tau), assumed.gyro = at(assumed.gyro, s.gyro_tau);
+  assumed.accel.thermal.col(0) -= true_model.accel.thermal.col(0), assumed.gyro.thermal.col(0) -= true_model.gyro.thermal.col(0);
+  true_model.accel.thermal.setZero(), true_model.gyro.thermal.setZero();
   const MotionColumns columns = spans(out);
-  decompensate(without_thermal(s.model, Vector3d::Zero(), Vector3d::Zero()), {}, {}, columns);
-  const SensorModel assumed = without_thermal(erring, thermal(erring.accel, s.accel_tau) - thermal(s.model.accel, s.accel_tau),
-                                              thermal(erring.gyro, s.gyro_tau) - thermal(s.model.gyro, s.gyro_tau));
+  decompensate(true_model, {}, {}, columns);
   RawColumns raw;
   for (std::size_t axis = 0; axis < 3; ++axis) raw.gyro[axis] = columns.rate[axis], raw.accel[axis] = columns.force[axis];
   compensate(assumed, raw, columns);

@@ -11,19 +11,35 @@ namespace {
 
 /// Directions of an effect, by columns: an output axis, and the propagation of an accelerometer axis or raw reading axis through the model.
 enum Direction { axis = 0, leak = 3, accel_reading = 6, accel_reading_leak = 9, gyro_reading = 12, direction_count = 15 };
-/// Scalars of a sample: one, powers 1 to 3 of the raw readings V, the force, powers 1 and 2 of the thermal readings.
-enum Scalar { one = 0, accel_power = 1, gyro_power = 10, force_component = 19, accel_thermal = 22, gyro_thermal = 28, scalar_count = 34 };
+/// Scalars of a sample: one, powers 1 to 3 of the raw readings V, the force, powers 1 to 3 of the thermal readings, powers 1 and 2 of them
+/// times the output (row by row).
+enum Scalar {
+  one = 0,
+  accel_power = 1,
+  gyro_power = 10,
+  force_component = 19,
+  accel_thermal = 22,
+  gyro_thermal = 31,
+  accel_change = 40,
+  gyro_change = 58,
+  scalar_count = 76
+};
 
 bool ideal(const TriadModel& m) {
-  return m.offset.isZero(0) && m.matrix.isIdentity(0) && m.quadratic.isZero(0) && m.cubic.isZero(0) && m.thermal.isZero(0);
+  return m.offset.isZero(0) && m.matrix.isIdentity(0) && m.quadratic.isZero(0) && m.cubic.isZero(0) && m.thermal.isZero(0) && !m.matrix_varies();
 }
 
 Matrix3d slope(const TriadModel& m, const Vector3d& v) {
   return m.matrix + Matrix3d((2 * m.quadratic.cwiseProduct(v) + 3 * m.cubic.cwiseProduct(v.cwiseAbs2())).asDiagonal());
 }
 
-Vector3d without_drift(const Vector3d& reading, const TriadModel& m, const Vector3d& tau) {
-  return reading - m.thermal.col(0) - (m.thermal.col(1) + m.thermal.col(2).cwiseProduct(tau)).cwiseProduct(tau);
+/// The powers of thermal readings, and their products with the output.
+void set_thermal(Eigen::Matrix<double, scalar_count, 1>& scalar, int power, int change, const Vector3d& tau, const Vector3d& out) {
+  scalar.segment<9>(power) << tau, tau.cwiseAbs2(), tau.cwiseAbs2().cwiseProduct(tau);
+  for (int row = 0; row < 3; ++row) {
+    scalar.segment<3>(change + 3 * row) = tau[row] * out;
+    scalar.segment<3>(change + 9 + 3 * row) = tau[row] * tau[row] * out;
+  }
 }
 
 int scalar_of(const Coefficient& c) {
@@ -39,6 +55,9 @@ int scalar_of(const Coefficient& c) {
       return power + 6 + c.row;
     case Term::thermal:
       return (c.triad == Triad::accel ? accel_thermal : gyro_thermal) + 3 * (c.column - 1) + c.row;
+    case Term::matrix_thermal1:
+    case Term::matrix_thermal2:
+      return (c.triad == Triad::accel ? accel_change : gyro_change) + (c.term == Term::matrix_thermal1 ? 0 : 9) + 3 * c.row + c.column;
     case Term::g_sensitivity:
       return force_component + c.column;
     case Term::lever_arm:
@@ -76,7 +95,8 @@ void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double 
   Eigen::Matrix<double, scalar_count, 1> scalar;
   direction.middleCols<3>(axis) = C_nb;
   const RawSample raw = plain_ ? RawSample{.gyro = motion.rate, .accel = motion.force} : decompensate(model_, motion, gyro_tau_, accel_tau_);
-  const Vector3d a = without_drift(raw.accel, model_.accel, accel_tau_), w = without_drift(raw.gyro, model_.gyro, gyro_tau_);
+  const Vector3d a = raw.accel - model_.accel.drift(accel_tau_), w = raw.gyro - model_.gyro.drift(gyro_tau_);
+  const Vector3d rate = motion.rate - model_.g_sensitivity * motion.force;
   if (!plain_) {
     direction.middleCols<3>(leak) = C_nb * model_.g_sensitivity;
     direction.middleCols<3>(accel_reading) = -C_nb * slope(model_.accel, a);
@@ -89,8 +109,8 @@ void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double 
   scalar.segment<9>(accel_power) << a, a.cwiseAbs2(), a.cwiseAbs2().cwiseProduct(a);
   scalar.segment<9>(gyro_power) << w, w.cwiseAbs2(), w.cwiseAbs2().cwiseProduct(w);
   scalar.segment<3>(force_component) = motion.force;
-  scalar.segment<6>(accel_thermal) << accel_tau_, accel_tau_.cwiseAbs2();
-  scalar.segment<6>(gyro_thermal) << gyro_tau_, gyro_tau_.cwiseAbs2();
+  set_thermal(scalar, accel_thermal, accel_change, accel_tau_, motion.force);
+  set_thermal(scalar, gyro_thermal, gyro_change, gyro_tau_, rate);
   scalar *= interval;
   for (const Effect& e : rate_effects_) rate_.col(e.coefficient) += scalar[e.scalar] * direction.col(e.direction);
   for (const Effect& e : force_effects_) force_.col(e.coefficient) += scalar[e.scalar] * direction.col(e.direction);

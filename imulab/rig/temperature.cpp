@@ -1,4 +1,4 @@
-#include "imulab/simulate/temperature.hpp"
+#include "imulab/rig/temperature.hpp"
 
 #include "imulab/core/random.hpp"
 #include "imulab/error.hpp"
@@ -8,13 +8,23 @@
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::simulate {
+namespace imulab {
 
 TemperatureProfile::TemperatureProfile(const RigMotion& motion, const RigDeclaration* rig) {
   double ramp = 0;
   if (rig != nullptr && rig->kind == RigKind::chamber) time_constant_ = rig->time_constant, hysteresis_ = rig->hysteresis, ramp = rig->ramp;
   double target = motion.pieces.front().temperature.value_or(room_temperature), air = target;
   State now{air, air};
+  if (rig == nullptr || rig->kind == RigKind::none) {
+    for (std::size_t first = 0, next = 0; first < motion.pieces.size(); first = next) {
+      for (next = first; next < motion.pieces.size() && motion.pieces[next].temperature == motion.pieces[first].temperature;) ++next;
+      const double begin = motion.pieces[first].begin, end = motion.pieces[next - 1].end;
+      target = motion.pieces[first].temperature.value_or(target);
+      append(begin, end, air, (target - air) / (end - begin), now);
+      air = target;
+    }
+    return;
+  }
   for (const MotionPiece& piece : motion.pieces) {
     target = piece.temperature.value_or(target);
     if (ramp == 0) air = target;
@@ -97,8 +107,8 @@ std::vector<double> followed_readings(const TriadModel& model, const std::option
 TriadModel with_readings(TriadModel model, const ThermalScale& from, const ThermalScale& to, const std::string& unit) {
   const double ratio = to.per_K / from.per_K;  // tau in the new readings is ratio times the old
   const auto converted = [&](double reading) { return to.at_25_degC + ratio * (reading - from.at_25_degC); };
-  model.thermal.col(1) /= ratio;
-  model.thermal.col(2) /= ratio * ratio;
+  for (int order = 1; order <= 3; ++order) model.thermal.col(order) /= std::pow(ratio, order);
+  model.matrix_thermal1 /= ratio, model.matrix_thermal2 /= ratio * ratio;
   if (!model.temperature) return model;
   ThermalReading& t = *model.temperature;
   t.unit = unit, t.reference = converted(t.reference);
@@ -107,4 +117,4 @@ TriadModel with_readings(TriadModel model, const ThermalScale& from, const Therm
   return model;
 }
 
-}  // namespace imulab::simulate
+}  // namespace imulab

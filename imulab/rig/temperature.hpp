@@ -1,4 +1,4 @@
-// The temperature of an IMU in a chamber (or a room) with set points, and the reading of a thermal sensor.
+// The temperature of an IMU in a chamber, a room or a hand with set points, and the reading of a thermal sensor.
 //
 //   air    moves to the set point at the chamber's ramp
 //   T      follows the air: T' = (air - T) / time constant
@@ -17,13 +17,13 @@
 #include <string>
 #include <vector>
 
-namespace imulab::simulate {
+namespace imulab {
 
 /// Temperatures as functions of time, in closed form.
 class TemperatureProfile {
  public:
-  /// The profile of a motion's set points, each from the gap before its step on; the IMU begins at the first step's. Without a chamber it has them at
-  /// once.
+  /// The profile of a motion's set points, each from the gap before its step on; the IMU begins at the first step's. On a machine that is no chamber
+  /// it has them at once; in a hand it reaches each at its step's end, linearly from the one before.
   TemperatureProfile(const RigMotion& motion, const RigDeclaration* rig);
 
   struct State {
@@ -57,4 +57,4 @@ std::vector<double> followed_readings(const TriadModel& model, const std::option
 /// This drift as a function of another reading.
 TriadModel with_readings(TriadModel model, const ThermalScale& from, const ThermalScale& to, const std::string& unit);
 
-}  // namespace imulab::simulate
+}  // namespace imulab

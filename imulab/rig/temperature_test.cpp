@@ -1,4 +1,4 @@
-#include "imulab/simulate/temperature.hpp"
+#include "imulab/rig/temperature.hpp"
 
 #include "imulab/compensate.hpp"
 #include "imulab/error.hpp"
@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace imulab::simulate {
+namespace imulab {
 namespace {
 
 /// A chamber's set points, each from `move` before its hold on.
@@ -71,10 +71,16 @@ TEST(Temperature, IsTheSetPointWithoutAChamber) {
   steps.resize(3);
   for (std::size_t k = 0; k < 3; ++k) steps[k].start = 10.0 * static_cast<double>(k) + 5, steps[k].end = steps[k].start + 5;
   steps[1].temperature = 40;
-  const TemperatureProfile at(rig_motion(steps), nullptr);
+  RigDeclaration table;
+  table.kind = RigKind::rate_table;
+  const TemperatureProfile at(rig_motion(steps), &table);
   EXPECT_EQ(at.at(7).unit, room_temperature);
   EXPECT_EQ(at.at(12).unit, 40);  // from the gap before its step on
   EXPECT_EQ(at.at(29).zeros, 40);
+  const TemperatureProfile by_hand(rig_motion(steps), nullptr);
+  EXPECT_EQ(by_hand.at(7).unit, room_temperature);
+  EXPECT_DOUBLE_EQ(by_hand.at(12).unit, room_temperature + 0.2 * (40 - room_temperature)) << "linear from the gap to the step's end";
+  EXPECT_EQ(by_hand.at(29).zeros, 40);
 }
 
 TEST(Temperature, AfterASoakTheZerosAreBehindByTheHysteresis) {
@@ -166,4 +172,4 @@ TEST(Temperature, WhatIsMissingIsNamed) {
 }
 
 }  // namespace
-}  // namespace imulab::simulate
+}  // namespace imulab
