@@ -92,7 +92,8 @@ struct UserUnit {
   double size;  ///< SI value of one unit
 };
 
-/// Returns the unit of a quadratic, cubic or thermal term if the triad's readings are in SI: its effect at 1 g, at 1 deg/s or per kelvin.
+/// Returns the unit of a quadratic, cubic or thermal term if the triad's readings are in SI (of a matrix's thermal term: in any): its effect at 1 g,
+/// at 1 deg/s, per kelvin, or per unit of raw thermal readings.
 UserUnit unit_of_si_readings(const Coefficient& coefficient, const TriadModel& triad);
 
 /// Returns all units in which differences of the coefficient may be given, the usual one first; empty if the unit depends on the raw readings.

@@ -145,7 +145,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"procedure handheld --poses 1000000000", "handheld: 1000000000 poses; expected at most 100000"},
            {"procedure zhang-24 --rest inf", "--rest"},
            {"procedure six-feet",
-            "six-feet is not a procedure; expected one of six-position, two-axis, zhang-24, cheng-path, ferraris, handheld, dai-unit"},
+            "six-feet is not a procedure; expected one of six-position, two-axis, zhang-24, cheng-path, ferraris, handheld, warm-up, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
            {"compensate file session -o out.csv", "file: is empty; expected a calibration"},

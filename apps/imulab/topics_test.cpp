@@ -9,6 +9,7 @@
 namespace imulab {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// The messages of the hand-held session, of which each part of a bag has some.
@@ -53,11 +54,19 @@ TEST_F(RecordingTopics, ASplitBagIsOneRecordingOfEveryVerb) {
 
 TEST_F(RecordingTopics, AreChosenOnEveryVerb) {
   folder.write("two.mcap", mcap_file({{"/a", all}, {"/b", all}}));
-  for (const char* verb : {"calibrate two.mcap --method handheld -o c.json", "noise two.mcap", "inspect two.mcap"}) {
+  for (const char* verb : {"noise two.mcap", "inspect two.mcap"}) {
     EXPECT_THAT(run_imulab(folder, verb).errors, HasSubstr("expected a topic of /a, /b")) << verb;
     EXPECT_THAT(run_imulab(folder, std::string(verb) + " --topic /b").errors, testing::Not(HasSubstr("expected a topic"))) << verb;
   }
-  EXPECT_EQ(run_imulab(folder, "compensate c.json two.mcap --topic /a -o out.csv").exit_code, 0);
+  const CommandResult each = run_imulab(folder, "calibrate two.mcap --method handheld -o c.json --report imus.html");
+  EXPECT_EQ(each.exit_code, 0) << each.errors;
+  EXPECT_THAT(each.output, AllOf(HasSubstr("IMU 0 of 2: /a"), HasSubstr("IMU 1 of 2: /b"), HasSubstr("2 IMUs: all good")));
+  EXPECT_THAT(read_text(folder / "imus.html"), HasSubstr("2 IMUs of two.mcap"));
+  EXPECT_THAT(read_text(folder / "c-1.json"), HasSubstr("\"topic\": \"/b\""));
+  EXPECT_EQ(run_imulab(folder, "compensate c-0.json two.mcap --topic /a -o out.csv").exit_code, 0);
+  EXPECT_EQ(run_imulab(folder, "calibrate two.mcap --method handheld --topic /b -o b.json").exit_code, 0) << "one alone";
+  EXPECT_THAT(run_imulab(folder, "calibrate two.mcap --method handheld -o c.json").errors, HasSubstr("c-0.json: exists"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "calibrate two.mcap --method handheld --json").errors), HasSubstr("has 2 IMUs, and --json"));
   hand_held_session().write(folder);
   EXPECT_THAT(on_one_line(run_imulab(folder, "noise session --topic /a").errors), HasSubstr("--topic: chooses a table of a recording"));
 }

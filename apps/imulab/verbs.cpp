@@ -4,10 +4,14 @@
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/formats/recording/signals.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/report/imus_page.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/results/conclusion.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/compare.hpp"
@@ -25,6 +29,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace imulab::command {
@@ -74,11 +79,10 @@ void expect_file_of_procedure(const std::string& name) {
 
 // imulab calibrate SESSION
 
-void run(const CalibrateOptions& o) {
+/// Calibrates and shows one IMU; `made` gets the calibration before its shortcomings are thrown.
+void calibrate_one(const CalibrateOptions& o, const std::vector<std::string>& paths, std::optional<Answer>* made, Calibration* calibration) {
   CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
-  std::vector<std::string> paths{o.session};
-  paths.insert(paths.end(), o.more.begin(), o.more.end());
-  Session session = open_sessions(recordings_named(paths), {o.declarations, o.topics});
+  Session session = open_sessions(paths, {o.declarations, o.topics});
   expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(
@@ -90,7 +94,64 @@ void run(const CalibrateOptions& o) {
   });
   if (!o.output.empty()) write_whole(o.output, answer.json());
   if (!o.curves.empty()) write_whole(o.curves, curves_csv(*answer.data));
+  if (made != nullptr) *made = answer, *calibration = answer.data->calibration;
   show(answer, o, "\n" + written_text(o.output) + "\n");
+}
+
+/// "c-1.json" of c.json.
+std::string numbered(const std::string& file, std::size_t n) {
+  if (file.empty()) return file;
+  const std::filesystem::path path(file);
+  return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), n, path.extension().string())).string();
+}
+
+/// Each IMU of one log: a calibration each, and one page.
+void calibrate_each(const CalibrateOptions& o, const std::string& log, const std::vector<std::vector<std::string>>& imus) {
+  if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected --topic", log, imus.size()));
+  std::vector<NamedCalibration> all;
+  std::vector<std::string> missing;
+  std::string unlike;
+  int code = 0;
+  for (std::size_t k = 0; k < imus.size(); ++k) {
+    const std::string name = fmt::format("{}", fmt::join(imus[k], " and "));
+    CalibrateOptions own = o;
+    own.topics = imus[k], own.report.clear(), own.output = numbered(o.output, k), own.curves = numbered(o.curves, k);
+    for (const std::string& file : {own.output, own.curves})
+      if (!file.empty()) expect_free("--output", file), will_write("--output", file);
+    print(fmt::format("{}IMU {} of {}: {}\n\n", k == 0 ? "" : "\n", k, imus.size(), one_line(name)));
+    std::optional<Answer> made;
+    Calibration calibration;
+    try {
+      calibrate_one(own, {log}, &made, &calibration);
+    } catch (const Unsupported& e) {
+      complain(e.what());
+      code = std::max(code, 1);
+    } catch (const Error& e) {
+      complain(e.what());
+      code = std::max(code, 2);
+    }
+    if (made)
+      all.push_back({name, std::move(calibration)});
+    else
+      missing.push_back(name);
+    if (!made || !is_favorable(made->conclusion.verdict)) unlike += fmt::format("{}{}", unlike.empty() ? "" : ", ", name);
+  }
+  if (!o.report.empty()) write_whole(o.report, imus_page(log, all, missing));
+  const std::string result =
+      unlike.empty() ? fmt::format("{} IMUs: all good", imus.size()) : fmt::format("{} IMUs; not good: {}", imus.size(), unlike);
+  print("\n" + text::wrapped("", result));
+  if (code == 1) throw Unsupported(fmt::format("not every IMU of {} has the calibration that was asked for", log));
+  if (code == 2) throw Error(fmt::format("not every IMU of {} could be calibrated", log));
+}
+
+void run(const CalibrateOptions& o) {
+  task_of(o);
+  std::vector<std::string> paths{o.session};
+  paths.insert(paths.end(), o.more.begin(), o.more.end());
+  paths = recordings_named(paths);
+  if (paths.size() == 1 && o.topics.empty() && !declares_itself(paths.front()))
+    if (const auto imus = imus_of(paths.front()); !imus.empty()) return calibrate_each(o, paths.front(), imus);
+  calibrate_one(o, paths, nullptr, nullptr);
 }
 
 // imulab compare CALIBRATION CALIBRATION|TRUTH...

@@ -5,6 +5,9 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace imulab {
 
@@ -103,7 +106,22 @@ MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<Co
   return transfer * covariance * transfer.transpose();
 }
 
-Calibration in_gauge_of(const Calibration& a, const Calibration& b) {
+namespace {
+
+/// In degC instead of K, or the other way.
+void convert_to(const std::string& unit, std::optional<ThermalReading>& reading) {
+  if (!reading || reading->unit == unit || reading->unit == "raw" || unit == "raw") return;
+  const double by = unit == "K" ? 273.15 : -273.15;
+  if (reading->has_range()) reading->range[0] += by, reading->range[1] += by;
+  reading->reference += by, reading->unit = unit;
+}
+
+}  // namespace
+
+Calibration in_gauge_of(const Calibration& a, const Calibration& given) {
+  Calibration b = given;
+  for (const auto& [of_a, of_b] : {std::pair{&a.model.accel, &b.model.accel}, {&a.model.gyro, &b.model.gyro}})
+    if (of_a->temperature) convert_to(of_a->temperature->unit, of_b->temperature);
   const auto reference = [](const TriadModel& of_a, const TriadModel& of_b) {
     if (!of_a.temperature || !of_b.temperature) return of_b.temperature ? of_b.temperature->reference : 0;
     const bool drifts = of_a.varies() || of_b.varies();

@@ -42,6 +42,17 @@ TEST(Gauge, AnotherReferenceIsTheSameCompensation) {
               coefficient_value(a, coefficient_index("accel.offset.y")), 1e-12);
 }
 
+TEST(Gauge, KelvinAndDegreesAreOneScale) {
+  Calibration a, b;
+  a.model = b.model = unit();
+  b.model.accel.temperature = ThermalReading{"K", 25 + 273.15, {273.15, 70 + 273.15}};
+  EXPECT_EQ(in_gauge_of(a, b).model.accel.temperature->reference, 25);
+  EXPECT_NEAR((in_gauge_of(a, b).model.accel.matrix - a.model.accel.matrix).norm(), 0, 1e-12);
+  EXPECT_EQ(in_gauge_of(b, a).model.accel.temperature->unit, "K");
+  b.model.accel.temperature->unit = "raw";
+  EXPECT_THROW(in_gauge_of(a, b), Error);
+}
+
 /// The uncertainty of the output is equal in every gauge.
 TEST(Gauge, CarriesTheCovariance) {
   Calibration a;

@@ -44,8 +44,8 @@ UserValue user_value(const Calibration& calibration, CoefficientIndex index, con
     const double scale = std::abs(triad.matrix(c.row, c.row)) * unit::arcsec;
     return {value / scale, sigma / scale, "arcsec"};
   }
-  if (c.term == Term::g_sensitivity || c.term == Term::lever_arm || is_matrix_thermal(c.term))
-    return in(user_unit(c, largest_of_term(calibration, c)));
+  if (c.term == Term::g_sensitivity || c.term == Term::lever_arm) return in(user_unit(c, largest_of_term(calibration, c)));
+  if (is_matrix_thermal(c.term)) return in(unit_of_si_readings(c, triad));
   if (triad.raw_unit == "count") return of_counts(c, calibration, model, value, sigma);
   if (c.term == Term::offset) return in(user_unit(c, largest_of_term(calibration, c)));
   if (c.term == Term::matrix) return {(value - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
@@ -63,8 +63,6 @@ constexpr std::array misalignment{UserUnit{"arcsec", unit::arcsec}, UserUnit{"ar
                                   UserUnit{"deg", unit::deg},       UserUnit{"ppm", unit::ppm},
                                   UserUnit{"mrad", 1e-3},           UserUnit{"rad", 1}};
 constexpr std::array g_sensitivity{UserUnit{"deg/h/g", unit::deg_per_h / unit::g}, UserUnit{"deg/s/g", unit::deg / unit::g}};
-constexpr std::array scale_over_temperature{UserUnit{"ppm/K", unit::ppm}, UserUnit{"ppm/K^2", unit::ppm}};
-constexpr std::array turn_over_temperature{UserUnit{"arcsec/K", unit::arcsec}, UserUnit{"arcsec/K^2", unit::arcsec}};
 constexpr std::array lever_arm{UserUnit{"mm", 1e-3}, UserUnit{"m", 1}};
 
 }  // namespace
@@ -78,6 +76,12 @@ UserUnit unit_of_si_readings(const Coefficient& c, const TriadModel& triad) {
                                                                     {"deg/h/raw", "deg/h/raw^2", "deg/h/raw^3"}}};
     const bool raw = triad.temperature && triad.temperature->unit == "raw";
     return {names[(accel ? 0 : 1) + (raw ? 2 : 0)][static_cast<std::size_t>(c.column - 1)], accel ? unit::ug : unit::deg_per_h};
+  }
+  if (is_matrix_thermal(c.term)) {
+    constexpr std::array<std::array<std::string_view, 2>, 4> names{
+        {{"ppm/K", "ppm/K^2"}, {"arcsec/K", "arcsec/K^2"}, {"ppm/raw", "ppm/raw^2"}, {"arcsec/raw", "arcsec/raw^2"}}};
+    const bool raw = triad.temperature && triad.temperature->unit == "raw", scale = c.row == c.column;
+    return {names[(scale ? 0 : 1) + (raw ? 2 : 0)][c.term == Term::matrix_thermal1 ? 0 : 1], scale ? unit::ppm : unit::arcsec};
   }
   const int order = c.term == Term::quadratic ? 2 : 3;
   if (accel) return {order == 2 ? "ug/g^2" : "ug/g^3", unit::ug / std::pow(unit::g, order)};
@@ -95,10 +99,7 @@ std::span<const UserUnit> user_units(const Coefficient& c) {
     case Term::lever_arm:
       return lever_arm;
     case Term::matrix_thermal1:
-    case Term::matrix_thermal2: {
-      const std::span<const UserUnit> units = c.row == c.column ? std::span(scale_over_temperature) : std::span(turn_over_temperature);
-      return units.subspan(c.term == Term::matrix_thermal1 ? 0 : 1, 1);
-    }
+    case Term::matrix_thermal2:
     case Term::quadratic:
     case Term::cubic:
     case Term::thermal:
@@ -115,7 +116,7 @@ UserUnit user_unit(const Coefficient& c, double size) {
 }
 
 UserUnit user_unit(const Coefficient& c, double size, const TriadModel& triad) {
-  return user_units(c).empty() && triad.raw_unit != "count" ? unit_of_si_readings(c, triad) : user_unit(c, size);
+  return user_units(c).empty() && (triad.raw_unit != "count" || is_matrix_thermal(c.term)) ? unit_of_si_readings(c, triad) : user_unit(c, size);
 }
 
 namespace {

@@ -194,6 +194,48 @@ ImuTables imu_tables(const RecordingFormat& format, const TableRequest& request,
                           text::listed_excerpts(names)));
 }
 
+namespace {
+
+/// A table's name without the word of its sensor: "sensor_.1" of sensor_gyro.1.
+std::string without_sensor(const TableDescription& table) {
+  std::string name = lowered(table.name);
+  for (const std::string_view word : {"accelerometer", "gyroscope", "accel", "gyro", "acc", "gyr"})
+    if (const std::size_t at = name.find(word); at != std::string::npos) return name.erase(at, word.size());
+  return name;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> all_imus(const RecordingFormat& format, const TableRequest& request,
+                                               const std::vector<TableDescription>& tables) {
+  constexpr std::size_t most_read = 16, most_times = 2;  // rows: of a table that joins one gyro and one accelerometer, over those of each
+  struct Unit {
+    std::vector<std::string> tables;
+    std::size_t rows;
+  };
+  std::vector<Unit> whole, halves;
+  Tables gyros, accels;
+  for (const TableDescription& table : tables) {
+    if (is_reference(table) || rank_of(table) == 0) continue;
+    const bool gyro = has_triad(table, Role::gyro, true), accel = has_triad(table, Role::accel, true);
+    if (gyro && accel) whole.push_back({{table.name}, table.rows});
+    if (gyro != accel) (gyro ? gyros : accels).push_back(&table);
+  }
+  for (const TableDescription* gyro : gyros)
+    for (const TableDescription* accel : accels)
+      if (without_sensor(*gyro) == without_sensor(*accel)) halves.push_back({{gyro->name, accel->name}, std::min(gyro->rows, accel->rows)});
+  const auto most_rows = [](const std::vector<Unit>& units) { return units.empty() ? 0 : std::ranges::max_element(units, {}, &Unit::rows)->rows; };
+  std::vector<Unit>& units = halves.size() > 1 && most_times * most_rows(halves) >= most_rows(whole) ? halves : whole;
+  std::erase_if(units, [most = most_rows(units)](const Unit& unit) { return unit.rows <= most / far_more; });
+  if (units.size() < 2 || units.size() > most_read) return {};
+  std::vector<std::vector<std::string>> out;
+  for (const Unit& unit : units) {
+    const Readable read = readings_in(format, request, find_table(tables, unit.tables.front(), request.file.string()));
+    if (read.gyro && (read.accel || unit.tables.size() > 1)) out.push_back(unit.tables);
+  }
+  return out.size() > 1 ? out : std::vector<std::vector<std::string>>{};
+}
+
 std::string name_in_table(const std::string& table, const std::string& name) {
   const NameHint column = inspection::hint_of(name);
   const Role sensor = inspection::hint_of(table).role;

@@ -19,6 +19,11 @@ struct ImuTables {
 /// where the caller has to choose.
 ImuTables imu_tables(const RecordingFormat& format, const TableRequest& request, const std::vector<TableDescription>& tables);
 
+/// The tables of each IMU, as `names` above, of a file that has several at comparable rates; else nothing. Two tables of one sensor each belong
+/// together where their names differ in the sensor alone: "sensor_gyro.1", "sensor_accel.1".
+std::vector<std::vector<std::string>> all_imus(const RecordingFormat& format, const TableRequest& request,
+                                               const std::vector<TableDescription>& tables);
+
 /// A column's name; with its table's where only that one says which sensor it is: "sensor_gyro.x".
 std::string name_in_table(const std::string& table, const std::string& column);
 

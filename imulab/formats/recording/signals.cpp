@@ -120,6 +120,14 @@ std::vector<SignalTable> read_tables(const std::filesystem::path& file, const st
   return out;
 }
 
+std::vector<std::vector<std::string>> imus_of(const std::filesystem::path& file, const std::string& layout) {
+  if (is_stream(file)) return {};
+  const TableRequest request{file, "", layout};
+  const RecordingFormat& format = format_of(request, recording_formats());
+  if (format.is_text || format.open_text != nullptr) return {};
+  return all_imus(format, request, format.describe(request));
+}
+
 SignalTable signals_of_text(const std::string& name, std::string_view bytes, const std::string& topic) {
   return std::move(tables_of_bytes(name, bytes, topic, "").front());
 }

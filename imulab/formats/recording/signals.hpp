@@ -25,6 +25,9 @@ std::vector<SignalTable> read_tables(const std::filesystem::path& file, const st
                                      const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
                                      std::size_t most_numbers = all_numbers, const std::string& layout = "");
 
+/// The topics of each IMU, for `read_tables`, of a file that has several at comparable rates; empty of another, of a stream and of text.
+std::vector<std::vector<std::string>> imus_of(const std::filesystem::path& file, const std::string& layout = "");
+
 /// Reads the columns of a text in any dialect, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands
 /// for the file.
 SignalTable signals_of_text(const std::string& name, std::string_view bytes, const std::string& topic = "");
