@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import concurrent.futures
+import os
 import sys
 from dataclasses import dataclass, field
 from statistics import NormalDist
@@ -133,7 +134,7 @@ def priced(title: str, results: list[dict], without: list[dict]) -> tuple[str, l
 
 def main() -> int:
     parser = argparse.ArgumentParser()
-    parser.add_argument("command")
+    parser.add_argument("command", type=os.path.abspath)  # sessions are calibrated in their folders
     parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--method")
     parser.add_argument("--quick", action="store_true")
