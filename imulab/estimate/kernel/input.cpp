@@ -43,8 +43,15 @@ void expect_alive(const Recording& recording, Triad triad, std::string_view cons
 std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
                                                   std::string_view method) {
   if (wanted.empty()) return supplied;
+  // A whole term, as accel.thermal, has more orders than some methods.
+  const auto has_other_orders = [&](CoefficientIndex index) {
+    return is_extended(coefficient(index)) && std::ranges::any_of(wanted, [&](CoefficientIndex other) {
+             const Coefficient &a = coefficient(index), &b = coefficient(other);
+             return a.triad == b.triad && a.term == b.term && a.row == b.row && contains(supplied, other);
+           });
+  };
   for (const CoefficientIndex index : wanted)
-    if (!zero_by_frame(index) && !contains(supplied, index))
+    if (!zero_by_frame(index) && !contains(supplied, index) && !has_other_orders(index))
       throw TermsError(fmt::format("{} is not a coefficient that the method {} estimates", coefficient(index).name, method));
   std::vector<CoefficientIndex> chosen = supplied;
   std::erase_if(chosen, [&](CoefficientIndex index) { return !contains(wanted, index); });

@@ -1,6 +1,8 @@
 #include "imulab/estimate/kernel/terms.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/error.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 
 #include <gmock/gmock.h>
 
@@ -54,6 +56,14 @@ TEST(CrossValidation, PredictsEachPartFromTheOthers) {
   EXPECT_NEAR(found.with, std::sqrt(squares / 4), 1e-12);
   ASSERT_EQ(found.without.size(), 1u);
   EXPECT_NEAR(found.without[0], value.norm() / 2, 1e-12);
+}
+
+TEST(ChosenCoefficients, OfAWholeTermAreThoseThatTheMethodHas) {
+  const std::vector<CoefficientIndex> supplied = select_each({"accel.offset", "accel.thermal.x1", "accel.thermal.x2"});
+  EXPECT_THAT(chosen_coefficients(select_each({"accel.thermal.x1", "accel.thermal.x2", "accel.thermal.x3"}), supplied, "m"),
+              ElementsAre(coefficient_index("accel.thermal.x1"), coefficient_index("accel.thermal.x2")));
+  EXPECT_THROW(chosen_coefficients(select_each({"accel.offset", "accel.thermal.x3"}), supplied, "m"), TermsError);
+  EXPECT_THROW(chosen_coefficients(select_each({"accel.offset", "accel.matrix_thermal1"}), supplied, "m"), TermsError);
 }
 
 }  // namespace
