@@ -97,6 +97,16 @@ void run(benchmark::State& state, const SensorModel& model, bool temperatures) {
 }
 
 void compensate_all_coefficients(benchmark::State& state) { run(state, full_model(), true); }
+/// Target: at most 1.4 times the former.
+void compensate_over_temperature(benchmark::State& state) {
+  SensorModel model = full_model();
+  for (TriadModel* m : {&model.accel, &model.gyro}) {
+    m->matrix_thermal1 << 1e-4, 1e-5, 0, 2e-5, -1e-4, 1e-5, 0, 1e-5, 5e-5;
+    m->matrix_thermal2 = 0.02 * m->matrix_thermal1;
+    m->thermal.col(3) = 0.02 * m->thermal.col(2);
+  }
+  run(state, model, true);
+}
 void compensate_linear(benchmark::State& state) { run(state, linear_model(), false); }
 
 /// One sample after the other, as a real-time loop does it. Target: 40 ns a sample.
@@ -194,6 +204,7 @@ void compensate_a_stream(benchmark::State& state) {
 
 // A million samples, 144 MB: in main memory, like a recording.
 BENCHMARK(compensate_all_coefficients)->Arg(1 << 20);
+BENCHMARK(compensate_over_temperature)->Arg(1 << 20);
 BENCHMARK(compensate_linear)->Arg(1 << 20);
 BENCHMARK(compensate_sample_by_sample);
 BENCHMARK(copy_the_same_bytes)->Arg(1 << 20);

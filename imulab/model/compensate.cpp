@@ -142,32 +142,35 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
   need_thermal(model.gyro, raw.gyro_temperature, "gyro");
 }
 
+/// Computes tau for samples begin .. begin + n, where the output depends on it.
+void load_tau(const TriadModel& m, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& tau) {
+  if (!m.varies()) return;
+  const ThermalReading reading = *m.temperature;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* const t = temperature[axis].data() + begin;
+    for (std::size_t k = 0; k < n; ++k) tau[axis][k] = reading.tau(t[k]);
+  }
+}
+
 /// Computes V = U - (c0 + c1 tau + c2 tau^2 + c3 tau^3) for samples begin .. begin + n.
-void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& v) {
+void load(const TriadModel& m, const Inputs& raw, const ColumnBlock& tau, std::size_t begin, std::size_t n, ColumnBlock& v) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const u = raw[axis].data() + begin;
     const AxisDrift c(m, static_cast<Eigen::Index>(axis));
-    if (c.constant()) {
+    if (c.constant())
       for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.c0;
-    } else {
-      const double* const t = temperature[axis].data() + begin;
-      const ThermalReading reading = *m.temperature;
-      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.at(reading.tau(t[k]));
-    }
+    else
+      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.at(tau[axis][k]);
   }
 }
 
 /// Adds (M1 tau + M2 tau^2) times the output.
-void change(const TriadModel& m, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& out) {
+void change(const TriadModel& m, const ColumnBlock& tau, std::size_t n, ColumnBlock& out) {
   if (!m.matrix_varies()) return;
-  const ThermalReading reading = *m.temperature;
-  const RowChange x(m, 0), y(m, 1), z(m, 2);
-  const double *const tx = temperature[0].data() + begin, *const ty = temperature[1].data() + begin, *const tz = temperature[2].data() + begin;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double px = out[0][k], py = out[1][k], pz = out[2][k];
-    out[0][k] += x.of(px, py, pz, reading.tau(tx[k]));
-    out[1][k] += y.of(px, py, pz, reading.tau(ty[k]));
-    out[2][k] += z.of(px, py, pz, reading.tau(tz[k]));
+  const ColumnBlock p = out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const RowChange row(m, static_cast<Eigen::Index>(axis));
+    for (std::size_t k = 0; k < n; ++k) out[axis][k] += row.of(p[0][k], p[1][k], p[2][k], tau[axis][k]);
   }
 }
 
@@ -202,15 +205,17 @@ void store(const ColumnBlock& block, std::size_t begin, std::size_t n, const std
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
   check_columns(model, raw, out);
   const bool sensitive = (model.g_sensitivity.array() != 0).any();
-  ColumnBlock v, force, rate;  // a block is computed before it is stored because `out` may be the memory of the input
+  ColumnBlock tau, v, force, rate;  // a block is computed before it is stored because `out` may be the memory of the input
   for (std::size_t begin = 0; begin < raw.accel[0].size(); begin += block_size) {
     const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
-    load(model.accel, raw.accel, raw.accel_temperature, begin, n, v);
+    load_tau(model.accel, raw.accel_temperature, begin, n, tau);
+    load(model.accel, raw.accel, tau, begin, n, v);
     polynomial(model.accel, v, n, force);
-    change(model.accel, raw.accel_temperature, begin, n, force);
-    load(model.gyro, raw.gyro, raw.gyro_temperature, begin, n, v);
+    change(model.accel, tau, n, force);
+    load_tau(model.gyro, raw.gyro_temperature, begin, n, tau);
+    load(model.gyro, raw.gyro, tau, begin, n, v);
     polynomial(model.gyro, v, n, rate);
-    change(model.gyro, raw.gyro_temperature, begin, n, rate);
+    change(model.gyro, tau, n, rate);
     if (sensitive) add_product(model.g_sensitivity, force, n, rate);
     store(force, begin, n, out.force);
     store(rate, begin, n, out.rate);
