@@ -75,7 +75,7 @@ SensorModel full_model() {
   for (auto* triad : {&m.accel, &m.gyro}) {
     triad->quadratic = {1e-3, 2e-3, -1e-3};
     triad->cubic = {1e-5, -2e-5, 3e-5};
-    triad->thermal << 0, 1e-2, 1e-4, 0, -2e-2, 1e-4, 0, 3e-2, -1e-4;
+    triad->thermal.leftCols<3>() << 0, 1e-2, 1e-4, 0, -2e-2, 1e-4, 0, 3e-2, -1e-4;
     triad->temperature = ThermalReading{"degC", 25, {0, 70}};
   }
   m.g_sensitivity << 1e-3, 2e-3, -1e-3, 3e-3, 1e-3, 2e-3, -2e-3, 1e-3, 4e-3;
