@@ -142,25 +142,22 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
   need_thermal(model.gyro, raw.gyro_temperature, "gyro");
 }
 
-/// Computes tau for samples begin .. begin + n, where the output depends on it.
-void load_tau(const TriadModel& m, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& tau) {
-  if (!m.varies()) return;
-  const ThermalReading reading = *m.temperature;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double* const t = temperature[axis].data() + begin;
-    for (std::size_t k = 0; k < n; ++k) tau[axis][k] = reading.tau(t[k]);
-  }
-}
-
-/// Computes V = U - (c0 + c1 tau + c2 tau^2 + c3 tau^3) for samples begin .. begin + n.
-void load(const TriadModel& m, const Inputs& raw, const ColumnBlock& tau, std::size_t begin, std::size_t n, ColumnBlock& v) {
+/// Computes V = U - (c0 + c1 tau + c2 tau^2 + c3 tau^3) for samples begin .. begin + n, and tau where the matrix depends on it.
+void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& v, ColumnBlock& tau) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const u = raw[axis].data() + begin;
     const AxisDrift c(m, static_cast<Eigen::Index>(axis));
     if (c.constant())
       for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.c0;
+    if (c.constant() && !m.matrix_varies()) continue;
+    const double* const t = temperature[axis].data() + begin;
+    const ThermalReading reading = *m.temperature;
+    if (c.constant())
+      for (std::size_t k = 0; k < n; ++k) tau[axis][k] = reading.tau(t[k]);
+    else if (m.matrix_varies())
+      for (std::size_t k = 0; k < n; ++k) tau[axis][k] = reading.tau(t[k]), v[axis][k] = u[k] - c.at(tau[axis][k]);
     else
-      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.at(tau[axis][k]);
+      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c.at(reading.tau(t[k]));
   }
 }
 
@@ -208,12 +205,10 @@ void compensate(const SensorModel& model, const RawColumns& raw, const MotionCol
   ColumnBlock tau, v, force, rate;  // a block is computed before it is stored because `out` may be the memory of the input
   for (std::size_t begin = 0; begin < raw.accel[0].size(); begin += block_size) {
     const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
-    load_tau(model.accel, raw.accel_temperature, begin, n, tau);
-    load(model.accel, raw.accel, tau, begin, n, v);
+    load(model.accel, raw.accel, raw.accel_temperature, begin, n, v, tau);
     polynomial(model.accel, v, n, force);
     change(model.accel, tau, n, force);
-    load_tau(model.gyro, raw.gyro_temperature, begin, n, tau);
-    load(model.gyro, raw.gyro, tau, begin, n, v);
+    load(model.gyro, raw.gyro, raw.gyro_temperature, begin, n, v, tau);
     polynomial(model.gyro, v, n, rate);
     change(model.gyro, tau, n, rate);
     if (sensitive) add_product(model.g_sensitivity, force, n, rate);
