@@ -72,6 +72,8 @@ double coefficient_value(const SensorModel& model, CoefficientIndex index);  ///
 Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);  ///< one value per index
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value);                              ///< `value`: SI, raw unit of the model
 
+/// Returns the terms of a triad in file order.
+std::span<const Term> terms_of(Triad triad);
 /// Returns true for the thermal terms of a matrix.
 inline bool is_matrix_thermal(Term term) { return term == Term::matrix_thermal1 || term == Term::matrix_thermal2; }
 /// Returns true for terms that act by the temperature alone.

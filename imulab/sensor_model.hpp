@@ -61,6 +61,10 @@ struct TriadModel {
   Matrix3d matrix_factor(const Vector3d& tau) const {
     return Matrix3d::Identity() + tau.asDiagonal() * (matrix_thermal1 + tau.asDiagonal() * matrix_thermal2);
   }
+  bool all_finite() const {
+    return offset.allFinite() && matrix.allFinite() && quadratic.allFinite() && cubic.allFinite() && thermal.allFinite() &&
+           matrix_thermal1.allFinite() && matrix_thermal2.allFinite();
+  }
   void remove_temperature() { thermal.setZero(), matrix_thermal1.setZero(), matrix_thermal2.setZero(); }
 };
 

@@ -113,6 +113,7 @@ TEST(InspectAutopilots, TakesTheReadingsAndNotTheirAveragesOfAPx4Log) {
 TEST(InspectAutopilots, AsksWhereTwoTablesHaveSimilarRates) {
   const TemporaryFolder folder;
   const auto file = folder.write("log.ulg", px4_log(2000, 5));
+  EXPECT_THAT(imus_of(file), IsEmpty()) << "they are no two IMUs";
   try {
     inspected_file(file);
     FAIL() << "one of them was taken";

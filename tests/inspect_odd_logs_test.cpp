@@ -98,6 +98,8 @@ TEST(InspectOddLogs, AUnitThatIsNotKnownIsAskedAbout) {
   EXPECT_THAT(found.ambiguous(), IsEmpty());
   EXPECT_EQ(found.columns[0].role, "time");
   EXPECT_EQ(found.columns[7].unit, "raw") << "degrees Fahrenheit are no unit of a session";
+  text.replace(text.find("°F"), std::string("°F").size(), "C");
+  EXPECT_EQ(inspected_log(text).columns[7].unit, "degC");
 }
 
 TEST(InspectOddLogs, LostRowsDoNotHideTheTurns) {

@@ -44,40 +44,39 @@ void grade_option(Verb& verb, std::string& chosen) {
   verb.option("--grade GRADE", chosen, "grade of the IMU: its noise and the sizes of its errors").one_of(names).show_default();
 }
 
+/// A procedure by hand, with the options that all have.
+struct ByHand {
+  WarmUpOptions warm_up;  ///< of `handheld`: its `by_hand`
+  std::uint64_t seed = 1;
+  Output output;
+};
+
+void add_by_hand_options(Verb& verb, ByHand& a) {
+  verb.option("--rest SECONDS", a.warm_up.by_hand.rest, "duration of each rest, except the first").in_range(0.1, 86400).show_default();
+  grade_option(verb, a.warm_up.by_hand.grade);
+  verb.option("--seed", a.seed, "random seed of the attitudes").show_default();
+  add_output(verb, a.output);
+}
+
 void add_hand_held(Verb& verb) {
-  struct Arguments {
-    HandHeldOptions options;
-    std::uint64_t seed = 1;
-    Output output;
-  };
-  const auto a = std::make_shared<Arguments>();
-  Verb& hand_held = verb.verb("handheld", "By hand: rests at random attitudes, no rig");
-  hand_held.option("--poses", a->options.poses, "number of rests").show_default();
-  hand_held.option("--rest SECONDS", a->options.rest, "duration of each rest, except the first").in_range(0.1, 86400).show_default();
-  grade_option(hand_held, a->options.grade);
-  hand_held.option("--seed", a->seed, "random seed of the attitudes").show_default();
-  add_output(hand_held, a->output);
-  hand_held.example("imulab procedure handheld --poses 25 -o handheld.toml");
-  hand_held.does = [a] { write(a->output, hand_held_procedure(a->options, a->seed)); };
+  const auto a = std::make_shared<ByHand>();
+  a->warm_up.by_hand = HandHeldOptions();
+  Verb& own = verb.verb("handheld", "By hand: rests at random attitudes, no rig");
+  own.option("--poses", a->warm_up.by_hand.poses, "number of rests").show_default();
+  add_by_hand_options(own, *a);
+  own.example("imulab procedure handheld --poses 25 -o handheld.toml");
+  own.does = [a] { write(a->output, hand_held_procedure(a->warm_up.by_hand, a->seed)); };
 }
 
 void add_warm_up(Verb& verb) {
-  struct Arguments {
-    WarmUpOptions options;
-    std::uint64_t seed = 1;
-    Output output;
-  };
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<ByHand>();
   Verb& own = verb.verb("warm-up", "By hand, from the freezer: also how all follows the temperature");
-  own.option("--cold DEGC", a->options.from, "temperature at the begin").in_range(-100, 200).show_default();
-  own.option("--room DEGC", a->options.to, "temperature of the room").in_range(-100, 200).show_default();
-  own.option("--minutes MINUTES", a->options.minutes, "duration of the warm-up, to 95 % of the way").in_range(1, 600).show_default();
-  own.option("--rest SECONDS", a->options.by_hand.rest, "duration of each rest, except the first").in_range(0.1, 86400).show_default();
-  grade_option(own, a->options.by_hand.grade);
-  own.option("--seed", a->seed, "random seed of the attitudes").show_default();
-  add_output(own, a->output);
+  own.option("--cold DEGC", a->warm_up.from, "temperature at the begin").in_range(-100, 200).show_default();
+  own.option("--room DEGC", a->warm_up.to, "temperature of the room").in_range(-100, 200).show_default();
+  own.option("--minutes MINUTES", a->warm_up.minutes, "duration of the warm-up, to 95 % of the way").in_range(1, 600).show_default();
+  add_by_hand_options(own, *a);
   own.example("imulab procedure warm-up -o warm-up.toml");
-  own.does = [a] { write(a->output, warm_up_procedure(a->options, a->seed)); };
+  own.does = [a] { write(a->output, warm_up_procedure(a->warm_up, a->seed)); };
 }
 
 void add_on_table(Verb& verb, const TableProcedure& procedure) {

@@ -29,7 +29,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <utility>
 
 namespace imulab::command {
@@ -79,23 +78,21 @@ void expect_file_of_procedure(const std::string& name) {
 
 // imulab calibrate SESSION
 
-/// Calibrates and shows one IMU; `made` gets the calibration before its shortcomings are thrown.
-void calibrate_one(const CalibrateOptions& o, const std::vector<std::string>& paths, std::optional<Answer>* made, Calibration* calibration) {
-  CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
+/// Calibrates one IMU, and writes its files.
+AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTask task, const std::vector<std::string>& paths) {
   Session session = open_sessions(paths, {o.declarations, o.topics});
   expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(
       "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording)); });
   warn_each(data->warnings);
-  const auto answer = with_progress("calibrating", [&](const auto& report) {
+  auto answer = with_progress("calibrating", [&](const auto& report) {
     task.progress = report;
     return calibration_answer(data, o, task, true);
   });
   if (!o.output.empty()) write_whole(o.output, answer.json());
   if (!o.curves.empty()) write_whole(o.curves, curves_csv(*answer.data));
-  if (made != nullptr) *made = answer, *calibration = answer.data->calibration;
-  show(answer, o, "\n" + written_text(o.output) + "\n");
+  return answer;
 }
 
 /// "c-1.json" of c.json.
@@ -106,52 +103,51 @@ std::string numbered(const std::string& file, std::size_t n) {
 }
 
 /// Each IMU of one log: a calibration each, and one page.
-void calibrate_each(const CalibrateOptions& o, const std::string& log, const std::vector<std::vector<std::string>>& imus) {
+void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, const std::string& log,
+                    const std::vector<std::vector<std::string>>& imus) {
   if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected --topic", log, imus.size()));
+  note(fmt::format("{}: has {} IMUs; --topic takes one alone", log, imus.size()));
   std::vector<NamedCalibration> all;
-  std::vector<std::string> missing;
-  std::string unlike;
-  int code = 0;
+  std::vector<std::string> missing, unlike;
+  bool failed = false, short_of = false;
   for (std::size_t k = 0; k < imus.size(); ++k) {
     const std::string name = fmt::format("{}", fmt::join(imus[k], " and "));
     CalibrateOptions own = o;
     own.topics = imus[k], own.report.clear(), own.output = numbered(o.output, k), own.curves = numbered(o.curves, k);
-    for (const std::string& file : {own.output, own.curves})
-      if (!file.empty()) expect_free("--output", file), will_write("--output", file);
+    for (const auto& [option, file] : {std::pair{"--output", own.output}, {"--curves", own.curves}})
+      if (!file.empty()) expect_free(option, file), will_write(option, file);
     print(fmt::format("{}IMU {} of {}: {}\n\n", k == 0 ? "" : "\n", k, imus.size(), one_line(name)));
-    std::optional<Answer> made;
-    Calibration calibration;
+    bool good = false;
     try {
-      calibrate_one(own, {log}, &made, &calibration);
+      const auto answer = calibrated(own, task, {log});
+      good = is_favorable(answer.conclusion.verdict);
+      all.push_back({name, answer.data->calibration});
+      show(answer, own, "\n" + written_text(own.output) + "\n");
     } catch (const Unsupported& e) {
       complain(e.what());
-      code = std::max(code, 1);
+      short_of = true, good = false;
     } catch (const Error& e) {
       complain(e.what());
-      code = std::max(code, 2);
+      failed = true;
     }
-    if (made)
-      all.push_back({name, std::move(calibration)});
-    else
-      missing.push_back(name);
-    if (!made || !is_favorable(made->conclusion.verdict)) unlike += fmt::format("{}{}", unlike.empty() ? "" : ", ", name);
+    if (all.size() + missing.size() == k) missing.push_back(name);
+    if (!good) unlike.push_back(name);
   }
   if (!o.report.empty()) write_whole(o.report, imus_page(log, all, missing));
-  const std::string result =
-      unlike.empty() ? fmt::format("{} IMUs: all good", imus.size()) : fmt::format("{} IMUs; not good: {}", imus.size(), unlike);
-  print("\n" + text::wrapped("", result));
-  if (code == 1) throw Unsupported(fmt::format("not every IMU of {} has the calibration that was asked for", log));
-  if (code == 2) throw Error(fmt::format("not every IMU of {} could be calibrated", log));
+  print("\n" + text::wrapped("", unlike.empty() ? fmt::format("{} IMUs: all good", imus.size())
+                                                : fmt::format("{} IMUs; not good: {}", imus.size(), fmt::join(unlike, ", "))));
+  if (failed) throw Error(fmt::format("not every IMU of {} could be calibrated", log));
+  if (short_of) throw Unsupported(fmt::format("not every IMU of {} has the calibration that was asked for", log));
 }
 
 void run(const CalibrateOptions& o) {
-  task_of(o);
+  const CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
   std::vector<std::string> paths{o.session};
   paths.insert(paths.end(), o.more.begin(), o.more.end());
   paths = recordings_named(paths);
   if (paths.size() == 1 && o.topics.empty() && !declares_itself(paths.front()))
-    if (const auto imus = imus_of(paths.front()); !imus.empty()) return calibrate_each(o, paths.front(), imus);
-  calibrate_one(o, paths, nullptr, nullptr);
+    if (const auto imus = imus_of(paths.front()); !imus.empty()) return calibrate_each(o, task, paths.front(), imus);
+  show(calibrated(o, task, paths), o, "\n" + written_text(o.output) + "\n");
 }
 
 // imulab compare CALIBRATION CALIBRATION|TRUTH...

@@ -128,7 +128,7 @@ std::string compensate_text(const SensorModel& m, const Input& accel, const Inpu
 std::string range_text(const TriadModel& m) {
   if (!m.temperature) return "none read";
   const auto [low, high] = m.temperature->range;
-  const std::string range = low == 0 && high == 0 ? "range not stated" : fmt::format("{:g} to {:g}", low, high);
+  const std::string range = m.temperature->has_range() ? fmt::format("{:g} to {:g}", low, high) : "range not stated";
   return fmt::format("in {}, {}, reference {:g}", harmless(m.temperature->unit), range, m.temperature->reference);
 }
 
@@ -144,10 +144,8 @@ std::string outside_text(const TriadModel& m, const char* name) {
 
 std::string out_of_range_text(const SensorModel& m) {
   std::string text =
-      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses the nearest that it saw. "
-      "Where a "
-      "triad's\n"
-      " * calibration knows no range its temperatures are not read and may be 0 (null). */\n"
+      "/* 1 where a temperature lies outside what the calibration saw, or is no number, else 0: imulab_compensate uses the nearest that it saw.\n"
+      " * Where a triad's calibration knows no range its temperatures are not read and may be 0 (null). */\n"
       "static inline int imulab_out_of_range(const imulab_real accel_temperature[3], const imulab_real gyro_temperature[3]) {\n";
   const std::string accel = outside_text(m.accel, "accel"), gyro = outside_text(m.gyro, "gyro");
   text += accel.empty() ? "  (void)accel_temperature;\n" : accel;
@@ -157,9 +155,7 @@ std::string out_of_range_text(const SensorModel& m) {
 
 void expect_finite(const SensorModel& m) {
   for (const TriadModel* t : {&m.accel, &m.gyro})
-    if (!(t->offset.allFinite() && t->matrix.allFinite() && t->quadratic.allFinite() && t->cubic.allFinite() && t->thermal.allFinite() &&
-          t->matrix_thermal1.allFinite() && t->matrix_thermal2.allFinite()))
-      throw Error("the calibration has numbers that are not finite");
+    if (!t->all_finite()) throw Error("the calibration has numbers that are not finite");
   if (!m.g_sensitivity.allFinite()) throw Error("the calibration has numbers that are not finite");
 }
 

@@ -12,9 +12,7 @@ namespace imulab::export_io {
 namespace {
 
 ConsumerTriad consumer_triad(const TriadModel& m, const char* name) {
-  for (const bool finite : {m.offset.allFinite(), m.matrix.allFinite(), m.quadratic.allFinite(), m.cubic.allFinite(), m.thermal.allFinite(),
-                            m.matrix_thermal1.allFinite(), m.matrix_thermal2.allFinite()})
-    if (!finite) throw Error(std::string(name) + ": numbers that are not finite; expected a complete calibration");
+  if (!m.all_finite()) throw Error(std::string(name) + ": numbers that are not finite; expected a complete calibration");
   const auto inverse = regular_inverse(m.matrix);
   if (!inverse) throw Error(std::string(name) + ".matrix: is singular; expected a matrix with an inverse");
   ConsumerTriad triad{m.matrix, *inverse, {}};

@@ -195,7 +195,7 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
     const auto [low, high] = std::minmax_element(signal.values.begin(), signal.values.end());
     if (!std::isfinite(*low) || !std::isfinite(*high) || *low == *high) continue;
     const NameHint hint = hint_of(signal.name);
-    const bool other_unit = !hint.unknown.empty() || signal.name.ends_with("_F");
+    const bool celsius = hint.unknown == "C" || hint.unknown == "℃", other_unit = (!hint.unknown.empty() && !celsius) || signal.name.ends_with("_F");
     const std::string stated = !signal.unit.empty() ? signal.unit : other_unit ? "raw" : hint.unit;
     const std::string unit = stated == "degC" || stated == "K" || stated == "raw" ? stated
                              : *low > -60 && *high < 150                          ? "degC"

@@ -15,14 +15,10 @@ namespace imulab {
 
 namespace {
 
-constexpr std::array common_terms{Term::offset,  Term::matrix,          Term::quadratic,      Term::cubic,
-                                  Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2};
-
-std::vector<Term> terms_of(Triad triad) {
-  std::vector<Term> terms(common_terms.begin(), common_terms.end());
-  terms.push_back(triad == Triad::accel ? Term::lever_arm : Term::g_sensitivity);
-  return terms;
+constexpr std::array<Term, 8> terms_with(Term last) {
+  return {Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2, last};
 }
+constexpr std::array<Term, 8> accel_terms = terms_with(Term::lever_arm), gyro_terms = terms_with(Term::g_sensitivity);
 
 /// Returns the columns of a term in one row: {first, past the last}.
 std::array<int, 2> columns_of(Term term, int row) {
@@ -241,6 +237,8 @@ Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<C
 }
 
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value) { element(model, coefficient(index)) = value; }
+
+std::span<const Term> terms_of(Triad triad) { return triad == Triad::accel ? accel_terms : gyro_terms; }
 
 bool is_scale(const Coefficient& c) { return c.term == Term::matrix && c.row == c.column; }
 

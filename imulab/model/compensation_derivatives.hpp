@@ -15,7 +15,7 @@ namespace imulab {
 /// Returns true if this thermal reading, in its unit, is in the calibrated range. A range of [0, 0] means none was given and contains every reading.
 inline bool in_range(const ThermalReading& calibrated, double reading) {
   const auto [low, high] = calibrated.range;
-  return (low == 0 && high == 0) || (reading >= low && reading <= high);
+  return !calibrated.has_range() || (reading >= low && reading <= high);
 }
 
 // The size effect: accelerometers away from the body's origin measure the acceleration of their own positions when the body turns.

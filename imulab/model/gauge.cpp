@@ -31,10 +31,16 @@ SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, 
   return model;
 }
 
+TriadModel with_factor(TriadModel m, const Matrix3d& factor) {
+  m.offset = factor * m.offset, m.matrix = factor * m.matrix;
+  m.quadratic = factor.diagonal().cwiseProduct(m.quadratic), m.cubic = factor.diagonal().cwiseProduct(m.cubic);
+  return m;
+}
+
 namespace {
 
 /// Uses the thermal terms with tau = tau' + by: their constant part moves to the polynomial. Of S P with S = I + M1 tau + M2 tau^2, that is the value
-/// of S at the new reference; the small products of its elements beside the diagonal with nonlinear terms are left out.
+/// of S at the new reference.
 TriadModel with_reference(TriadModel m, double reference) {
   if (!m.temperature) return m;
   const double by = reference - m.temperature->reference;
@@ -44,8 +50,7 @@ TriadModel with_reference(TriadModel m, double reference) {
   m.thermal.col(2) += 3 * by * m.thermal.col(3);
   m.temperature->reference = reference;
   if (m.matrix_varies()) {
-    m.offset = factor * m.offset, m.matrix = factor * m.matrix;
-    m.quadratic = factor.diagonal().cwiseProduct(m.quadratic), m.cubic = factor.diagonal().cwiseProduct(m.cubic);
+    m = with_factor(m, factor);
     m.matrix_thermal1 = (m.matrix_thermal1 + 2 * by * m.matrix_thermal2) * factor.inverse();
     m.matrix_thermal2 = m.matrix_thermal2 * factor.inverse();
   }

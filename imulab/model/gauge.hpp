@@ -21,6 +21,10 @@ Eigen::MatrixXd covariance_after(const ModelChange& linear_change, const std::ve
 TriadModel of_shifted_readings(TriadModel model, const Vector3d& shift);
 SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, const Vector3d& gyro_shift);
 
+/// Returns the model with `factor` times the output at the reference temperature. Products of its elements beside the diagonal with nonlinear terms,
+/// which are small, are left out.
+TriadModel with_factor(TriadModel model, const Matrix3d& factor);
+
 /// Returns an equivalent model with other reference temperatures, in units of the thermal readings, unchanged for a triad without any.
 SensorModel with_references(const SensorModel& model, double accel_reference, double gyro_reference);
 /// Converts a calibration likewise, with its covariance.

@@ -101,11 +101,9 @@ bool has_estimated(const Calibration& c, Term term, Triad triad) {
 std::string model_equation(const Calibration& c) {
   std::string fixed;
   for (const Triad triad : {Triad::accel, Triad::gyro})
-    for (const Term term :
-         {Term::quadratic, Term::cubic, Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2, Term::g_sensitivity, Term::lever_arm}) {
-      const bool belongs = term == Term::g_sensitivity ? triad == Triad::gyro : term == Term::lever_arm ? triad == Triad::accel : true;
-      if (belongs && !has_estimated(c, term, triad)) fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
-    }
+    for (const Term term : terms_of(triad))
+      if (is_optional(term) && !has_estimated(c, term, triad))
+        fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
   std::string reference;
   for (const auto& [triad, name] : {std::pair{&c.model.accel, "accelerometers"}, {&c.model.gyro, "gyros"}})
     if (triad->temperature)

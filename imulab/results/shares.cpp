@@ -108,6 +108,7 @@ std::array<std::string, 2> column_head(const std::string& source) {
                                                          {"scale_drift", "sc.d."},
                                                          {"scale_force", "sc.f."},
                                                          {"scale_temperature", "sc./K"},
+                                                         {"matrix_thermal", "m./K"},
                                                          {"terms", "term"},
                                                          {"thermometer", "ther."},
                                                          {"timing", "time"},

@@ -76,10 +76,17 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
 
 Session warm_up_procedure(const WarmUpOptions& options, std::uint64_t seed) {
   HandHeldOptions by_hand = options.by_hand;
-  if (!(std::isfinite(options.from) && std::isfinite(options.to))) throw Error("warm-up: expected temperatures that are finite numbers");
+  constexpr double least_K = 10;  // from which thermal terms are estimated
+  if (!(std::abs(options.to - options.from) >= least_K && std::isfinite(options.to - options.from)))
+    throw Error(fmt::format("warm-up: {:g} to {:g} degC; expected a change of {:g} K or more", options.from, options.to, least_K));
   if (!(options.minutes > 0)) throw Error(fmt::format("warm-up: {:g} minutes; expected more than 0", options.minutes));
   const double seconds = 60 * options.minutes, pause = by_hand.rest + by_hand.move;
-  by_hand.poses = 1 + static_cast<int>(std::min(1e6, std::max(0.0, std::floor((seconds - by_hand.first_rest) / pause))));
+  const double more = std::floor((seconds - by_hand.first_rest) / pause);
+  constexpr int least_poses = 9;  // a triad's offset and matrix
+  if (!(more + 1 >= least_poses))
+    throw Error(
+        fmt::format("warm-up: {:g} minutes have room for less than {} rests; expected more minutes, or shorter rests", options.minutes, least_poses));
+  by_hand.poses = 1 + static_cast<int>(std::min(1e6, more));
   Session session = hand_held_procedure(by_hand, seed);
   session.imu.name = "warm-up";
   RecordingSource& source = session.recordings.front();

@@ -119,7 +119,8 @@ def test_figures_count_from_the_first_sample():
 def test_coefficients_as_arrays(calibration):
     for triad, own in (("gyro", calibration.gyro), ("accel", calibration.accel)):
         assert own.offset.shape == own.quadratic.shape == own.cubic.shape == (3,)
-        assert own.matrix.shape == (3, 3) and own.thermal.shape == (3, 2)
+        assert own.matrix.shape == (3, 3) and own.thermal.shape == (3, 3)
+        assert own.matrix_thermal1.shape == own.matrix_thermal2.shape == (3, 3)
         assert own.matrix[0, 1] == calibration[f"{triad}.matrix.xy"] == calibration.values[f"{triad}.matrix.xy"]
         assert own.offset[2] == calibration[f"{triad}.offset.z"]
         assert own.sigma.offset[1] == calibration.sigma[f"{triad}.offset.y"]

@@ -123,21 +123,30 @@ int RecordedStates::recording_of(std::size_t sample) const {
   return static_cast<int>(std::upper_bound(starts.begin(), starts.end(), sample) - starts.begin());
 }
 
-double RecordedStates::warming_at(std::size_t sample) const {
+void RecordedStates::set_warming(std::size_t sample, EffectState& state) const {
   const Blocks& own = blocks_[static_cast<std::size_t>(recording_of(sample))];
-  if (own.size < 2) return thermometer_->warming(sample);
+  state.warming = thermometer_->warming(sample), state.warming_rate = 0;
+  if (own.size < 3) return;
+  const double* const means = &warming_[own.first];
   const double place = static_cast<double>(sample - own.first_sample) / static_cast<double>(block_) - 0.5;
   const double inside = std::clamp(place, 0.0, static_cast<double>(own.size - 1));
   const std::size_t before = std::min(static_cast<std::size_t>(inside), own.size - 2);
-  return std::lerp(warming_[own.first + before], warming_[own.first + before + 1], inside - static_cast<double>(before));
+  state.warming = std::lerp(means[before], means[before + 1], inside - static_cast<double>(before));
+  const std::size_t middle = std::clamp<std::size_t>((sample - own.first_sample) / block_, 1, own.size - 2);
+  state.warming_rate = (means[middle + 1] - means[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
 }
 
 EffectState RecordedStates::over(const Range& range) const {
   constexpr std::size_t places = 16;
   EffectState state = at(range.begin + range.size() / 2);
   if (!sweep_) return state;
-  state.warming = 0;
-  for (std::size_t k = 0; k < places; ++k) *state.warming += warming_at(range.begin + (2 * k + 1) * range.size() / (2 * places)) / places;
+  EffectState there;
+  double warming = 0, rate = 0;
+  for (std::size_t k = 0; k < places; ++k) {
+    set_warming(range.begin + (2 * k + 1) * range.size() / (2 * places), there);
+    warming += *there.warming / places, rate += there.warming_rate / places;
+  }
+  state.warming = warming, state.warming_rate = rate;
   return state;
 }
 
@@ -149,12 +158,10 @@ EffectState RecordedStates::at(std::size_t sample) const {
   const double begin = recording_->time_s(after == starts.begin() ? 0 : *(after - 1));
   const double end = recording_->time_s((after == starts.end() ? recording_->size() : *after) - 1);
   state.time = (recording_->time_s(sample) - begin) / std::max(end - begin, 1e-9) - 0.5;
-  if (thermometer_) state.warming = sweep_ ? warming_at(sample) : thermometer_->warming(sample);
-  if (!sweep_) return state;
-  if (const Blocks& own = blocks_[static_cast<std::size_t>(state.recording)]; own.size > 2) {  // the slope between the means of the neighbors
-    const std::size_t middle = own.first + std::clamp<std::size_t>((sample - own.first_sample) / block_, 1, own.size - 2);
-    state.warming_rate = (warming_[middle + 1] - warming_[middle - 1]) / (2 * static_cast<double>(block_) * recording_->interval_s);
-  }
+  if (sweep_)
+    set_warming(sample, state);
+  else if (thermometer_)
+    state.warming = thermometer_->warming(sample);
   return state;
 }
 

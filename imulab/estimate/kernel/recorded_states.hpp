@@ -29,7 +29,7 @@ class RecordedStates {
 
   /// Returns the state of a sample without force and rate.
   EffectState at(std::size_t sample) const;
-  /// Returns the state in the middle of a range, in a sweep with the mean temperature over it.
+  /// Returns the state in the middle of a range, in a sweep with the mean temperature and rate over it.
   EffectState over(const Range& range) const;
   int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
   bool thermometer() const { return thermometer_.has_value(); }
@@ -42,8 +42,8 @@ class RecordedStates {
   struct Blocks {
     std::size_t first_sample, first, size;
   };
-  /// Returns the temperature of a sample in a sweep, between the means of the blocks around it.
-  double warming_at(std::size_t sample) const;
+  /// Sets the temperature of a sample in a sweep, between the means of the blocks around it, and its rate, the slope between their neighbors.
+  void set_warming(std::size_t sample, EffectState& state) const;
 
   const Recording* recording_;
   EffectState common_;

@@ -127,21 +127,19 @@ JsonFields uncertainties_json(const Calibration& calibration) {
   JsonFields out;
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     JsonFields terms;
-    for (const Term term : {Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::matrix_thermal1, Term::matrix_thermal2,
-                            Term::lever_arm, Term::g_sensitivity}) {
+    for (const Term term : terms_of(triad)) {
       std::array<std::vector<std::optional<double>>, 3> rows;
       rows.fill(std::vector<std::optional<double>>(term == Term::thermal ? 4 : 3));
       std::array<std::optional<double>, 3> diagonal;
-      bool any = false, known = !is_matrix_thermal(term);
+      bool shown = !is_matrix_thermal(term);
       for (const CoefficientIndex i : coefficient_indices()) {
         const Coefficient& c = coefficient(i);
         if (c.triad != triad || c.term != term) continue;
-        any = true;
         const auto row = static_cast<std::size_t>(c.row), column = static_cast<std::size_t>(c.column);
         rows[row][column] = diagonal[row] = standard_uncertainty(calibration, i);
-        known = known || diagonal[row];
+        shown = shown || diagonal[row];
       }
-      if (any && known) terms.fields.emplace_back(to_string(term), is_vector(term) ? JsonValue(diagonal) : JsonValue(rows));
+      if (shown) terms.fields.emplace_back(to_string(term), is_vector(term) ? JsonValue(diagonal) : JsonValue(rows));
     }
     out.fields.emplace_back(to_string(triad), std::move(terms));
   }

@@ -62,9 +62,7 @@ const ImportFormat& format_of(const Source& s) {
 }
 
 void check_triad(const Source& s, const TriadModel& m, const char* name) {
-  if (!m.matrix.allFinite() || !m.offset.allFinite() || !m.thermal.allFinite() || !m.matrix_thermal1.allFinite() || !m.matrix_thermal2.allFinite() ||
-      !m.quadratic.allFinite())
-    fail_at(s, 0, fmt::format("the {}' numbers are too large; expected finite ones", name));
+  if (!m.all_finite()) fail_at(s, 0, fmt::format("the {}' numbers are too large; expected finite ones", name));
   inverse_at(s, 0, fmt::format("the {}' matrix", name), m.matrix);
 }
 

@@ -211,6 +211,7 @@ std::vector<std::vector<std::string>> all_imus(const RecordingFormat& format, co
   constexpr std::size_t most_read = 16, most_times = 2;  // rows: of a table that joins one gyro and one accelerometer, over those of each
   struct Unit {
     std::vector<std::string> tables;
+    const TableDescription* first;
     std::size_t rows;
   };
   std::vector<Unit> whole, halves;
@@ -218,19 +219,25 @@ std::vector<std::vector<std::string>> all_imus(const RecordingFormat& format, co
   for (const TableDescription& table : tables) {
     if (is_reference(table) || rank_of(table) == 0) continue;
     const bool gyro = has_triad(table, Role::gyro, true), accel = has_triad(table, Role::accel, true);
-    if (gyro && accel) whole.push_back({{table.name}, table.rows});
+    if (gyro && accel) whole.push_back({{table.name}, &table, table.rows});
     if (gyro != accel) (gyro ? gyros : accels).push_back(&table);
   }
   for (const TableDescription* gyro : gyros)
     for (const TableDescription* accel : accels)
-      if (without_sensor(*gyro) == without_sensor(*accel)) halves.push_back({{gyro->name, accel->name}, std::min(gyro->rows, accel->rows)});
+      if (without_sensor(*gyro) == without_sensor(*accel)) halves.push_back({{gyro->name, accel->name}, gyro, std::min(gyro->rows, accel->rows)});
   const auto most_rows = [](const std::vector<Unit>& units) { return units.empty() ? 0 : std::ranges::max_element(units, {}, &Unit::rows)->rows; };
   std::vector<Unit>& units = halves.size() > 1 && most_times * most_rows(halves) >= most_rows(whole) ? halves : whole;
-  std::erase_if(units, [most = most_rows(units)](const Unit& unit) { return unit.rows <= most / far_more; });
+  if (units.empty()) return {};
+  // Beside its IMUs a log may have a table of their health, or of averages, with other columns.
+  const Unit most = *std::ranges::max_element(units, {}, &Unit::rows);
+  std::erase_if(units, [&](const Unit& unit) {
+    return unit.rows <= most.rows / far_more ||
+           !std::ranges::equal(unit.first->columns, most.first->columns, {}, &ColumnDescription::name, &ColumnDescription::name);
+  });
   if (units.size() < 2 || units.size() > most_read) return {};
   std::vector<std::vector<std::string>> out;
   for (const Unit& unit : units) {
-    const Readable read = readings_in(format, request, find_table(tables, unit.tables.front(), request.file.string()));
+    const Readable read = readings_in(format, request, *unit.first);
     if (read.gyro && (read.accel || unit.tables.size() > 1)) out.push_back(unit.tables);
   }
   return out.size() > 1 ? out : std::vector<std::vector<std::string>>{};

@@ -19,8 +19,8 @@ struct ImuTables {
 /// where the caller has to choose.
 ImuTables imu_tables(const RecordingFormat& format, const TableRequest& request, const std::vector<TableDescription>& tables);
 
-/// The tables of each IMU, as `names` above, of a file that has several at comparable rates; else nothing. Two tables of one sensor each belong
-/// together where their names differ in the sensor alone: "sensor_gyro.1", "sensor_accel.1".
+/// The tables of each IMU, as `names` above, of a file that has several of one kind at comparable rates; else nothing. Two tables of one sensor each
+/// belong together where their names differ in the sensor alone: "sensor_gyro.1", "sensor_accel.1".
 std::vector<std::vector<std::string>> all_imus(const RecordingFormat& format, const TableRequest& request,
                                                const std::vector<TableDescription>& tables);
 

@@ -8,6 +8,7 @@
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/grade.hpp"
+#include "imulab/model/gauge.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 #include "imulab/navigation/budget/run_statistics.hpp"
@@ -114,9 +115,7 @@ Columns compensated(const Plan& plan, const Columns& truth, const std::string& r
   const ErrorSources& s = plan.sources;
   const auto at = [](TriadModel m, const Vector3d& tau) {
     const Vector3d drift = m.drift(tau);
-    const Matrix3d factor = m.matrix_factor(tau);
-    m.offset = factor * m.offset, m.matrix = factor * m.matrix;
-    m.quadratic = factor.diagonal().cwiseProduct(m.quadratic), m.cubic = factor.diagonal().cwiseProduct(m.cubic);
+    m = with_factor(m, m.matrix_factor(tau));
     m.remove_temperature();
     m.thermal.col(0) = drift;
     return m;
