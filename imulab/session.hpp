@@ -161,6 +161,7 @@ struct RecordingSource {
   std::string file = {};
   std::string topic = {};   ///< table in a file with several: topic of a bag, message of a log; empty: the only one
   std::string layout = {};  ///< layout of binary rows: "f8 f4x6"; empty: the file describes itself
+  std::string imu = {};     ///< name of the IMU; empty with one IMU
   std::string rig = {};     ///< name of the rig; empty with one rig
   std::optional<double> rate_hz = {};
   Extent extent = Extent::all;

@@ -251,7 +251,7 @@ void declare(Verb& command) {
   add_help(command);
   for (Verb& verb : command.verbs) verb.group = "start here";
   for (const Group& group :
-       {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_noise, add_compare, add_verify, add_report, add_fleet}},
+       {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_extrinsics, add_noise, add_compare, add_verify, add_report, add_fleet}},
         Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan, add_join}},
         Group{"use a calibration", {add_compensate, add_export, add_import}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {

@@ -62,6 +62,7 @@ void add_calibrate(Verb& app);
 void add_compensate(Verb& app);
 void add_compare(Verb& app);
 void add_verify(Verb& app);
+void add_extrinsics(Verb& app);
 void add_predict(Verb& app);
 void add_plan(Verb& app);
 void add_live(Verb& app);

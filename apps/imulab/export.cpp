@@ -6,10 +6,12 @@
 #include "apps/imulab/sessions.hpp"
 #include "imulab/error.hpp"
 #include "imulab/exchange.hpp"
+#include "imulab/export/extrinsics.hpp"
 #include "imulab/files.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/results/summary.hpp"
 #include "imulab/tasks/navigate.hpp"
 
 #include <fmt/format.h>
@@ -121,8 +123,23 @@ UsableCalibration calibration_of(const ExportVerbOptions& o) {
   return {no_calibration(), {}};
 }
 
+/// The text of extrinsics.json, which has targets of its own; none for a calibration.
+std::optional<std::string> extrinsics_text_of(const ExportVerbOptions& o) {
+  constexpr std::size_t in_head = 200;
+  if (o.calibration == "none" || is_stream(o.calibration)) return std::nullopt;
+  const MappedFile file(o.calibration, Content::settings);
+  if (file.text().substr(0, in_head).find("\"imulab.extrinsics/") == std::string_view::npos) return std::nullopt;
+  return exported_extrinsics(std::get<Extrinsics>(parse_result(file.text(), o.calibration)), o.target);
+}
+
 void run(const ExportVerbOptions& o) {
   expect_options_of_target(o);
+  if (const auto text = extrinsics_text_of(o)) {
+    will_write("-o", o.output);
+    write_whole(o.output, *text);
+    if (o.json) print_json({{{"target", o.target}, {"file", o.output}}}, {Verdict::none, "written: " + o.output});
+    return;
+  }
   if (!o.is_of_all()) will_write("-o", o.output);
   const auto [calibration, warnings] = calibration_of(o);
   std::optional<ImuNoise> noise;

@@ -15,6 +15,7 @@
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/certificate.hpp"
 #include "imulab/report/comparison_page.hpp"
+#include "imulab/report/extrinsics_page.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/noise_page.hpp"
 #include "imulab/report/prediction_page.hpp"
@@ -157,6 +158,7 @@ std::string page_of(SavedAnswer saved, const Options& o) {
         if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result), saved);
         if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result), saved);
         if constexpr (std::is_same_v<Result, AidedSummary>) return aided_page(result.session, result.navigation, conclusion, saved.warnings);
+        if constexpr (std::is_same_v<Result, Extrinsics>) return extrinsics_page(result, conclusion);
         if constexpr (std::is_same_v<Result, CompensationSummary>) return saved_compensation(result);
         if constexpr (std::is_same_v<Result, NoiseAnalysis> || std::is_same_v<Result, NoiseBatch>) return noise_page(result, conclusion);
       },
@@ -191,7 +193,7 @@ void add_report(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
-              "calibration.json, noise.json, or the --json output of compare, predict, plan, navigate, budget or compensate; - for standard input")
+              "calibration.json, noise.json, extrinsics.json, or the --json output of compare, predict, plan, navigate, budget or compensate; - for standard input")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();

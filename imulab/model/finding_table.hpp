@@ -263,6 +263,13 @@ inline constexpr auto finding_table = [] {
       {turn_missed, "turn-missed", doubt,
        "{}from {:.1f} to {:.1f} s the calibrated gyros miss gravity's turn by {:.3g} deg, where {:.2g} deg is their uncertainty"},
 
+      {motion_part, "motion-part", note, "the {:.0f} s with most motion were used, of {:.0f} s"},
+      {imu_not_calibrated, "imu-not-calibrated", note, "{}: scales and misalignments of {}, since no calibration was given"},
+      {rates_unlike, "rates-unlike", doubt, "{} and {} turn differently, by {:.0f} % of their rates: not on one rigid body, or not at one time"},
+      {clock_ambiguous, "clock-ambiguous", doubt, "the clocks of {} and {} agree at two offsets, {:.3f} s and {:.3f} s"},
+      {mounting_not_shown, "mounting-not-shown", warning, "{}: the motion does not show the {}", "turn the body quickly about another axis"},
+      {accels_late, "accels-late", warning, "{}: the accelerometers are {:.2g} ms later against its gyros than those of {}, u = {:.2g} ms"},
+
       {evidence, "evidence", note, "{}"},
       {axes_found, "axes-found", note, "axes: {}"},
       {up_at_first_rest, "up-at-first-rest", note, "up at the first rest: about {} (if it was the other side: --set accel.axes=-x,-y,-z)"},

@@ -292,6 +292,7 @@ template <class Fields>
 void transfer(Fields& f, RecordingSource& recording) {
   f.text("file", recording.file);
   transfer_name(f, "topic", recording.topic);
+  transfer_name(f, "imu", recording.imu);
   transfer_name(f, "layout", recording.layout);
   transfer_name(f, "rig", recording.rig);
   f.number("rate_hz", recording.rate_hz, sampling_rate());

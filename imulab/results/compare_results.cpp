@@ -171,10 +171,10 @@ std::string note_of(const SavedResult& result) {
 }  // namespace
 
 std::string kind_name(const SavedResult& result) {
-  static constexpr std::array<const char*, 11> names{
+  static constexpr std::array<const char*, 12> names{
       "calibration",          "comparison", "prediction",   "plan",           "navigation",
       "navigation with aids", "budget",     "compensation", "noise analysis", "noise analysis of several logs",
-      "comparison of results"};
+      "comparison of results", "set of extrinsics"};
   return names.at(result.index());
 }
 

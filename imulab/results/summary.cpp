@@ -10,6 +10,7 @@
 #include "imulab/results/compare_results.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/conclusion.hpp"
+#include "imulab/results/extrinsics.hpp"
 #include "imulab/results/over_time.hpp"
 #include "imulab/results/result_fields.hpp"
 
@@ -103,7 +104,7 @@ PredictionSummary summary_of(const Prediction& p) {
 namespace {
 
 constexpr const char* expected_result =
-    "calibration.json, noise.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
+    "calibration.json, noise.json, extrinsics.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
 
 ComparisonSummary comparison_of(const Field& root) {
   std::vector<NamedComparison> all(1);
@@ -185,6 +186,7 @@ constexpr std::array result_formats{
     ResultFormat{"imulab.aided/1", result_of<result_io::aided_of>},
     ResultFormat{"imulab.compensation/1", result_of<result_io::compensation_of>},
     ResultFormat{"imulab.result-comparison/1", result_of<result_comparison_of>},
+    ResultFormat{"imulab.extrinsics/1", result_of<result_io::extrinsics_of>},
 };
 
 SavedResult read_result(const Field& root, std::string_view text, const std::string& file) {

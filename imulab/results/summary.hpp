@@ -3,6 +3,7 @@
 
 #include "imulab/calibration.hpp"
 #include "imulab/compare.hpp"
+#include "imulab/extrinsics.hpp"
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/noise.hpp"
@@ -88,7 +89,7 @@ struct BudgetSummary {
 using NavigationSummary = std::vector<NavigatedSession>;
 
 using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, AidedSummary, BudgetSummary,
-                                 CompensationSummary, NoiseAnalysis, NoiseBatch, ResultComparison>;
+                                 CompensationSummary, NoiseAnalysis, NoiseBatch, ResultComparison, Extrinsics>;
 
 struct SavedAnswer {
   SavedResult result;

@@ -3,6 +3,7 @@
 #include "imulab/error.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/c_header_parts.hpp"
+#include "imulab/export/extrinsics.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -98,9 +99,12 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
     names.emplace_back(target.name);
     help.push_back(fmt::format("{}: {}", target.name, target.summary));
   }
+  for (const ExtrinsicsTarget& target : extrinsics_targets())
+    if (std::find(names.begin(), names.end(), target.name) == names.end()) names.emplace_back(target.name);
+  help.emplace_back("of extrinsics.json kalibr, openvins, ros, urdf and csv");
   names.emplace_back("all");
   help.push_back("all: each of them, into the folder of -o");
-  verb.option("CALIBRATION", o.calibration, "calibration.json; none: export --noise alone").required().reads();
+  verb.option("CALIBRATION", o.calibration, "calibration.json, or extrinsics.json; none: export --noise alone").required().reads();
   verb.option("--to TARGET", o.target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names).called("target");
   verb.option("-o,--output FILE", o.output, "the file to write; - for standard output; with --to all a folder").show_default().of_command();
   const auto belongs_to = [&](const VerbOption& option, const auto& takes) {

@@ -1,0 +1,34 @@
+// The readings of an IMU of a body, on its own clock.
+#pragma once
+
+#include "imulab/eigen.hpp"
+#include "imulab/extrinsics.hpp"
+
+#include <vector>
+
+namespace imulab::extrinsics {
+
+/// A mean over an interval.
+struct Sample {
+  double begin = 0, end = 0;  ///< s
+  Vector3d rate, force;
+};
+
+struct Stream {
+  std::vector<Sample> samples;
+  double interval = 0;  ///< s, median
+};
+
+/// Compensates the readings, and takes means over 4 ms of those that come faster. Times count from `origin_ns` on the IMU's clock. Samples at a limit
+/// and across gaps are left out.
+Stream stream_of(const BodyImu& imu, std::int64_t origin_ns);
+
+struct Span {
+  double begin = 0, end = 0;  ///< s
+  double length() const { return end - begin; }
+};
+
+/// The spans of at most `most` seconds in all that have most motion, in order.
+std::vector<Span> spans_with_motion(const Stream& stream, const Span& whole, double most);
+
+}  // namespace imulab::extrinsics

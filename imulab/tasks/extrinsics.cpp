@@ -1,0 +1,71 @@
+#include "imulab/tasks/extrinsics.hpp"
+
+#include "imulab/core/text.hpp"
+#include "imulab/files.hpp"
+#include "imulab/report/extrinsics_page.hpp"
+#include "imulab/results/extrinsics.hpp"
+#include "imulab/tasks/usable.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+namespace imulab {
+
+Verb& declare(Verb& command, ExtrinsicsOptions& o) {
+  Verb& verb = command.verb("extrinsics", "Find rotation, lever arm and clock offset between the IMUs of one body");
+  verb.option("RECORDING", o.recordings, "a log with several IMUs, a log each, or a session with a recording each; all of one motion")
+      .takes_several(1)
+      .required()
+      .reads();
+  verb.option("--calibration FILE", o.calibrations, "a calibration an IMU, in their order; none: as its grade (repeat)").repeats().reads();
+  verb.option("--grade NAME", o.grade, "grade of the IMUs without a calibration (default: the session's, else mems)");
+  verb.option("--set KEY=VALUE", o.declarations, "what a recording does not say, as inspect asks for it (repeat)").repeats();
+  verb.option("-o,--output FILE", o.output, "extrinsics.json to write; - for standard output").writes();
+  report_option(verb, o.report);
+  json_option(verb, o.json);
+  verb.option("-v,--verbose", o.verbose, "also print residuals, notes and why a recording is read as it is").of_command();
+  verb.example("imulab extrinsics a.csv b.csv -o extrinsics.json");
+  verb.example("imulab extrinsics flight.ulg --calibration a.json --calibration b.json --calibration none");
+  return verb;
+}
+
+BodyImu body_imu(const Session& session, const RecordingSource& source, std::string name, const ExtrinsicsOptions& o, const Tell& tell) {
+  RecordingReading reading = read_recording(session, source);
+  for (const std::string& warning : reading.warnings) tell(name + ": " + warning);
+  BodyImu imu{.name = std::move(name), .recording = std::move(reading.recording)};
+  imu.grade = o.grade.value_or(session.imu.grade.value_or("mems"));
+  if (source.time.unit != "tick" && source.time.unit != "sample") imu.clock_zero_ns = source.time.zero;
+  return imu;
+}
+
+void take_calibrations(std::vector<BodyImu>& imus, const ExtrinsicsOptions& o) {
+  if (o.calibrations.empty()) return;
+  if (o.calibrations.size() != imus.size())
+    throw OptionError("calibration", fmt::format("given {} times; expected one for each of {} IMUs, in the order of {}; none: without one",
+                                                 o.calibrations.size(), imus.size(), [&] {
+                                                   std::vector<std::string> names;
+                                                   for (const BodyImu& imu : imus) names.push_back(imu.name);
+                                                   return fmt::format("{}", fmt::join(names, ", "));
+                                                 }()));
+  for (std::size_t k = 0; k < imus.size(); ++k)
+    if (o.calibrations[k] != "none") imus[k].calibration = read_calibration(o.calibrations[k]);
+}
+
+AnswerOf<Extrinsics> extrinsics_answer(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress) {
+  const auto found = std::make_shared<const Extrinsics>(estimate_extrinsics(imus, progress));
+  std::vector<std::string> missing;
+  for (const Mounting& m : found->from_first)
+    if (!m.not_shown.empty()) missing.push_back(fmt::format("{}: {}", m.to, fmt::join(m.not_shown, ", ")));
+  const Conclusion conclusion = conclusion_of(*found);
+  return {{.json = [found] { return extrinsics_json(*found); },
+           .table = [found](bool details) { return extrinsics_text(*found, details); },
+           .page = [found, conclusion] { return extrinsics_page(*found, conclusion); },
+           .warnings = found->findings.warnings(),
+           .shortcomings = missing.empty() ? "" : fmt::format("not shown by this motion: {}", fmt::join(missing, "; ")),
+           .conclusion = conclusion},
+          found};
+}
+
+}  // namespace imulab

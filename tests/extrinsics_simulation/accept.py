@@ -1,0 +1,128 @@
+"""Extrinsics of simulated bodies against the truth: ./dev accept extrinsics [--bodies N] [--seed N]
+
+Bodies of 2 to 6 IMUs, clean, must have uncertainties that hold; bodies with a fault must not be falsely sure."""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import simulate as s
+
+parser = argparse.ArgumentParser()
+parser.add_argument("imulab", type=lambda name: pathlib.Path(name).resolve())
+parser.add_argument("--bodies", type=int, default=40)
+parser.add_argument("--seed", type=int, default=1)
+options = parser.parse_args()
+
+
+def vector(c):
+    """Rotation vector of a small rotation."""
+    return np.array([c[2, 1] - c[1, 2], c[0, 2] - c[2, 0], c[1, 0] - c[0, 1]]) / 2
+
+
+def found(folder, names, rates, grade):
+    s.session(folder / "session.toml", list(zip(names, rates)), grade)
+    result = subprocess.run([options.imulab, "extrinsics", folder, "-o", folder / "e.json"], capture_output=True, text=True)
+    file = folder / "e.json"
+    return (json.loads(file.read_text()) if file.exists() else None), result
+
+
+def errors(answer, imus, seconds):
+    """Of each mounting: error over its standard uncertainty, of 9 numbers."""
+    rows = []
+    for mounting, imu in zip(answer["mountings"], imus[1:]):
+        u = mounting["standard_uncertainty"]
+        turn = vector(np.array(mounting["rotation"]) @ imu.rotation.T) / s.DEG
+        epoch = answer["epoch_s"] + answer.get("first_s", 0)
+        offset = mounting["clock_offset_s"] - imu.offset - imu.drift * (epoch - seconds / 2)
+        rows.append(np.concatenate([turn / u["rotation_deg"], (np.array(mounting["lever_arm_m"]) - imu.arm) / u["lever_arm_m"],
+                                    [offset / u["clock_offset_s"], (mounting["clock_drift_ppm"] - 1e6 * imu.drift) / u["clock_drift_ppm"],
+                                     (mounting["accel_delay_s"] - imu.delay) / u["accel_delay_s"]]]))
+    return rows
+
+
+def body(seed, folder, *, imus=None, grade="mems", seconds=60, axis=None, fault=None):
+    random = np.random.default_rng([seed, options.seed])
+    count = imus or int(random.integers(2, 7))
+    rates = [float(random.choice([50, 100, 200, 400, 1000])) for _ in range(count)]
+    motion = s.Motion(random, seconds, axis=axis)
+    units = [s.Imu(random, grade, rate, first=k == 0, arm=1 / np.sqrt(3)) for k, rate in enumerate(rates)]
+    if fault == "late accelerometers":
+        units[1].delay = 0.02
+    names = [f"imu{k}" for k in range(count)]
+    start = None
+    for k, (name, unit) in enumerate(zip(names, units)):
+        moved, bend = motion, None
+        if fault == "another body" and k == 1:
+            moved = s.Motion(random, seconds)
+        if fault == "elastic mount" and k == 1:
+            bend = lambda m: 0.05 * np.roll(m.rate, 40, axis=0)[:, [1, 2, 0]]
+        stamps, rate, force = unit.read(random, moved, seconds, bend)
+        if fault == "mirrored" and k == 1:
+            rate[:, 2], force[:, 2] = -rate[:, 2], -force[:, 2]
+        if fault == "clock steps" and k == 1:
+            stamps = stamps + 0.03 * (stamps > seconds / 2)
+        start = stamps[0] if start is None else start
+        s.write(folder / f"{name}.csv", stamps, rate, force)
+    answer, result = found(folder, names, rates, grade)
+    if answer:
+        answer["first_s"] = start
+    return answer, result, units, seconds
+
+
+failed = []
+
+
+def check(right, text):
+    print(("   " if right else "!! ") + text, flush=True)
+    if not right:
+        failed.append(text)
+
+
+def clean(grade):
+    all_rows, good, u = [], 0, []
+    for seed in range(options.bodies):
+        with tempfile.TemporaryDirectory() as name:
+            answer, result, units, seconds = body(seed, pathlib.Path(name), grade=grade)
+        if not answer or answer["verdict"] != "good":
+            print(f"   body {seed}: {result.stderr.strip() or answer['headline']}")
+            continue
+        good += 1
+        all_rows += errors(answer, units, seconds)
+        u += [[max(m["standard_uncertainty"]["rotation_deg"]), 1e3 * max(m["standard_uncertainty"]["lever_arm_m"]),
+               1e3 * m["standard_uncertainty"]["clock_offset_s"]] for m in answer["mountings"]]
+    rows, u = np.array(all_rows), np.median(u, axis=0)
+    inside = (np.abs(rows) < 1.96).mean()
+    check(good >= 0.98 * options.bodies, f"{grade}: {good} of {options.bodies} bodies good")
+    print(f"   {grade}: RMS of error over u: rotation {np.sqrt((rows[:, :3] ** 2).mean()):.2f}, lever arm {np.sqrt((rows[:, 3:6] ** 2).mean()):.2f}, "
+          f"clock offset, drift, delay {', '.join(f'{x:.2f}' for x in np.sqrt((rows[:, 6:] ** 2).mean(0)))}; largest {np.abs(rows).max():.1f}")
+    print(f"   {grade}: median u: rotation {u[0]:.3f} deg, lever arm {u[1]:.2f} mm, clock {u[2]:.4f} ms")
+    # 9 numbers of a mounting are correlated, and rotations of uncalibrated IMUs have priors for most of their u: more may be inside, not fewer.
+    check(inside > 0.93, f"{grade}: {100 * inside:.1f} % of {rows.size} numbers within 1.96 u")
+
+
+def faulty():
+    for fault, axis in (("another body", None), ("elastic mount", None), ("mirrored", None), ("clock steps", None), ("late accelerometers", None),
+                        ("one axis", (0, 0, 1))):
+        said, wrong, worst = [], 0, 0
+        for seed in range(max(4, options.bodies // 10)):
+            with tempfile.TemporaryDirectory() as name:
+                answer, result, units, seconds = body(seed, pathlib.Path(name), imus=2, seconds=40, axis=axis, fault=fault)
+            if answer and answer["verdict"] == "good":
+                rows = np.abs(errors(answer, units, seconds))
+                worst = max(worst, rows.max())
+                wrong += rows.max() > 5
+            said.append((answer["verdict"] + ": " + "; ".join(answer["warnings"])) if answer else result.stderr.strip().splitlines()[-1])
+        check(wrong == 0, f"{fault}: {wrong} of {len(said)} good and more than 5 u off (worst {worst:.1f}); said: {said[0][:220]}")
+
+
+for grade in ("mems", "tactical"):
+    clean(grade)
+faulty()
+print(f"{len(failed)} checks failed")
+sys.exit(1 if failed else 0)
