@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace imulab {
@@ -34,6 +36,15 @@ Vector3d mean_of(const Columns3& columns) {
     mean[static_cast<Eigen::Index>(axis)] =
         std::accumulate(columns[axis].begin(), columns[axis].end(), 0.0) / static_cast<double>(std::max<std::size_t>(1, columns[axis].size()));
   return mean;
+}
+
+Vector3d mean_temperature(const Columns3& columns, const Range& range) {
+  Columns3 part;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!columns[axis].empty())
+      part[axis].assign(columns[axis].begin() + static_cast<std::ptrdiff_t>(range.begin),
+                        columns[axis].begin() + static_cast<std::ptrdiff_t>(range.end));
+  return mean_of(part);
 }
 
 /// The middle of a long rest says as much as all of it.
@@ -82,6 +93,38 @@ std::vector<GravityAtRest> gravity_at_rests(const Recording& recording, const st
     const Vector3d force = mean_of(compensated_samples(after, recording, part).force);
     out.push_back({range, recording.time_s(range.begin), recording.time_s(range.end - 1), force,
                    mean_of(compensated_samples(before, recording, part).force).norm(), force.norm()});
+  }
+  return out;
+}
+
+std::vector<RestOverTemperature> rests_over_temperature(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& model,
+                                                        const std::array<double, 2>& known_up) {
+  SensorModel at_reference = model;
+  at_reference.accel.remove_temperature(), at_reference.gyro.remove_temperature();
+  std::vector<RestOverTemperature> out;
+  std::vector<std::array<Vector3d, 2>> means;  // force, rate
+  for (const GravityAtRest& rest : rests) {
+    const Range range = shortened(rest.range);
+    const MotionSamples with = compensated_samples(model, recording, range), without = compensated_samples(at_reference, recording, range);
+    means.push_back({mean_of(with.force), mean_of(with.rate)});
+    out.push_back({{mean_temperature(recording.accel_temperature, range), {}, means.back()[0].norm(), mean_of(without.force).norm()},
+                   {mean_temperature(recording.gyro_temperature, range), {}, means.back()[1].norm(), mean_of(without.rate).norm()}});
+  }
+  for (std::size_t begin = 0, end = 0; begin < out.size(); begin = end) {
+    constexpr double alike = 0.02;  // directions: a degree
+    std::array<Vector3d, 2> mean = means[begin];
+    for (end = begin + 1; end < out.size() && rests[end].range.begin <= rests[end - 1].range.end + 1 &&
+                          (means[end][0] - means[end - 1][0]).norm() < alike * means[end][0].norm();
+         ++end)
+      mean[0] += means[end][0], mean[1] += means[end][1];
+    const Vector3d up = mean[0].normalized();
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t triad = 0; triad < 2; ++triad)
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+          (triad == 0 ? out[k].accel : out[k].gyro).error[axis] =
+              std::isfinite(known_up[triad]) && std::abs(up[axis]) > std::numbers::sqrt2 / 2 ? (means[k][triad].dot(up) - known_up[triad]) / up[axis]
+              : end - begin > 1 ? means[k][triad][axis] - mean[triad][axis] / static_cast<double>(end - begin)
+                                : std::numeric_limits<double>::quiet_NaN();
   }
   return out;
 }

@@ -6,6 +6,7 @@
 #include "imulab/recording.hpp"
 #include "imulab/sensor_model.hpp"
 
+#include <array>
 #include <vector>
 
 namespace imulab {
@@ -25,6 +26,24 @@ struct GravityAtRest {
 /// Gives the agreement in every range that is not empty. Throws Error where a model needs a temperature that the recording lacks.
 std::vector<GravityAtRest> gravity_at_rests(const Recording& recording, const std::vector<Range>& rests, const SensorModel& before,
                                             const SensorModel& after);
+
+/// One triad's mean in a rest.
+struct TriadAtRest {
+  Vector3d temperature;          ///< thermal reading of each axis
+  Vector3d error;                ///< output less its true value [m/s^2, rad/s]; NaN where the rest does not show it
+  double size = 0;               ///< of the mean output
+  double size_at_reference = 0;  ///< the same without the terms over temperature
+};
+struct RestOverTemperature {
+  TriadAtRest accel, gyro;
+};
+
+/// Compares the rests with a model that has terms over temperature. `known_up`: upward components of the true force and of the Earth's rate; NaN: not
+/// known, or the triad's offsets are not. A rest shows the error of an axis within 45 deg of the vertical, if the other axes are right. The parts of
+/// a rest that was cut as its temperature changed also show the others' errors, against their mean over these parts. Throws Error as gravity_at_rests
+/// does.
+std::vector<RestOverTemperature> rests_over_temperature(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& model,
+                                                        const std::array<double, 2>& known_up);
 
 /// The turn from one rest to the next: the angle between gravity as the gyros take it along, and gravity as the accelerometers measure it there.
 struct TurnError {

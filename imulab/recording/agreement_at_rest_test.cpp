@@ -1,5 +1,6 @@
 #include "imulab/recording/agreement_at_rest.hpp"
 
+#include "imulab/earth.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/Dense>
@@ -7,6 +8,8 @@
 
 #include "tests/simulated_session.hpp"
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -68,6 +71,69 @@ TEST(AgreementAtRest, CountsHaveOneScaleBefore) {
 TEST(AgreementAtRest, AnEmptyRangeIsLeftOut) {
   const SimulatedSession s = quiet_session();
   EXPECT_TRUE(gravity_at_rests(s.recording, {Range{5, 5}}, SensorModel{}, SensorModel{}).empty());
+}
+
+/// A warm-up without noise, of a unit whose accelerometers' biases and scales follow the temperature.
+SimulatedSession quiet_warm_up() {
+  SimulatedSession s;
+  s.session = warm_up_procedure({.minutes = 4}, 1);
+  s.truth = draw_truth(s.session, 1);
+  s.truth.accel_noise = s.truth.gyro_noise = {};
+  TriadModel& accel = s.truth.model.accel;
+  accel.thermal.col(1) = Vector3d(2, -3, 4) * 1e-3;
+  accel.matrix_thermal1(0, 0) = 2e-4;
+  accel.temperature = ThermalReading{.reference = 5, .range = {-20, 30}};
+  s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, 1);
+  s.session.steps.clear();
+  s.rests = rests_of(s.recording, s.session).ranges;
+  return s;
+}
+
+std::vector<RestOverTemperature> over_temperature(const SimulatedSession& s, const std::vector<Range>& rests, const SensorModel& model,
+                                                  double gravity) {
+  return rests_over_temperature(s.recording, gravity_at_rests(s.recording, rests, model, model), model,
+                                {gravity, earth_rate_enu(*s.session.site.latitude).z()});
+}
+
+TEST(AgreementAtRest, ARestShowsTheErrorOfTheAxisNearTheVertical) {
+  const SimulatedSession s = quiet_warm_up();
+  const double added = 1e-3;  // m/s^2
+  SensorModel biased = s.truth.model;
+  biased.accel.offset.array() += added;
+  const auto exact = over_temperature(s, s.rests, s.truth.model, s.truth.gravity), off = over_temperature(s, s.rests, biased, s.truth.gravity);
+  ASSERT_EQ(exact.size(), s.rests.size());
+  const auto all = gravity_at_rests(s.recording, s.rests, s.truth.model, s.truth.model);
+  int shown = 0;
+  for (std::size_t k = 0; k < exact.size(); ++k) {
+    const RestOverTemperature& rest = exact[k];
+    EXPECT_NEAR(rest.accel.size, s.truth.gravity, 1e-6);
+    const Vector3d up = all[k].force.normalized();
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      ASSERT_EQ(std::isfinite(rest.accel.error[axis]), std::abs(up[axis]) > std::sqrt(0.5));
+      if (!std::isfinite(rest.accel.error[axis])) continue;
+      ++shown;
+      EXPECT_NEAR(rest.accel.error[axis], 0, 1e-6);
+      EXPECT_NEAR(rest.gyro.error[axis], 0, 1e-8);
+      EXPECT_NEAR(off[k].accel.error[axis], added * up.sum() / up[axis], 5e-3 * added) << "S is 1 within 5e-3";
+    }
+  }
+  EXPECT_GT(shown, 10);
+  EXPECT_LT(exact.front().accel.temperature.x(), -10);
+  EXPECT_GT(std::abs(exact.front().accel.size_at_reference - s.truth.gravity), 1e-2) << "20 K from the reference";
+}
+
+TEST(AgreementAtRest, PartsOfARestShowTheChangesOfAllAxes) {
+  const SimulatedSession s = quiet_warm_up();
+  const Range whole = s.rests[1];  // the first one is before it warms
+  const std::size_t half = (whole.begin + whole.end) / 2;
+  SensorModel off = s.truth.model;
+  off.accel.thermal(1, 1) += 1e-3;
+  const auto parts = over_temperature(s, {{whole.begin, half}, {half, whole.end}}, off, std::numeric_limits<double>::quiet_NaN());
+  ASSERT_EQ(parts.size(), 2u);
+  const double warmer = parts[1].accel.temperature.y() - parts[0].accel.temperature.y();
+  EXPECT_GT(warmer, 0.1);
+  EXPECT_NEAR(parts[1].accel.error.y() - parts[0].accel.error.y(), -1e-3 * off.accel.matrix(1, 1) * warmer, 2e-6);
+  EXPECT_TRUE((parts[0].accel.error + parts[1].accel.error).isZero(1e-12));
 }
 
 }  // namespace

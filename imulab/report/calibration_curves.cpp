@@ -1,5 +1,8 @@
 // Curves: convergence of the hybrid method, temperature and nonlinearity with their bands.
 #include "imulab/coefficient.hpp"
+#include "imulab/compensate.hpp"
+#include "imulab/error.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/predict.hpp"
 #include "imulab/procedure.hpp"
 #include "imulab/report/calibration_parts.hpp"
@@ -12,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -21,25 +25,29 @@ namespace imulab::report {
 namespace {
 
 constexpr double band_sigmas = 2;
+constexpr std::size_t most_dots_of_curve = 300;  // of a picture
 
-/// One of the small pictures beside each other. Those of one family have one axis, so that they compare.
+/// One of the small pictures beside each other. Those of one family have one axis with zero on it, so that they compare.
 struct SmallCurve {
   std::string family, name, x_label, y_label;
   std::vector<double> x, y, low, high, shown;  ///< `shown`: what the axis holds
   std::string_view color;
   double first = std::numeric_limits<double>::infinity();  ///< where the axis begins before the curve does
+  std::vector<double> dots_x = {}, dots_y = {};            ///< what the data show
 };
 
 std::string grid(const std::vector<SmallCurve>& curves) {
   std::string out;
   for (const SmallCurve& c : curves) {
-    std::vector<double> shown{0};
+    std::vector<double> shown(c.family.empty() ? 0 : 1);
     for (const SmallCurve& other : curves)
-      if (other.family == c.family && other.y_label == c.y_label) shown.insert(shown.end(), other.shown.begin(), other.shown.end());
+      if ((c.family.empty() ? &other == &c : other.family == c.family) && other.y_label == c.y_label)
+        shown.insert(shown.end(), other.shown.begin(), other.shown.end());
     const double first = std::min(c.first, c.x.empty() ? 0 : c.x.front()), last = c.x.empty() ? 1 : c.x.back();
     Plot plot({c.x_label, first, last}, axis_over(c.y_label, shown), c.name, small_plot);
     plot.band(c.x, c.low, c.high, c.color);
     plot.line(c.x, c.y, c.color);
+    plot.dots(c.dots_x, c.dots_y, c.color);
     plot.rule(0, color::gray);
     out += "<figure>" + plot.svg() + "<figcaption>" + escaped(c.name) + "</figcaption></figure>\n";
   }
@@ -91,39 +99,38 @@ SmallCurve convergence_curve(const CalibrationResult& result, const ConvergenceC
   return out;
 }
 
-/// Coefficients of one curve.
-using CurveTerms = std::vector<CoefficientIndex>;
+/// The value of a curve somewhere, and its derivatives by the estimated coefficients.
+struct CurvePoint {
+  double value;
+  Eigen::VectorXd derivatives;
+};
 
-/// Their covariance; zero where they were not estimated.
-Eigen::MatrixXd covariance_of(const Calibration& c, const CurveTerms& terms) {
-  const auto place = [&](CoefficientIndex index) { return std::find(c.estimated.begin(), c.estimated.end(), index) - c.estimated.begin(); };
-  const auto n = static_cast<std::ptrdiff_t>(c.estimated.size());
-  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(std::ssize(terms), std::ssize(terms));
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    for (std::size_t j = 0; j < terms.size(); ++j)
-      if (const auto a = place(terms[i]), b = place(terms[j]); a < n && b < n)
-        out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = c.covariance(a, b);
+/// A sum of coefficients times weights.
+CurvePoint weighted(const Calibration& c, std::initializer_list<std::pair<CoefficientIndex, double>> terms) {
+  CurvePoint out{0, Eigen::VectorXd::Zero(std::ssize(c.estimated))};
+  for (const auto& [index, weight] : terms) {
+    out.value += weight * coefficient_value(c.model, index);
+    const auto place = std::find(c.estimated.begin(), c.estimated.end(), index) - c.estimated.begin();
+    if (place < out.derivatives.size()) out.derivatives[place] = weight;
+  }
   return out;
 }
 
-/// A sum of coefficients times powers of x from `lowest` on, with its band.
+/// A curve with its band.
 struct Curve {
   std::vector<double> x, y, low, high;
 };
 
-Curve curve_of(const Calibration& c, const CurveTerms& terms, int lowest, double from, double to, double zero, double factor) {
+Curve curve_of(const Calibration& c, double from, double to, const auto& point_at) {
   constexpr int points = 60;
-  const Eigen::VectorXd value = factor * coefficient_values(c.model, terms);
-  const Eigen::MatrixXd covariance = factor * factor * covariance_of(c, terms);
   Curve out;
   for (int i = 0; i <= points; ++i) {
     const double x = from + (to - from) * i / points;
-    Eigen::VectorXd b(std::ssize(terms));
-    for (Eigen::Index k = 0; k < b.size(); ++k) b[k] = std::pow(x - zero, static_cast<double>(lowest + k));
-    const double y = b.dot(value), s = band_sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b)));
+    const CurvePoint p = point_at(x);
+    const double s = band_sigmas * std::sqrt(std::max(0.0, p.derivatives.dot(c.covariance * p.derivatives)));
     out.x.push_back(x);
-    out.y.push_back(y);
-    out.low.push_back(y - s), out.high.push_back(y + s);
+    out.y.push_back(p.value);
+    out.low.push_back(p.value - s), out.high.push_back(p.value + s);
   }
   return out;
 }
@@ -146,29 +153,81 @@ SmallCurve small_curve(const Curve& c, Triad triad, int axis, const std::string&
 
 const char* output_unit(Triad triad) { return triad == Triad::accel ? "µg" : "deg/h"; }
 
-bool any_estimated(const Calibration& c, const CurveTerms& terms) {
+bool any_estimated(const Calibration& c, const std::vector<CoefficientIndex>& terms) {
   return std::ranges::any_of(terms, [&](CoefficientIndex index) { return contains(c.estimated, index); });
 }
 
-/// Over the calibrated temperatures; `factor`: of the coefficients.
-std::optional<SmallCurve> curve_over_temperature(const Calibration& c, Triad triad, int axis, const CurveTerms& terms, double factor,
-                                                 const std::string& unit) {
+/// True if any of these terms was estimated over a range of temperatures.
+bool is_over_temperature(const Calibration& c, Triad triad, const std::vector<CoefficientIndex>& terms) {
+  const auto& t = triad_model(c.model, triad).temperature;
+  return t && t->range[0] < t->range[1] && any_estimated(c, terms);
+}
+
+/// The bias of an axis at a temperature: its reading at zero input; of SI readings in output units, as offset states it.
+CurvePoint bias_at(const Calibration& c, Triad triad, Eigen::Index axis, double temperature) {
   const TriadModel& m = triad_model(c.model, triad);
-  if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || !any_estimated(c, terms)) return {};
-  const auto [low, high] = m.temperature->range;
-  return small_curve(curve_of(c, terms, 1, low, high, m.temperature->reference, factor), triad, axis, m.temperature->unit, unit);
+  const bool accel = triad == Triad::accel, counts = m.raw_unit == "count";
+  const Vector3d tau = Vector3d::Constant(m.temperature->tau(temperature));
+  const RawSample zero = decompensate(c.model, {}, accel ? Vector3d::Zero() : tau, accel ? tau : Vector3d::Zero());
+  const CompensationDerivatives d = compensation_derivatives(c.model, zero);
+  const Eigen::Index row = accel ? 3 : 0;
+  const Eigen::RowVector3d out = (counts ? Matrix3d(Matrix3d::Identity()) : m.matrix).row(axis),
+                           by_output = out * d.raw.block<3, 3>(row, row).inverse();
+  CurvePoint p{out.dot(accel ? zero.accel : zero.gyro), Eigen::VectorXd::Zero(std::ssize(c.estimated))};
+  for (Eigen::Index k = 0; k < p.derivatives.size(); ++k) {
+    const CoefficientIndex index = c.estimated[static_cast<std::size_t>(k)];
+    if (coefficient(index).triad == triad && (counts || coefficient(index).term != Term::matrix))
+      p.derivatives[k] = -by_output.dot(d.coefficients.col(index).segment<3>(row));
+  }
+  return p;
 }
 
-std::optional<SmallCurve> thermal_curve(const Calibration& c, Triad triad, int axis) {
-  CurveTerms terms;
+std::optional<SmallCurve> bias_curve(const CalibrationReport& report, Triad triad, int axis) {
+  const Calibration& c = report.result.calibration;
+  const TriadModel& m = triad_model(c.model, triad);
+  std::vector<CoefficientIndex> terms;
   for (int order = 1; order <= 3; ++order) terms.push_back(coefficient_index(triad, Term::thermal, axis, order));
-  const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h;
-  return curve_over_temperature(c, triad, axis, terms, triad_model(c.model, triad).matrix(axis, axis) / unit, output_unit(triad));
+  if (!is_over_temperature(c, triad, terms)) return {};
+  const auto [low, high] = m.temperature->range;
+  const bool counts = m.raw_unit == "count";
+  const Curve curve = curve_of(c, low, high, [&](double x) { return bias_at(c, triad, axis, x); });
+  const CoefficientIndex offset = coefficient_index(triad, Term::offset, axis, axis);
+  const UserUnit unit = counts ? UserUnit{"counts", 1} : user_unit(coefficient(offset), std::abs(curve.y.front()));
+  SmallCurve out = small_curve(curve, triad, axis, m.temperature->unit, readable_unit(unit.name));
+  out.family.clear();
+  if (!contains(c.estimated, offset)) out.name += ", change";  // the bias itself is not determined
+  for (const RecordingEvidence& e : report.recordings)
+    for (const RestOverTemperature& rest : e.sweep) {
+      const TriadAtRest& r = triad == Triad::accel ? rest.accel : rest.gyro;
+      if (!std::isfinite(r.error[axis])) continue;
+      out.dots_x.push_back(r.temperature[axis]);
+      out.dots_y.push_back(bias_at(c, triad, axis, r.temperature[axis]).value + r.error[axis] / (counts ? m.matrix(axis, axis) : 1));
+    }
+  out.dots_x = every(out.dots_x, most_dots_of_curve), out.dots_y = every(out.dots_y, most_dots_of_curve);
+  out.shown.insert(out.shown.end(), out.dots_y.begin(), out.dots_y.end());
+  for (auto* values : {&out.y, &out.low, &out.high, &out.shown, &out.dots_y})
+    for (double& v : *values) v /= unit.size;
+  return out;
 }
 
+/// The correction of an axis' scale; of readings in counts relative to that at the reference temperature.
 std::optional<SmallCurve> scale_curve(const Calibration& c, Triad triad, int axis) {
-  const CurveTerms terms{coefficient_index(triad, Term::matrix_thermal1, axis, axis), coefficient_index(triad, Term::matrix_thermal2, axis, axis)};
-  return curve_over_temperature(c, triad, axis, terms, 1 / unit::ppm, "ppm");
+  const TriadModel& m = triad_model(c.model, triad);
+  const CoefficientIndex first = coefficient_index(triad, Term::matrix_thermal1, axis, axis),
+                         second = coefficient_index(triad, Term::matrix_thermal2, axis, axis);
+  if (!is_over_temperature(c, triad, {first, second})) return {};
+  const double scale = m.matrix(axis, axis), factor = m.raw_unit == "count" ? 1 / scale : 1;
+  const auto [low, high] = m.temperature->range;
+  const Curve curve = curve_of(c, low, high, [&](double x) {
+    const double tau = m.temperature->tau(x), in = factor / unit::ppm;
+    CurvePoint p =
+        weighted(c, {{coefficient_index(triad, Term::matrix, axis, axis), in}, {first, in * scale * tau}, {second, in * scale * tau * tau}});
+    p.value -= 1 / unit::ppm;
+    return p;
+  });
+  SmallCurve out = small_curve(curve, triad, axis, m.temperature->unit, "ppm");
+  out.family.clear();
+  return out;
 }
 
 /// The largest force or rate of an axis: as the fit states it, else of the recordings.
@@ -183,12 +242,12 @@ double full_scale(const CalibrationReport& report, Triad triad, int axis) {
 std::optional<SmallCurve> nonlinearity_curve(const CalibrationReport& report, Triad triad, int axis) {
   const Calibration& c = report.result.calibration;
   const TriadModel& m = triad_model(c.model, triad);
-  const CurveTerms terms{coefficient_index(triad, Term::quadratic, axis, axis), coefficient_index(triad, Term::cubic, axis, axis)};
+  const CoefficientIndex quadratic = coefficient_index(triad, Term::quadratic, axis, axis), cubic = coefficient_index(triad, Term::cubic, axis, axis);
   const double most = full_scale(report, triad, axis), scale = m.matrix(axis, axis);
-  if (!any_estimated(c, terms) || !(most > 0) || scale == 0) return {};
+  if (!any_estimated(c, {quadratic, cubic}) || !(most > 0) || scale == 0) return {};
   const bool accel = triad == Triad::accel;
   const double in = accel ? unit::g : unit::deg, out = accel ? unit::ug : unit::deg_per_h;
-  Curve curve = curve_of(c, terms, 2, -most / scale, most / scale, 0, 1 / out);
+  Curve curve = curve_of(c, -most / scale, most / scale, [&](double x) { return weighted(c, {{quadratic, x * x / out}, {cubic, x * x * x / out}}); });
   for (double& x : curve.x) x *= scale / in;
   return small_curve(curve, triad, axis, accel ? "g" : "deg/s", output_unit(triad));
 }
@@ -217,16 +276,31 @@ std::vector<SmallCurve> curves_of_axes(const auto& curve_of_axis) {
 
 }  // namespace
 
-std::string thermal_section(const Calibration& c) {
-  const auto curves = curves_of_axes([&](Triad triad, int axis) { return thermal_curve(c, triad, axis); });
+std::string thermal_section(const CalibrationReport& report) {
+  const Calibration& c = report.result.calibration;
+  const auto biases = curves_of_axes([&](Triad triad, int axis) -> std::optional<SmallCurve> {
+    try {
+      return bias_curve(report, triad, axis);
+    } catch (const Error&) {  // a model that cannot be inverted has no reading at zero input
+      return {};
+    }
+  });
   const auto scales = curves_of_axes([&](Triad triad, int axis) { return scale_curve(c, triad, axis); });
+  const std::string figures = sweep_figures(report);
+  const bool dots = std::ranges::any_of(biases, [](const SmallCurve& curve) { return !curve.dots_x.empty(); });
   std::string out;
-  if (!curves.empty())
-    out +=
-        section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.", grid(curves));
+  if (!biases.empty() || !figures.empty())
+    out += section("thermal", "Biases over temperature",
+                   std::string("What each axis reads at zero input over the calibrated temperatures, with two sigma.") +
+                       (dots ? " Dots: rests in which the axis is within 45° of the vertical, or whose temperature changes; what they show if all "
+                               "other terms are right."
+                             : ""),
+                   grid(biases) + figures);
   if (!scales.empty())
     out += section("thermal-scales", "Scales over temperature",
-                   "How each axis' scale differs from that at the reference temperature, with two sigma.", grid(scales));
+                   "The correction of each axis' scale over the calibrated temperatures, with two sigma; for readings in counts, relative to the "
+                   "reference temperature.",
+                   grid(scales));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/report/calibration_page.hpp"
 
 #include "imulab/coefficient.hpp"
+#include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/relative_uncertainty.hpp"
@@ -132,7 +133,7 @@ std::string calibration_page(const CalibrationReport& r) {
   page.figures = key_figures([&](CoefficientIndex index) { return judged_uncertainty(c, index); });
   page.body = worst_axis_note(page.figures) + next_switch_on_note(c) + before_and_after(r) + requirements_section(c.quality) +
               warnings_section(c.quality) + missing_section(r.missing) + coefficients_section(c) + recordings_section(r) + residuals_section(c) +
-              coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) +
+              coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(r) +
               nonlinearity_section(r) + tests_section(c) + effects_section(c) + identification_section(r) + not_covered_section(r) +
               traceability_section(r) + origin_section(r);
   return page_text(page);
@@ -144,11 +145,14 @@ namespace {
 constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
-  if (!only_one || calibration.quality.rests.empty()) return aided::rests_in_place(recording, session);
+  const std::vector<PartResidual>& rests = calibration.quality.rests;
+  const auto is_of_it = [&](const PartResidual& rest) { return only_one || rest.recording == recording.name; };
+  if (std::ranges::none_of(rests, is_of_it)) return aided::rests_in_place(recording, session);
   std::vector<Range> ranges;
   const double first = recording.time_s(0) - recording.interval_s, last = recording.time_s(recording.size() - 1) + recording.interval_s;
-  for (const PartResidual& rest : calibration.quality.rests)  // of a file that anybody may have written
-    if (first <= rest.begin_s && rest.begin_s < rest.end_s && rest.end_s <= last) ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
+  for (const PartResidual& rest : rests)  // of a file that anybody may have written
+    if (is_of_it(rest) && first <= rest.begin_s && rest.begin_s < rest.end_s && rest.end_s <= last)
+      ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
   return ranges;
 }
 
@@ -182,6 +186,12 @@ RecordingEvidence evidence_of(const Calibration& calibration, const Session& ses
     const SensorModel before = uncalibrated(calibration.model);
     e.rests = gravity_at_rests(recording, ranges_of(calibration, session, recording, recordings == 1), before, calibration.model);
     e.turns = turn_errors(recording, e.rests, before, calibration.model);
+    const Site& site = session.site;
+    const auto determined = [&](Triad triad) { return contains(calibration.estimated, coefficient_index(triad, Term::offset, 0, 0)); };
+    if (calibration.model.accel.varies() || calibration.model.gyro.varies())
+      e.sweep = rests_over_temperature(recording, e.rests, calibration.model,
+                                       {determined(Triad::accel) && (site.latitude || site.given_gravity) ? site.gravity() : NAN,
+                                        determined(Triad::gyro) && site.latitude ? earth_rate_enu(*site.latitude).z() : NAN});
   } catch (const Error& error) {
     e.without_rests = error.what();
   }

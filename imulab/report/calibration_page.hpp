@@ -22,7 +22,8 @@ struct RecordingEvidence {
   Overview overview;
   std::vector<GravityAtRest> rests;
   std::vector<TurnError> turns;
-  std::string without_rests;  ///< why there are none; empty where there are some
+  std::vector<RestOverTemperature> sweep;  ///< its rests, if the model has terms over temperature
+  std::string without_rests;               ///< why there are none; empty where there are some
 };
 
 /// One of the recordings of the calibration's session, which share the points of the charts. Its rests are those of the calibration's residuals

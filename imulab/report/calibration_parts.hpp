@@ -11,6 +11,7 @@ namespace imulab::report {
 
 // calibration_pictures.cpp: from the recordings and residuals
 std::string before_and_after(const CalibrationReport& report);
+std::string sweep_figures(const CalibrationReport& report);
 std::string recordings_section(const CalibrationReport& report);
 std::string residuals_section(const Calibration& calibration);
 std::string coverage_section(const CalibrationReport& report);
@@ -27,7 +28,7 @@ std::string effects_section(const Calibration& calibration);
 
 // calibration_curves.cpp: convergence, temperature, nonlinearity
 std::string convergence_section(const CalibrationResult& result);
-std::string thermal_section(const Calibration& calibration);
+std::string thermal_section(const CalibrationReport& report);
 std::string nonlinearity_section(const CalibrationReport& report);
 
 // calibration_certificate.cpp: what a certificate states

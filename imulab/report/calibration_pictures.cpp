@@ -1,4 +1,5 @@
 // Pictures from the recordings, and the residuals.
+#include "imulab/earth.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
@@ -56,18 +57,21 @@ std::string thinned_text(std::size_t parts) {
   return parts > most_dots ? fmt::format(" The worst of every {} is shown.", (parts + most_dots - 1) / most_dots) : "";
 }
 
-/// Errors without and with the calibration, on a logarithmic axis.
-std::string two_sizes(const std::string& x, const std::string& y, std::vector<double> before, std::vector<double> after) {
-  const double parts = static_cast<double>(before.size());
-  before = thinned(before, most_dots), after = thinned(after, most_dots);
-  std::vector<double> all = before;
-  all.insert(all.end(), after.begin(), after.end());
-  std::vector<double> n = counted(before.size());
-  for (double& v : n) v *= parts / static_cast<double>(before.size());
-  Plot plot({x, 0, parts + 1}, axis_over(y, all, true), y);
-  plot.dots(n, before, color::orange, true);
-  plot.dots(n, after, color::blue);
-  return plot.svg() + key({{"before", color::orange}, {"after", color::blue}});
+/// Errors at `at` without and with something, on a logarithmic axis.
+std::string two_sizes(const Axis& x, const std::vector<double>& at, const std::string& y, std::vector<double> without, std::vector<double> with,
+                      const std::string& without_name = "before", const std::string& with_name = "after") {
+  const std::vector<double> n = thinned(at, most_dots);
+  without = thinned(without, most_dots), with = thinned(with, most_dots);
+  std::vector<double> all = without;
+  all.insert(all.end(), with.begin(), with.end());
+  Plot plot(x, axis_over(y, all, true), y);
+  plot.dots(n, without, color::orange, true);
+  plot.dots(n, with, color::blue);
+  return plot.svg() + key({{without_name, color::orange}, {with_name, color::blue}});
+}
+
+std::string two_sizes(const std::string& x, const std::string& y, const std::vector<double>& before, const std::vector<double>& after) {
+  return two_sizes({x, 0, static_cast<double>(before.size() + 1)}, counted(before.size()), y, before, after);
 }
 
 std::optional<double> gravity_of(const CalibrationReport& report) {
@@ -104,6 +108,37 @@ std::string turns_figure(const CalibrationReport& report) {
           "after.",
           angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)) +
           thinned_text(before.size()));
+}
+
+/// The errors of the size of a triad's output at rest; where its offsets are not known the changes of the size.
+std::string sweep_figure(const CalibrationReport& report, Triad triad, double truth) {
+  const bool accel = triad == Triad::accel;
+  const TriadModel& model = triad_model(report.result.calibration.model, triad);
+  const double unit = accel ? unit::ug : unit::deg_per_h;
+  std::vector<double> at, without, with;
+  for (const RecordingEvidence& e : report.recordings)
+    for (const RestOverTemperature& rest : e.sweep) {
+      const TriadAtRest& r = accel ? rest.accel : rest.gyro;
+      at.push_back(r.temperature.mean());
+      without.push_back(r.size_at_reference);
+      with.push_back(r.size);
+    }
+  if (at.empty() || !model.varies() || !model.temperature) return {};
+  const bool known = contains(report.result.calibration.estimated, coefficient_index(triad, Term::offset, 0, 0));
+  for (auto* sizes : {&without, &with}) {
+    const double less = known ? truth : std::accumulate(sizes->begin(), sizes->end(), 0.0) / static_cast<double>(sizes->size());
+    for (double& v : *sizes) v = std::abs(v - less) / unit;
+  }
+  const auto text = [&](const std::vector<double>& errors) {
+    const double rms = root_mean_square(errors) * unit;
+    return accel ? acceleration_text(rms) : number_text(rms / unit) + " deg/h";
+  };
+  return figure(two_sizes(axis_over(model.temperature->unit, at), at, accel ? "error of gravity [µg]" : "error of the rate at rest [deg/h]", without,
+                          with, "values of the reference temperature", "terms over temperature"),
+                fmt::format("{} at rest: the size of the mean {}, less {}. RMS {} with the values of the reference temperature alone, {} with the "
+                            "terms over temperature.",
+                            accel ? "Gravity" : "Rate", accel ? "force" : "rate", !known ? "its mean" : accel ? "g" : "the Earth's", text(without), text(with)) +
+                    thinned_text(at.size()));
 }
 
 std::vector<MarkedTime> marks_of(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
@@ -200,6 +235,11 @@ std::string before_and_after(const CalibrationReport& report) {
       counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the biases found here."
              : "Before means the readings as they are in the recording.",
       figures);
+}
+
+std::string sweep_figures(const CalibrationReport& report) {
+  const auto g = gravity_of(report);
+  return beside({g ? sweep_figure(report, Triad::accel, *g) : "", sweep_figure(report, Triad::gyro, earth_rate)});
 }
 
 std::string recordings_section(const CalibrationReport& report) {
