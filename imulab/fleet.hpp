@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -306,6 +307,8 @@ struct FleetPrior {
   std::vector<CoefficientIndex> coefficients = {};
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;  ///< covariance of a unit that was not yet measured
+  /// Sizes of the terms over temperature, one sigma about zero, SI, by the names of their effects (ImuDeclaration::effect_sigmas).
+  std::map<std::string, double, std::less<>> effect_sigmas = {};
 };
 
 /// The result of combining a calibration with a prior.

@@ -53,7 +53,7 @@ Outcome predicted(std::variant<std::shared_ptr<Session>, std::string> procedure,
     const auto* file = std::get_if<std::string>(&procedure);
     const ReadProcedure read = file ? read_procedure(*file, o.method) : ReadProcedure{*std::get<std::shared_ptr<Session>>(procedure)};
     task.progress = report, task.motion = read.motion;
-    auto answer = prediction_answer(o.method, read.session, read.session.file, std::move(task));
+    auto answer = prediction_answer(o.method, read.session, read.session.file, std::move(task), read_prior(o.prior));
     answer.warnings.insert(answer.warnings.begin(), read.warnings.begin(), read.warnings.end());
     return answer;
   })};
@@ -62,7 +62,7 @@ Outcome predicted(std::variant<std::shared_ptr<Session>, std::string> procedure,
 py::bytes part_of_prediction(std::shared_ptr<Session> procedure, const py::dict& keywords, const std::string& part) {
   auto o = options_from<PredictOptions>(keywords);
   o.shared.part = part;
-  return part_of([=] { prediction_answer(o.method, *procedure, procedure->file, task_of(o)); });
+  return part_of([=] { prediction_answer(o.method, *procedure, procedure->file, task_of(o), read_prior(o.prior)); });
 }
 
 std::pair<Outcome, std::shared_ptr<Session>> planned(const py::dict& keywords, bool by_hand, const py::object& progress) {

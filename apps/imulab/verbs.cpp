@@ -215,10 +215,11 @@ void run(const PredictOptions& o) {
   will_read_files_of(read.session);
   warn_each(read.warnings);
   task.motion = read.motion;
+  const auto prior = read_prior(o.prior);
   by_part(o.shared, o, [&] {
     const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
       task.progress = report;
-      return prediction_answer(o.method, read.session, o.procedure, task);
+      return prediction_answer(o.method, read.session, o.procedure, task, prior);
     });
     show(answer, o);
   });

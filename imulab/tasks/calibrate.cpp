@@ -206,8 +206,16 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   Session session = data.session;
   std::vector<std::string> warnings;
   if (chosen.takes_aids) session.aids = aids_of_all(data, warnings);
-  CalibrationResult result = calibrate(chosen, {std::move(session), data.recordings}, options_of(task, chosen, data.recordings));
-  if (task.prior) add_prior(result.calibration, *task.prior);
+  const auto calibrated = [&](const Session& of) { return calibrate(chosen, {of, data.recordings}, options_of(task, chosen, data.recordings)); };
+  CalibrationResult result = calibrated(session);
+  if (task.prior) {
+    const PriorUse sizes = fit_of_sizes(result.calibration, *task.prior);
+    if (sizes.taken) result = calibrated(with_sizes(session, *task.prior));
+    if (sizes.p_value < 1 && !sizes.taken)
+      result.calibration.quality.findings.add<Code::outlier_of_fleet>(Subject{task.prior->fleet}, sizes.distance, sizes.p_value);
+    else
+      add_prior(result.calibration, *task.prior);
+  }
   Quality& quality = result.calibration.quality;
   quality.findings.prepend(Severity::warning, warnings);
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));

@@ -138,26 +138,6 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
   return out;
 }
 
-/// A prediction together with the prior: of each coefficient by itself.
-void add_prior(Prediction& prediction, const FleetPrior& prior) {
-  std::erase_if(prediction.undetermined, [&](CoefficientIndex index) {
-    if (!std::isfinite(relative_sigma(prior, index))) return false;
-    const Eigen::Index n = prediction.sigma.size();
-    prediction.coefficients.push_back(index);
-    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao, &prediction.degrees_of_freedom}) {
-      of->conservativeResize(n + 1);
-      (*of)[n] = std::numeric_limits<double>::infinity();
-    }
-    return true;
-  });
-  prediction.remaining = {};
-  for (std::size_t k = 0; k < prediction.coefficients.size(); ++k)
-    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao}) {
-      double& sigma = (*of)[static_cast<Eigen::Index>(k)];
-      sigma = 1 / std::hypot(1 / sigma, 1 / relative_sigma(prior, prediction.coefficients[k]));
-    }
-}
-
 /// The requirements that the path itself has to meet.
 std::vector<Requirement> with_prior(const PlanTask& task) {
   std::vector<Requirement> left = left_to_reach(task.requirements, *task.prior);
@@ -242,6 +222,25 @@ PlanTask task_of(const PlanOptions& o) {
   task.sharing = o.shared.sharing();
   task.prior = read_prior(o.prior);
   return task;
+}
+
+void add_prior(Prediction& prediction, const FleetPrior& prior) {
+  std::erase_if(prediction.undetermined, [&](CoefficientIndex index) {
+    if (!std::isfinite(relative_sigma(prior, index))) return false;
+    const Eigen::Index n = prediction.sigma.size();
+    prediction.coefficients.push_back(index);
+    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao, &prediction.degrees_of_freedom}) {
+      of->conservativeResize(n + 1);
+      (*of)[n] = std::numeric_limits<double>::infinity();
+    }
+    return true;
+  });
+  prediction.remaining = {};
+  for (std::size_t k = 0; k < prediction.coefficients.size(); ++k)
+    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao}) {
+      double& sigma = (*of)[static_cast<Eigen::Index>(k)];
+      sigma = 1 / std::hypot(1 / sigma, 1 / relative_sigma(prior, prediction.coefficients[k]));
+    }
 }
 
 AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task, const std::string& written) {

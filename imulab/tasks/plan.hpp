@@ -54,6 +54,8 @@ struct PlannedProcedure {
 /// Throws Error for requirements of coefficients that the method does not estimate, and where no turn fits into the time; Unsupported for a
 /// requirement that no path can meet.
 PlannedProcedure plan(const PlanTask& task);
+/// Adds the prior to a prediction, to each coefficient by itself.
+void add_prior(Prediction& prediction, const FleetPrior& prior);
 /// With the margin that is left.
 Conclusion conclusion_of(const PlannedProcedure& planned);
 /// Why the requirements are not met. Empty: they are.

@@ -2,6 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/files.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/navigation/motion/mission.hpp"
 #include "imulab/report/prediction_page.hpp"
@@ -9,6 +10,7 @@
 #include "imulab/tasks/aid_files.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
+#include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/trajectory.hpp"
 
 #include <fmt/format.h>
@@ -53,6 +55,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
       .show_default();
   verb.option("--terms TERMS", o.terms, "coefficients to estimate, as for imulab calibrate; all others are taken as zero").show_default();
   effects_option(verb, o.effects);
+  prior_option(verb, o.prior);
   verb.option("--require LIMITS", o.require,
               "limits, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.bias <= 20 ug\"; on a turntable also finds the "
               "coarsest table, timing and noise that meet them; exit code 1 otherwise");
@@ -121,11 +124,16 @@ Conclusion conclusion_of(const Prediction& p, const std::vector<Requirement>& re
   return conclude(p.undetermined.empty() ? Verdict::none : Verdict::doubtful, prediction_headline(p), assess(p, requirements));
 }
 
-AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {
-  if (options.sharing) options.sharing->identity = identity_of(procedure, options);
+AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options,
+                                       const std::optional<FleetPrior>& prior) {
+  const Session session = prior ? with_sizes(procedure, *prior) : procedure;
+  options.sizes = options.sizes && !prior;  // the prior is added to one sigma of each coefficient
+  if (options.sharing) options.sharing->identity = identity_of(session, options);
   const auto p = [&] {
     try {
-      return std::make_shared<const Prediction>(predict(method(method_name), procedure, options));
+      Prediction prediction = predict(method(method_name), session, options);
+      if (prior) add_prior(prediction, *prior), prediction.missed = shortfalls(prediction, options.requirements);
+      return std::make_shared<const Prediction>(std::move(prediction));
     } catch (const TermsError& e) {
       throw OptionError("terms", e.what());
     }

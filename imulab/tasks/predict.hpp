@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/fleet.hpp"
 #include "imulab/formats/session/mission.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/results/prediction.hpp"
@@ -18,7 +19,7 @@
 namespace imulab {
 
 struct PredictOptions : ShowOptions {
-  std::string procedure, method = "turntable", terms = "auto", effects = "table";
+  std::string procedure, method = "turntable", terms = "auto", effects = "table", prior;
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false;
@@ -41,9 +42,10 @@ ReadProcedure procedure_of(const MissionFile& file, const std::string& name);
 /// A procedure or session; for a method with aids a mission, whose [errors] declare the IMU. Throws as read_session and read_mission.
 ReadProcedure read_procedure(const std::string& file, std::string_view method);
 
-/// Predicts as the method of that name does, and gives `options.sharing` the identity of its work. `name`: of the procedure, on the page.
-/// Throws OptionError for terms that the method does not know, and as `predict`.
-AnswerOf<Prediction> prediction_answer(std::string_view method, const Session& procedure, const std::string& name, PredictionOptions options);
+/// Predicts as the method of that name does, and gives `options.sharing` the identity of its work. `name`: of the procedure, on the page. `prior`: of
+/// the unit's fleet. Throws OptionError for terms that the method does not know, and as `predict`.
+AnswerOf<Prediction> prediction_answer(std::string_view method, const Session& procedure, const std::string& name, PredictionOptions options,
+                                       const std::optional<FleetPrior>& prior = {});
 /// The worst standard uncertainties, or what is not determined.
 std::string prediction_headline(const Prediction& prediction);
 /// By its requirements; a prediction that leaves coefficients undetermined is doubtful.

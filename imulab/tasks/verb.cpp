@@ -120,7 +120,7 @@ VerbOption& store_option(Verb& verb, std::string& store) {
 }
 
 VerbOption& prior_option(Verb& verb, std::string& store) {
-  return verb.option("--prior STORE", store, "a fleet's store: its mean and covariance are the prior").reads();
+  return verb.option("--prior STORE", store, "a fleet's store: its mean and covariance are the prior; of terms over temperature their sizes").reads();
 }
 
 VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {

@@ -214,6 +214,7 @@ def simulate(procedure: Session | PathLike, *, unit: Calibration | None = None, 
 def predict(
     procedure: Session | PathLike,
     *,
+    prior: Fleet | PathLike | None = None,
     progress: Progress | None = None,
     executor: Executor | None = None,
     parts: int | None = None,
@@ -221,8 +222,10 @@ def predict(
 ) -> Prediction:
     """Standard uncertainties of a calibration to come, and the requirements that it misses.
 
+    prior: a fleet, whose units say what is known of this one.
     executor: whose workers do the Monte Carlo in as many `parts` (four a worker, or a processor of this machine): of concurrent.futures, Dask, mpi4py. The result is the same to the bit.
     """
+    options |= {"prior": _store(prior)}
     if executor is not None and not isinstance(procedure, Session):
         procedure = read_session(procedure)
     done = _parts.by_parts(executor, parts, _callback(progress), _parts.prediction, procedure, options)

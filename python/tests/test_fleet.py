@@ -62,6 +62,8 @@ def test_it_is_a_prior(fleet, week, command):
     require = "gyro.matrix.diagonal <= 2000 ppm"
     planned = imulab.plan(require, grade="mems", by_hand=True, prior=fleet.store)
     assert planned.data == command("plan", "--require", require, "--grade", "mems", "--axes", "hand", "--prior", fleet.store, "--json")
+    alone, with_prior = (imulab.predict(imulab.procedure("handheld", poses=15), method="handheld", prior=p) for p in (None, fleet))
+    assert with_prior.sigma["gyro.matrix.xx"] < alone.sigma["gyro.matrix.xx"]
     own.save(week / "with-prior.json")
     with pytest.raises(imulab.Error, match="was calibrated with a fleet's prior"):
         fleet.add(week / "with-prior.json")

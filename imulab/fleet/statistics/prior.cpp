@@ -6,12 +6,16 @@
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/outliers.hpp"
 #include "imulab/frame.hpp"
+#include "imulab/model/effects.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
+#include <tuple>
 #include <utility>
 
 namespace imulab {
@@ -20,6 +24,8 @@ namespace {
 
 using Eigen::Index;
 using Places = std::vector<Index>;
+
+constexpr double implausible = 1e-3;  // probability of a unit of the fleet
 
 Index place_in(const std::vector<CoefficientIndex>& all, CoefficientIndex index) {
   const auto found = std::find(all.begin(), all.end(), index);
@@ -77,6 +83,48 @@ void fill(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Matched& m, const FleetP
   P.bottomRightCorner(more, more) = 0.5 * (own + own.transpose());
 }
 
+/// The factor of a term over temperature in the size of its effect, whose second and third order are as large as the first at 50 K.
+double per_size(const Coefficient& c, const SensorModel& model) {
+  const int order = c.term == Term::thermal ? c.column : c.term == Term::matrix_thermal1 ? 1 : 2;
+  return std::pow(second_order_per_first, order - 1) * (c.term == Term::thermal ? std::abs(triad_model(model, c.triad).matrix(c.row, c.row))
+                                                                                : 1 / MatrixThermal{c.row, c.column, order, false}.size());
+}
+
+std::string effect_of(const Coefficient& c) {
+  return fmt::format("{}.{}", to_string(c.triad), is_matrix_thermal(c.term) ? "matrix_thermal" : "thermal");
+}
+
+/// Root mean squares of the terms over temperature in the last calibrations of these units: of each effect that order, of scales or misalignments,
+/// with the largest. A value is nearer to zero than the truth by the prior of its own calibration; values and variances together are as large.
+std::map<std::string, double, std::less<>> sizes_over_temperature(const FleetSample& s, const std::vector<bool>& outlier, std::ptrdiff_t enough,
+                                                                  const SensorModel& mean) {
+  struct Sum {
+    double squares = 0;
+    std::ptrdiff_t values = 0;
+  };
+  std::map<std::tuple<std::string, int, bool>, Sum> sums;
+  for (std::size_t k = 0; k < s.coefficients.size(); ++k) {
+    const Coefficient& c = coefficient(s.coefficients[k]);
+    if (!is_thermal(c.term)) continue;
+    const int order = c.term == Term::thermal ? c.column : c.term == Term::matrix_thermal1 ? 1 : 2;
+    const double factor = per_size(c, mean);
+    Sum& sum = sums[{effect_of(c), order, is_matrix_thermal(c.term) && c.row != c.column}];
+    for (std::size_t unit = 0; unit < s.last.size(); ++unit) {
+      const auto column = static_cast<Index>(k);
+      const double value = s.values(s.last[unit], column);
+      if (outlier[unit] || !std::isfinite(value)) continue;
+      sum.squares += factor * factor * (value * value + s.variances(s.last[unit], column)), ++sum.values;
+    }
+  }
+  std::map<std::string, double, std::less<>> out;
+  for (const auto& [of, sum] : sums)
+    if (sum.values >= enough) {
+      double& size = out[std::get<0>(of)];
+      size = std::max(size, std::sqrt(sum.squares / static_cast<double>(sum.values)));
+    }
+  return out;
+}
+
 }  // namespace
 
 FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance) {
@@ -94,10 +142,10 @@ FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd
   input.covariance = [&](Index unit) -> Eigen::MatrixXd { return covariance(s.last[static_cast<std::size_t>(unit)])(among_common, among_common); };
   constexpr double false_alarm = 0.01, enough = 6;  // units more than coefficients: then the factor is known to a half
   const OutlierSearch search = find_outliers(input, false_alarm);
-  for (Index unit = 0; unit < input.values.rows(); ++unit) {
-    const bool outlier = std::any_of(search.outliers.begin(), search.outliers.end(), [&](const FleetOutlier& o) { return o.unit == unit; });
-    if (!outlier && input.values.row(unit).allFinite()) out.units += 1;
-  }
+  std::vector<bool> outlier(s.last.size());
+  for (const FleetOutlier& o : search.outliers) outlier[static_cast<std::size_t>(o.unit)] = true;
+  for (Index unit = 0; unit < input.values.rows(); ++unit)
+    if (!outlier[static_cast<std::size_t>(unit)] && input.values.row(unit).allFinite()) out.units += 1;
   const double n = out.units;
   const auto p = static_cast<double>(columns.size());
   if (!search.possible || n < p + enough)
@@ -105,7 +153,38 @@ FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd
         fmt::format("{:.0f} units that belong together are too few for a prior of {:.0f} coefficients; expected at least {:.0f}", n, p, p + enough));
   out.mean = search.mean;
   out.covariance = (1 + 1 / n) * (n - 1) / (n - p - 2) * (search.spread + input.mean_covariance);
+  SensorModel mean;
+  for (Index k = 0; k < out.mean.size(); ++k) set_coefficient(mean, out.coefficients[static_cast<std::size_t>(k)], out.mean[k]);
+  out.effect_sigmas = sizes_over_temperature(s, outlier, static_cast<std::ptrdiff_t>(enough), mean);
   return out;
+}
+
+Session with_sizes(Session session, const FleetPrior& prior) {
+  const auto is_raw = [](const std::optional<ThermalSource>& sensor) { return sensor && sensor->unit == "raw"; };
+  for (const RecordingSource& source : session.recordings)
+    if (is_raw(source.accel_temperature) || is_raw(source.gyro_temperature)) return session;
+  session.imu.effect_sigmas.insert(prior.effect_sigmas.begin(), prior.effect_sigmas.end());
+  return session;
+}
+
+PriorUse fit_of_sizes(const Calibration& c, const FleetPrior& prior) {
+  Places at;
+  std::vector<double> sizes;
+  for (std::size_t k = 0; k < c.estimated.size(); ++k) {
+    const Coefficient& of = coefficient(c.estimated[k]);
+    if (!is_thermal(of.term) || !prior.effect_sigmas.contains(effect_of(of))) continue;
+    at.push_back(static_cast<Index>(k));
+    sizes.push_back(prior.effect_sigmas.at(effect_of(of)) / per_size(of, c.model));
+  }
+  PriorUse use;
+  if (at.empty()) return use;
+  const Eigen::VectorXd size = Eigen::Map<const Eigen::VectorXd>(sizes.data(), std::ssize(sizes)), x = coefficient_values(c.model, c.estimated)(at);
+  const Eigen::MatrixXd in_sizes = size.cwiseInverse().asDiagonal() * c.covariance(at, at) * size.cwiseInverse().asDiagonal();
+  const double square =
+      squared_norm_in(Eigen::MatrixXd(in_sizes + Eigen::MatrixXd::Identity(size.size(), size.size())), Eigen::VectorXd(x.cwiseQuotient(size)));
+  use.distance = std::sqrt(square), use.p_value = chi_square_tail(square, static_cast<double>(at.size()));
+  use.taken = use.p_value >= implausible;
+  return use;
 }
 
 PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
@@ -124,7 +203,6 @@ PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
                                         Eigen::VectorXd(x(m.in_calibration) - prior.mean(m.in_prior)));
   use.distance = std::sqrt(square);
   use.p_value = chi_square_tail(square, static_cast<double>(m.in_prior.size()));
-  constexpr double implausible = 1e-3;
   if (!(use.p_value >= implausible)) return use;
   use.taken = true;
   c.constant_covariance.resize(0, 0);  // what the unit brings again is no longer known beside the fleet's part

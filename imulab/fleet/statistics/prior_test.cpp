@@ -10,6 +10,7 @@
 
 #include "tests/fleet_draw.hpp"
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 namespace {
@@ -116,6 +117,61 @@ TEST(FleetPrior, LeavesLessToReach) {
   EXPECT_NEAR(left[0].limit, 750e-6, 1e-12);
   EXPECT_EQ(left[2].coefficients, std::vector{coefficient_index("gyro.offset.x")});
   EXPECT_DOUBLE_EQ(left[2].limit, unit::deg / 3600);
+}
+
+/// Units with three accelerometer offsets, and terms over temperature of twice the spread at second order (at 50 K) as at first.
+FleetSample thermal_sample() {
+  constexpr Index units = 40;
+  const RandomStream random(4, "thermal");
+  FleetSample s;
+  s.coefficients = select_each({"accel.offset", "accel.thermal.x1", "accel.thermal.y2", "accel.matrix_thermal1.yx", "gyro.thermal.x1"});
+  s.values = s.variances = Eigen::MatrixXd(units, 7);
+  const double sizes[] = {1e-2, 1e-2, 1e-2, 1e-3, 2e-3 / 50, 1e-5, 1e-6};
+  for (Index unit = 0; unit < units; ++unit) {
+    s.last.push_back(unit);
+    for (Index k = 0; k < 7; ++k) {
+      s.values(unit, k) = sizes[k] * random.normal(static_cast<std::uint64_t>(10 * unit + k));
+      s.variances(unit, k) = 0.25 * sizes[k] * sizes[k];
+    }
+    if (unit > 3) s.values(unit, 6) = std::numeric_limits<double>::quiet_NaN();  // too few units have the gyros' term
+  }
+  s.common = {0, 1, 2};
+  s.mean_covariance = Eigen::MatrixXd(1e-6 * Eigen::MatrixXd::Identity(3, 3));
+  return s;
+}
+
+TEST(FleetPrior, HasTheSizesOfTermsOverTemperature) {
+  const FleetSample s = thermal_sample();
+  const FleetPrior prior = fleet_prior(s, [&](Index) { return s.mean_covariance; });
+  const auto size = [&](Index column, double factor) {
+    return factor * std::sqrt((s.values.col(column).array().square() + s.variances.col(column).array()).mean());
+  };
+  ASSERT_EQ(prior.effect_sigmas.size(), 2u);
+  EXPECT_NEAR(prior.effect_sigmas.at("accel.thermal"), size(4, 50), 1e-12) << "the order with the largest";
+  EXPECT_NEAR(prior.effect_sigmas.at("accel.matrix_thermal"), size(5, 10), 1e-12) << "a misalignment is a tenth of a scale";
+}
+
+TEST(FleetPrior, GivesItsSizesToAPlausibleUnit) {
+  FleetPrior prior{.effect_sigmas = {{"accel.thermal", 1e-3}}};
+  Calibration c;
+  c.estimated = select_each({"accel.offset.x", "accel.thermal.x1", "accel.thermal.x2"});
+  c.covariance = Eigen::MatrixXd(Eigen::Vector3d(1e-6, 1e-8, 1e-12).asDiagonal());
+  EXPECT_TRUE(fit_of_sizes(c, prior).taken);
+  c.model.accel.thermal(0, 1) = 5e-3;
+  const PriorUse use = fit_of_sizes(c, prior);
+  EXPECT_FALSE(use.taken);
+  EXPECT_NEAR(use.distance, 5e-3 / std::sqrt(1e-6 + 1e-8), 1e-9);
+  EXPECT_LT(use.p_value, 1e-3);
+  c.estimated = select_each({"accel.offset"});
+  EXPECT_FALSE(fit_of_sizes(c, prior).taken) << "no such terms";
+  EXPECT_EQ(fit_of_sizes(c, prior).p_value, 1);
+  Session session;
+  session.recordings = {RecordingSource{}};
+  session.imu.effect_sigmas["gyro.thermal"] = 1, prior.effect_sigmas["gyro.thermal"] = 2;
+  EXPECT_EQ(with_sizes(session, prior).imu.effect_sigmas.at("accel.thermal"), 1e-3);
+  EXPECT_EQ(with_sizes(session, prior).imu.effect_sigmas.at("gyro.thermal"), 1) << "declared";
+  session.recordings[0].accel_temperature = ThermalSource{.unit = "raw"};
+  EXPECT_EQ(with_sizes(session, prior).imu.effect_sigmas.size(), 1u);
 }
 
 }  // namespace
