@@ -8,6 +8,7 @@
 #include "imulab/report/aided_page.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
+#include "imulab/report/extrinsics_page.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/noise_page.hpp"
 #include "imulab/report/prediction_page.hpp"
@@ -54,6 +55,7 @@ std::string page_of(const AidedSummary& s) { return aided_page(s.session, s.navi
 std::string page_of(const NavigationSummary& s) { return navigation_page({.sessions = s}); }
 std::string page_of(const NoiseAnalysis& noise) { return noise_page(noise); }
 std::string page_of(const NoiseBatch& noise) { return noise_page(noise); }
+std::string page_of(const Extrinsics& e) { return extrinsics_page(e, {}); }
 std::string page_of(const CompensationSummary& s) { return compensation_page(s); }
 
 }  // namespace

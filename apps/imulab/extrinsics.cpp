@@ -50,7 +50,6 @@ void make_names_different(std::vector<BodyImu>& imus, const std::vector<std::str
 }
 
 void run(const ExtrinsicsOptions& o) {
-  show_evidence(o.verbose);
   std::vector<BodyImu> imus;
   const std::vector<std::string> paths = recordings_named(o.recordings);
   for (const std::string& path : paths) declares_itself(path) ? add_imus_of_session(imus, path, o) : add_imus_of_log(imus, path, o);

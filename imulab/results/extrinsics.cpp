@@ -69,6 +69,7 @@ void describe(Fields& f, Extrinsics& e) {
   f("residuals", e.residuals), f("agreement", e.agreement), f("findings", e.findings, fields::if_any), f("rates", e.rates, fields::optional);
   const auto others = e.from_first.size();
   fields::check(f, others > 0 && e.imus.size() == others + 1, "mountings", fmt::format("expected {} mountings of {} IMUs", others, others + 1));
+  fields::check(f, e.covariance.size() == 0 || e.covariance.diagonal().minCoeff() >= 0, "covariance", "has a negative variance");
   fields::check(f, e.residuals.size() == others + 1 && e.agreement.size() == others, "residuals", "expected one of each IMU");
   if constexpr (Fields::reads)
     for (std::size_t k = 0; k < others; ++k) {

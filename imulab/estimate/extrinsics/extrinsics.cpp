@@ -221,19 +221,20 @@ Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::func
   out.duration = whole.length();
   if (out.used < 0.99 * out.duration) out.findings.add<Code::motion_part>(out.used, out.duration);
 
-  for (std::size_t k = 0; k < states.size(); ++k) {  // of an ordinary MEMS IMU, until the residuals show it
-    constexpr double gyro_density = 1e-4, accel_density = 1e-3;
+  // Of a poor IMU at first: far from the solution the residuals are not noise, and the priors have to hold what the data show weakly.
+  constexpr double gyro_density = 3e-3, accel_density = 3e-2;
+  for (std::size_t k = 0; k < states.size(); ++k) {
     const double root_rate = 1 / std::sqrt(streams[k].interval);
     states[k].gyro_sigma = gyro_density * root_rate, states[k].accel_sigma = accel_density * root_rate;
   }
   MotionFit fit(streams, std::move(states), std::move(priors), spans, tilt_sigma);
-  constexpr int steps_of_motion = 4, most_steps = 15;
+  constexpr int most_steps = 20;
   constexpr double small_step = 0.05, small_change = 0.02;
   fit.step(false);
   bool converged = false;
   for (int i = 0; i < most_steps && !converged; ++i) {
     const double step = fit.step(true);
-    converged = i >= steps_of_motion && fit.take_noise() < small_change && step < small_step;
+    converged = fit.take_noise() < small_change && step < small_step;
     if (progress) progress((i + 1.) / most_steps);
   }
 

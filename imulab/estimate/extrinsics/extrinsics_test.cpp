@@ -1,0 +1,201 @@
+#include "imulab/extrinsics.hpp"
+
+#include "imulab/core/random.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/error.hpp"
+#include "imulab/finding_code.hpp"
+#include "imulab/units.hpp"
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+using testing::Contains, testing::HasSubstr, testing::Not;
+
+/// A motion of three sines an axis. Rates and forces are independent: those of one IMU need not be of one attitude.
+struct Sway {
+  Matrix3d along = Matrix3d::Identity();  ///< of the rates
+  double pace = 1;
+
+  Vector3d rate(double t) const { return along * sines(t, 0); }
+  Vector3d slope(double t) const { return along * sines(t, 1); }
+  Vector3d force(double t) const { return {3 * std::sin(2.3 * t), 5 * std::cos(3.7 * t), 9.8 + std::sin(4.9 * t + 1)}; }
+  Vector3d force_at(double t, const Vector3d& r) const {
+    const Vector3d w = rate(t);
+    return force(t) + slope(t).cross(r) + w.cross(w.cross(r));
+  }
+
+ private:
+  Vector3d sines(double t, int derivative) const {
+    constexpr std::array<std::array<double, 3>, 3> frequencies{{{1.7, 3.1, 9.4}, {2.2, 5.3, 8.6}, {0.9, 4.1, 7.9}}};
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double w = pace * frequencies[i][k], phase = w * t + static_cast<double>(3 * i + k * k);
+        sum[static_cast<Eigen::Index>(i)] += derivative == 0 ? 0.6 * std::sin(phase) : 0.6 * w * std::cos(phase);
+      }
+    return sum;
+  }
+};
+
+struct Place {
+  Matrix3d rotation = Matrix3d::Identity();
+  Vector3d arm = Vector3d::Zero();
+  double offset = 0, delay = 0, rate_hz = 100;
+};
+
+constexpr double gyro_density = 1e-4, accel_density = 1e-3;
+
+/// Means over the intervals by Simpson's rule, with white noise and offsets.
+BodyImu imu(const std::string& name, const Place& place, const Sway& motion = {}, double seconds = 20) {
+  const RandomStream random(7, name);
+  const double h = 1 / place.rate_hz, root = std::sqrt(place.rate_hz);
+  std::vector<double> t;
+  Columns3 gyro, accel;
+  std::uint64_t drawn = 0;
+  for (double stamp = 1; stamp < seconds + 1; stamp += h) {
+    const auto mean = [&](const auto& of) {
+      const double end = stamp - place.offset;
+      return Vector3d((of(end - h) + 4 * of(end - h / 2) + of(end)) / 6);
+    };
+    const Vector3d rate = place.rotation * mean([&](double s) { return motion.rate(s); });
+    const Vector3d force = place.rotation * mean([&](double s) { return motion.force_at(s - place.delay, place.arm); });
+    t.push_back(stamp);
+    for (int i = 0; i < 3; ++i) {
+      gyro[static_cast<std::size_t>(i)].push_back(rate[i] + 0.01 + gyro_density * root * random.normal(drawn++));
+      accel[static_cast<std::size_t>(i)].push_back(force[i] - 0.05 + accel_density * root * random.normal(drawn++));
+    }
+  }
+  return {.name = name, .recording = make_recording(t, gyro, accel, {.name = name})};
+}
+
+const Place second{rotation_exp({0.5, -1.1, 0.3}), {0.21, -0.08, 0.4}, 0.0123, 0, 200};
+const Place third{rotation_exp({-0.2, 0.4, 2.1}), {-0.3, 0.25, 0.02}, -0.31, 0.004, 50};
+
+void expect_near(const Mounting& m, const Place& from, const Place& to) {
+  constexpr double most = 4.5;  // sigmas, of 8 numbers of each
+  const Vector3d turned = rotation_log(m.rotation * (to.rotation * from.rotation.transpose()).transpose());
+  const Vector3d arm = from.rotation * (to.arm - from.arm);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(turned[i], 0, most * m.uncertainty(i)) << m.to << i;
+    EXPECT_NEAR(m.lever_arm[i], arm[i], most * m.uncertainty(3 + i)) << m.to << i;
+  }
+  EXPECT_NEAR(m.clock_offset, to.offset - from.offset, most * m.uncertainty(6));
+  EXPECT_NEAR(m.accel_delay, to.delay - from.delay, most * m.uncertainty(8));
+}
+
+TEST(Extrinsics, AreFoundWithTheirUncertainties) {
+  const Extrinsics found = estimate_extrinsics({imu("a", {}), imu("b", second), imu("c", third)});
+  EXPECT_EQ(found.verdict, Verdict::good) << testing::PrintToString(found.findings.reasons());
+  expect_near(found.between(0, 1), {}, second), expect_near(found.between(0, 2), {}, third), expect_near(found.between(1, 2), second, third);
+  const Mounting m = found.between(0, 1);
+  // What 20 s of 1 rad/s and noise of these densities give: the scales of the gyros, uncertain by 1 %, are most of it.
+  EXPECT_LT(m.uncertainty(3), 0.005);
+  EXPECT_LT(m.uncertainty(6), 2e-5);
+  EXPECT_LT(m.uncertainty(0), 0.6 * unit::deg);
+  EXPECT_TRUE(found.findings.has(Code::accels_late));
+  EXPECT_NEAR(found.residuals[1].gyro, gyro_density * std::sqrt(second.rate_hz), 0.1 * gyro_density * std::sqrt(second.rate_hz));
+  EXPECT_NEAR(found.residuals[2].accel, accel_density * std::sqrt(third.rate_hz), 0.15 * accel_density * std::sqrt(third.rate_hz));
+}
+
+TEST(Extrinsics, BetweenTwoIsTheInverseOfTheOtherWay) {
+  const Extrinsics found = estimate_extrinsics({imu("a", {}), imu("b", second), imu("c", third)});
+  const Mounting there = found.between(1, 2), back = found.between(2, 1), none = found.between(1, 1);
+  EXPECT_LT((there.matrix() * back.matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-12);
+  EXPECT_NEAR(there.clock_offset, -back.clock_offset, 1e-15);
+  const Matrix3d turn = there.rotation.transpose() * there.covariance.topLeftCorner<3, 3>() * there.rotation;
+  EXPECT_LT((turn - back.covariance.topLeftCorner<3, 3>()).norm(), 1e-6 * turn.norm());
+  EXPECT_TRUE(none.rotation.isIdentity(1e-12));
+  EXPECT_TRUE(none.covariance.isZero(0));
+  EXPECT_THROW(found.between(0, 3), Error);
+}
+
+TEST(Extrinsics, ACalibrationLeavesLessUncertain) {
+  BodyImu a = imu("a", {}), b = imu("b", second);
+  const Mounting rough = estimate_extrinsics({a, b}).between(0, 1);
+  for (BodyImu* each : {&a, &b}) {
+    Calibration& c = each->calibration.emplace();
+    c.model.gyro.raw_unit = "rad/s", c.model.accel.raw_unit = "m/s^2";
+    for (const CoefficientIndex index : coefficient_indices())
+      if (coefficient(index).term == Term::matrix) c.estimated.push_back(index);
+    const auto n = static_cast<Eigen::Index>(c.estimated.size());
+    c.covariance = 1e-8 * Eigen::MatrixXd::Identity(n, n);
+  }
+  const Extrinsics found = estimate_extrinsics({a, b});
+  expect_near(found.between(0, 1), {}, second);
+  EXPECT_LT(found.between(0, 1).uncertainty(3), 0.5 * rough.uncertainty(3));
+  EXPECT_LT(found.between(0, 1).uncertainty(0), 0.02 * unit::deg);
+  EXPECT_FALSE(found.findings.has(Code::imu_not_calibrated));
+}
+
+TEST(Extrinsics, TurnsAboutOneAxisDoNotShowTheLeverArmAlongIt) {
+  Sway motion;
+  motion.along = Vector3d::UnitZ() * Vector3d(0.3, 1, 1).transpose();
+  const Extrinsics found = estimate_extrinsics({imu("a", {}, motion), imu("b", second, motion)});
+  const Mounting m = found.between(0, 1);
+  EXPECT_GT(m.uncertainty(5), 0.1);
+  EXPECT_LT(m.uncertainty(3), 0.02);
+  EXPECT_THAT(m.not_shown, Contains("lever arm along z"));
+  EXPECT_TRUE(found.findings.has(Code::mounting_not_shown));
+}
+
+std::string problem_of(const std::vector<BodyImu>& imus) {
+  try {
+    estimate_extrinsics(imus);
+  } catch (const Error& e) {
+    return e.what();
+  } catch (const Unsupported& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Extrinsics, WhatIsNotOneBodyIsNamed) {
+  BodyImu mirrored = imu("b", second);
+  for (double& x : mirrored.recording.gyro[1]) x = -x;
+  EXPECT_THAT(problem_of({imu("a", {}), mirrored}), HasSubstr("expected"));
+  for (double& x : mirrored.recording.accel[1]) x = -x;
+  EXPECT_THAT(problem_of({imu("a", {}), mirrored}), HasSubstr("expected"));
+  Sway other;
+  other.pace = 1.3;
+  EXPECT_THAT(problem_of({imu("a", {}), imu("b", second, other)}), HasSubstr("do not turn alike"));
+}
+
+TEST(Extrinsics, AWrongSignOfOneAccelerometerIsNeverGood) {
+  BodyImu b = imu("b", second);
+  for (double& x : b.recording.accel[1]) x = -x;
+  const std::string problem = problem_of({imu("a", {}), b});
+  if (problem.empty()) EXPECT_EQ(estimate_extrinsics({imu("a", {}), b}).verdict, Verdict::doubtful);
+}
+
+TEST(Extrinsics, BadInputIsRefused) {
+  EXPECT_THAT(problem_of({imu("a", {})}), HasSubstr("one IMU (a); expected two or more"));
+  EXPECT_THAT(problem_of({imu("a", {}), imu("a", second)}), HasSubstr("a: two IMUs have this name"));
+  EXPECT_THAT(problem_of({imu("a", {}), imu("b", second, {}, 3)}), HasSubstr("less than 5 s in common"));
+  BodyImu counts = imu("b", second);
+  counts.recording.gyro_unit = "count";
+  EXPECT_THAT(problem_of({imu("a", {}), counts}), HasSubstr("b: its readings are counts; expected a calibration"));
+  BodyImu still = imu("b", second);
+  for (Columns3* columns : {&still.recording.gyro, &still.recording.accel})
+    for (auto& axis : *columns) std::fill(axis.begin(), axis.end(), 0.1);
+  EXPECT_THAT(problem_of({imu("a", {}), still}), Not(HasSubstr("equations")));
+  BodyImu unknown = imu("b", second);
+  unknown.grade = "toy";
+  EXPECT_THAT(problem_of({imu("a", {}), unknown}), HasSubstr("toy"));
+}
+
+TEST(Extrinsics, ACompliantMountIsDoubted) {
+  BodyImu b = imu("b", second);
+  constexpr std::size_t late = 8;  // samples: the mount bends 40 ms after the motion
+  for (std::size_t i = late; i < b.recording.gyro[0].size(); ++i) b.recording.gyro[0][i] += 0.05 * b.recording.gyro[1][i - late];
+  EXPECT_EQ(estimate_extrinsics({imu("a", {}), b}).verdict, Verdict::doubtful);
+}
+
+}  // namespace
+}  // namespace imulab
