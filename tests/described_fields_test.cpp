@@ -175,6 +175,8 @@ done
 imulab calibrate all/5/1 --method handheld -o c.json
 cp fleet.db other.db
 cp -r all/5/1 warm
+cp -r all/5/1 other
+awk -F, -v OFS=, 'NR > 1 { for (i = 2; i <= NF; ++i) $i += 0.01 * (rand() - 0.5) } 1' all/5/1/recording.csv > other/recording.csv
 sed -i 's/^accel = .*/&\ngyro_temperature = { columns = ["gz"], unit = "degC" }/' warm/session.toml
 cp -r drive doubtful
 sed -i 's/,0[.]05/,0.0005/g' doubtful/gnss_1.csv
@@ -200,6 +202,7 @@ std::map<std::string, std::set<std::string>> printed_fields() {
       {"trajectory", "trajectory drive.toml -o driven"},
       {"compensate", "compensate c.json warm -o corrected.csv"},
       {"verify", "verify c.json"},
+      {"extrinsics", "extrinsics all/5/1 other"},
       {"export", "export c.json --to all -o files"},
       {"import", "import files/matrix.json -o imported.json"},
       {"report", "report c.json -o c.html"},

@@ -78,9 +78,22 @@ void expect_file_of_procedure(const std::string& name) {
 
 // imulab calibrate SESSION
 
-/// Calibrates one IMU, and writes its files.
-AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTask task, const std::vector<std::string>& paths) {
+/// One of several IMUs: its topics in a log, or its name in a session.
+struct OneOfSeveral {
+  std::vector<std::string> topics;
+  std::string imu = {};
+
+  std::string name() const { return imu.empty() ? fmt::format("{}", fmt::join(topics, " and ")) : imu; }
+};
+
+/// Calibrates one IMU, and writes its files. `imu`: of a session's recordings those of this IMU, if they are named.
+AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTask task, const std::vector<std::string>& paths,
+                                       const std::string& imu = "") {
   Session session = open_sessions(paths, {o.declarations, o.topics});
+  if (!imu.empty()) {
+    std::erase_if(session.recordings, [&](const RecordingSource& source) { return source.imu != imu; });
+    session.imu.name = imu;
+  }
   expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(
@@ -102,24 +115,34 @@ std::string numbered(const std::string& file, std::size_t n) {
   return (path.parent_path() / fmt::format("{}-{}{}", path.stem().string(), n, path.extension().string())).string();
 }
 
-/// Each IMU of one log: a calibration each, and one page.
-void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, const std::string& log,
-                    const std::vector<std::vector<std::string>>& imus) {
-  if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected --topic", log, imus.size()));
-  note(fmt::format("{}: has {} IMUs; --topic takes one alone", log, imus.size()));
+/// The IMUs that a session's recordings name, if they name several.
+std::vector<OneOfSeveral> imus_of_session(const std::string& path) {
+  std::vector<OneOfSeveral> out;
+  for (const RecordingSource& source : session_at(path).recordings)
+    if (std::ranges::find(out, source.imu, &OneOfSeveral::imu) == out.end()) out.push_back({{}, source.imu});
+  if (out.size() > 1 && std::ranges::find(out, "", &OneOfSeveral::imu) != out.end())
+    throw Error(path + ": some recordings name their IMU and others do not; expected imu = \"NAME\" in all of them, or in none");
+  return out.size() > 1 ? out : std::vector<OneOfSeveral>{};
+}
+
+/// Each IMU of one log or session: a calibration each, and one page.
+void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, const std::string& log, const std::vector<OneOfSeveral>& imus) {
+  const std::string_view choice = imus.front().imu.empty() ? "--topic" : "--recording";
+  if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected {}", log, imus.size(), choice));
+  note(fmt::format("{}: has {} IMUs; {} takes one alone", log, imus.size(), choice));
   std::vector<NamedCalibration> all;
   std::vector<std::string> missing, unlike;
   bool failed = false, short_of = false;
   for (std::size_t k = 0; k < imus.size(); ++k) {
-    const std::string name = fmt::format("{}", fmt::join(imus[k], " and "));
+    const std::string name = imus[k].name();
     CalibrateOptions own = o;
-    own.topics = imus[k], own.report.clear(), own.output = numbered(o.output, k), own.curves = numbered(o.curves, k);
+    own.topics = imus[k].topics, own.report.clear(), own.output = numbered(o.output, k), own.curves = numbered(o.curves, k);
     for (const auto& [option, file] : {std::pair{"--output", own.output}, {"--curves", own.curves}})
       if (!file.empty()) expect_free(option, file), will_write(option, file);
     print(fmt::format("{}IMU {} of {}: {}\n\n", k == 0 ? "" : "\n", k, imus.size(), one_line(name)));
     bool good = false;
     try {
-      const auto answer = calibrated(own, task, {log});
+      const auto answer = calibrated(own, task, {log}, imus[k].imu);
       good = is_favorable(answer.conclusion.verdict);
       all.push_back({name, answer.data->calibration});
       show(answer, own, "\n" + written_text(own.output) + "\n");
@@ -145,8 +168,14 @@ void run(const CalibrateOptions& o) {
   std::vector<std::string> paths{o.session};
   paths.insert(paths.end(), o.more.begin(), o.more.end());
   paths = recordings_named(paths);
-  if (paths.size() == 1 && o.topics.empty() && !declares_itself(paths.front()))
-    if (const auto imus = imus_of(paths.front()); !imus.empty()) return calibrate_each(o, task, paths.front(), imus);
+  if (paths.size() == 1 && o.topics.empty() && o.recording.empty() && paths.front() != "-") {
+    std::vector<OneOfSeveral> imus;
+    if (declares_itself(paths.front()))
+      imus = imus_of_session(paths.front());
+    else
+      for (std::vector<std::string>& topics : imus_of(paths.front())) imus.push_back({std::move(topics)});
+    if (!imus.empty()) return calibrate_each(o, task, paths.front(), imus);
+  }
   show(calibrated(o, task, paths), o, "\n" + written_text(o.output) + "\n");
 }
 

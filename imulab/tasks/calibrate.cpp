@@ -164,6 +164,10 @@ SessionRecordings read_recordings(Session session, const std::string& chosen) {
   SessionRecordings data{std::move(session), {}, {}};
   Session& s = data.session;
   if (!chosen.empty() || s.recordings.empty()) s.recordings = {RecordingSource(choose_recording(s, chosen))};
+  for (const RecordingSource& source : s.recordings)
+    if (source.imu != s.recordings.front().imu)
+      throw Error(fmt::format("{}: its recordings are of several IMUs ({}, {}); expected one chosen by recording", s.file, s.recordings.front().imu,
+                              source.imu));
   std::erase_if(s.steps, [&](const Step& step) {
     return std::none_of(s.recordings.begin(), s.recordings.end(), [&](const RecordingSource& r) { return r.file == step.recording; });
   });

@@ -135,6 +135,9 @@ double agreement(const std::vector<Vector3d>& first, const std::vector<Vector3d>
 Alignment aligned(const Stream& first_stream, const Stream& other_stream, const std::string& first_name, const std::string& other_name) {
   constexpr std::size_t together = 10;  // of the coarse search
   constexpr double most_lag_s = 1000;
+  const auto same = [](const Sample& a, const Sample& b) { return a.rate == b.rate && a.force == b.force; };
+  if (std::equal(first_stream.samples.begin(), first_stream.samples.end(), other_stream.samples.begin(), other_stream.samples.end(), same))
+    throw Error(fmt::format("{} and {} have the same readings; expected those of two IMUs", first_name, other_name));
   const Grid first = grid_of(first_stream), other = grid_of(other_stream);
   const double length_first = step_s * static_cast<double>(first.rate.size()), length_other = step_s * static_cast<double>(other.rate.size());
   const double shorter = std::min(length_first, length_other);

@@ -15,7 +15,8 @@ struct Alignment {
   Matrix3d rotation = Matrix3d::Identity();
 };
 
-/// Aligns `other` with `first`. Throws Unsupported where no 5 s are in common, nothing turns, or an axis of one has another sign than its others.
+/// Aligns `other` with `first`. Throws Error for the same readings twice, and Unsupported where no 5 s are in common, nothing turns, or an axis of
+/// one has another sign than its others.
 Alignment aligned(const Stream& first, const Stream& other, const std::string& first_name, const std::string& other_name);
 
 }  // namespace imulab::extrinsics

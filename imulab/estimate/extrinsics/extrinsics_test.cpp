@@ -178,6 +178,9 @@ TEST(Extrinsics, BadInputIsRefused) {
   EXPECT_THAT(problem_of({imu("a", {})}), HasSubstr("one IMU (a); expected two or more"));
   EXPECT_THAT(problem_of({imu("a", {}), imu("a", second)}), HasSubstr("a: two IMUs have this name"));
   EXPECT_THAT(problem_of({imu("a", {}), imu("b", second, {}, 3)}), HasSubstr("less than 5 s in common"));
+  BodyImu again = imu("a", {});
+  again.name = "b";
+  EXPECT_THAT(problem_of({imu("a", {}), again}), HasSubstr("a and b have the same readings"));
   BodyImu counts = imu("b", second);
   counts.recording.gyro_unit = "count";
   EXPECT_THAT(problem_of({imu("a", {}), counts}), HasSubstr("b: its readings are counts; expected a calibration"));

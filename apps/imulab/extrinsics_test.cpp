@@ -1,0 +1,83 @@
+#include <gmock/gmock.h>
+
+#include "tests/mcap_file.hpp"
+#include "tests/recorded_session.hpp"
+#include "tests/run_command.hpp"
+
+namespace imulab {
+namespace {
+
+using testing::AllOf, testing::HasSubstr, testing::Not;
+
+/// Two IMUs of one body that felt the hand-held session: the second is turned by 90 deg about z, and its clock is 30 ms ahead.
+struct TwoImus : testing::Test {
+  static std::vector<ImuMessage> messages(bool turned) {
+    std::vector<ImuMessage> out;
+    const std::vector<std::string>& lines = hand_held_session().lines;
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      const std::vector<std::string> row = SessionText::fields(lines[i]);
+      ImuMessage m{1'700'000'000'000'000'000 + 10'000'000 * static_cast<std::int64_t>(i) + (turned ? 30'000'000 : 0), {}};
+      for (std::size_t k = 0; k < 6; ++k) m.readings[k] = std::stod(row[k + 1]);
+      if (turned)
+        for (const std::size_t first : {0U, 3U}) std::swap(m.readings[first], m.readings[first + 1]), m.readings[first + 1] = -m.readings[first + 1];
+      out.push_back(m);
+    }
+    return out;
+  }
+
+  /// A session of two files that names their IMUs.
+  void write_session() const {
+    std::string text = "format = \"imulab.session/1\"\n[site]\nlatitude_deg = 47.4\nheight_m = 440\n";
+    for (const char* topic : {"/left", "/right"})
+      text += std::string("[[recording]]\nfile = \"") + (topic + 1) + ".mcap\"\ntopic = \"" + topic + "\"\nimu = \"" + (topic + 1) +
+              "\"\nrate_hz = 100\ntime = { column = \"header.stamp\", unit = \"ns\" }\n"
+              "gyro = { columns = [\"angular_velocity.x\", \"angular_velocity.y\", \"angular_velocity.z\"], output = \"rate\", unit = \"rad/s\" }\n"
+              "accel = { columns = [\"linear_acceleration.x\", \"linear_acceleration.y\", \"linear_acceleration.z\"], output = \"rate\", unit = "
+              "\"m/s^2\" }\n";
+    folder.write("two.toml", text);
+    folder.write("left.mcap", mcap_file({{"/left", messages(false)}}));
+    folder.write("right.mcap", mcap_file({{"/right", messages(true)}}));
+  }
+
+  TwoImus() { folder.write("two.mcap", mcap_file({{"/left", messages(false)}, {"/right", messages(true)}})); }
+  TemporaryFolder folder;
+};
+
+TEST_F(TwoImus, AreFoundInOneLogAndExported) {
+  const CommandResult found = run_imulab(folder, "extrinsics two.mcap -o e.json --report e.html -v");
+  EXPECT_THAT(found.output, AllOf(HasSubstr("/right relative to /left"), HasSubstr("rotation vector"), HasSubstr("written: e.json"))) << found.errors;
+  const std::string json = read_text(folder / "e.json");
+  EXPECT_THAT(json, AllOf(HasSubstr("\"format\": \"imulab.extrinsics/1\""), HasSubstr("\"covariance\""), HasSubstr("\"not_shown\"")));
+  EXPECT_THAT(read_text(folder / "e.html"), HasSubstr("2 IMUs on one body"));
+  EXPECT_EQ(run_imulab(folder, "report e.json -o again.html").exit_code, 0);
+  EXPECT_THAT(run_imulab(folder, "export e.json --to kalibr").output, AllOf(HasSubstr("imu1:  # /right\n  T_i_b:"), HasSubstr("time_offset: -0.0")));
+  EXPECT_THAT(run_imulab(folder, "export e.json --to ros").output,
+              AllOf(HasSubstr("static_transform_publisher"), HasSubstr("--frame-id _left --child-frame-id _right")));
+  EXPECT_THAT(run_imulab(folder, "export e.json --to urdf").output, HasSubstr("<joint name=\"_left_to__right\" type=\"fixed\">"));
+  EXPECT_THAT(run_imulab(folder, "export e.json --to csv").output, HasSubstr("_left,_right,clock_offset,0.0"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "export e.json --to px4").errors), HasSubstr("holds no extrinsics; expected one of kalibr, openvins"));
+}
+
+TEST_F(TwoImus, AreNamedInASession) {
+  write_session();
+  const CommandResult found = run_imulab(folder, "extrinsics two.toml --grade tactical --calibration none --calibration none");
+  EXPECT_THAT(found.output, HasSubstr("right relative to left")) << found.errors;
+  const CommandResult each = run_imulab(folder, "calibrate two.toml --method handheld -o c.json");
+  EXPECT_EQ(each.exit_code, 0) << each.errors;
+  EXPECT_THAT(each.output, AllOf(HasSubstr("IMU 0 of 2: left"), HasSubstr("2 IMUs: all good")));
+  EXPECT_THAT(read_text(folder / "c-1.json"), HasSubstr("\"imu\": \"right\""));
+  folder.write("half.toml", read_text(folder / "two.toml").replace(read_text(folder / "two.toml").find("imu = \"left\""), 12, ""));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "calibrate half.toml --method handheld").errors), HasSubstr("some recordings name their IMU"));
+}
+
+TEST_F(TwoImus, WrongOptionsAreNamed) {
+  EXPECT_THAT(on_one_line(run_imulab(folder, "extrinsics two.mcap --calibration none").errors),
+              HasSubstr("given 1 times; expected one for each of 2 IMUs, in the order of /left, /right"));
+  EXPECT_THAT(run_imulab(folder, "extrinsics two.mcap --grade toy").errors, HasSubstr("toy"));
+  folder.write("one.mcap", mcap_file({{"/left", messages(false)}}));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "extrinsics one.mcap").errors), HasSubstr("expected two or more on one body"));
+  EXPECT_EQ(run_imulab(folder, "extrinsics nothing.csv").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace imulab
