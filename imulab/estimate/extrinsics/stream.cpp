@@ -30,9 +30,9 @@ Vector3d row_of(const Columns3& columns, std::size_t i) { return {columns[0][i],
 }  // namespace
 
 Stream stream_of(const BodyImu& imu, std::int64_t origin_ns) {
-  const Recording recording = compensated(imu);
-  if (recording.size() < 2 || recording.gyro[0].empty() || recording.accel[0].empty())
+  if (imu.recording.size() < 2 || imu.recording.gyro[0].empty() || imu.recording.accel[0].empty())
     throw Error(imu.name + ": has no gyros, or no accelerometers; expected both");
+  const Recording recording = compensated(imu);
   const double own_interval = recording.interval_s;
   const auto together = static_cast<std::size_t>(std::max(1., std::floor(least_interval_s / own_interval + 0.01)));
   const std::int64_t shift = imu.clock_zero_ns - origin_ns;
