@@ -30,7 +30,7 @@ const std::map<std::string, std::set<std::string>> public_headers{
     {"recording", {"aid", "recording", "rests", "session"}},
     {"navigation", {"navigate"}},
     {"rig", {"procedure", "simulate"}},
-    {"estimate", {"calibrate", "plan", "predict"}},
+    {"estimate", {"calibrate", "extrinsics", "plan", "predict"}},
     {"noise", {"noise"}},
     {"formats", {"exchange", "files"}},
     {"fleet", {"fleet"}}};

@@ -262,7 +262,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
              "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
         Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", \"imulab.noise/1\""},
         Case{"calibration.json result.json", "imulab: result.json: is a comparison; expected calibrations alone, or other results alone"},
-        Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected calibration.json, noise.json, or what compare"},
+        Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected calibration.json, noise.json, extrinsics.json, or what compare"},
         Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected calibration.json"},
         Case{"calibration.json nan.json", "nan.json:28: not JSON; expected calibration.json"},
         Case{"calibration.json null.json", "expected a number, found null"},

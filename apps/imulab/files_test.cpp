@@ -35,6 +35,8 @@ const std::vector<Row> written_by{
     {"calibrate", "--report", "calibrate S --method handheld --report @", session_files},
     {"live", "-o", "live S/recording.csv --session S -o @ --force", session_files},
     {"live", "--save", "live S/recording.csv --session S --save @ --force", session_files},
+    {"extrinsics", "-o", "extrinsics S S2 -o @", {"S/recording.csv", "S2/session.toml"}},
+    {"extrinsics", "--report", "extrinsics S S2 --report @", {"S2/recording.csv"}},
     {"noise", "-o", "noise S -o @ --force", session_files},
     {"noise", "-o", "noise S S2 -o @ --force", {"S2/recording.csv"}},
     {"noise", "--report", "noise S --report @", session_files},

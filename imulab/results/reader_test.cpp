@@ -195,7 +195,7 @@ TEST(SavedResult, WhatIsNoResultIsNamed) {
   };
   EXPECT_THAT(error(""), HasSubstr("x.json: is empty; expected calibration.json"));
   EXPECT_THAT(error("{\n\"a\": }"), HasSubstr("x.json:2: not JSON"));
-  EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, noise.json, or what compare"));
+  EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, noise.json, extrinsics.json, or what compare"));
   EXPECT_THAT(error("{\"format\": \"imulab.session/1\"}"), HasSubstr("x.json: format: expected \"imulab.calibration/1\""));
   EXPECT_THAT(error("{\"format\": \"imulab.prediction/1\", \"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"),
               HasSubstr("x.json: coefficients: unknown coefficient \"gyro.offset.w\""));
