@@ -193,7 +193,8 @@ void add_report(Verb& app) {
   const auto o = std::make_shared<Options>();
   Verb& verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
-              "calibration.json, noise.json, extrinsics.json, or the --json output of compare, predict, plan, navigate, budget or compensate; - for standard input")
+              "calibration.json, noise.json, extrinsics.json, or the --json output of compare, predict, plan, navigate, budget or compensate; - for "
+              "standard input")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();

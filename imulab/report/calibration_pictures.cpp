@@ -137,7 +137,11 @@ std::string sweep_figure(const CalibrationReport& report, Triad triad, double tr
                           with, "values of the reference temperature", "terms over temperature"),
                 fmt::format("{} at rest: the size of the mean {}, less {}. RMS {} with the values of the reference temperature alone, {} with the "
                             "terms over temperature.",
-                            accel ? "Gravity" : "Rate", accel ? "force" : "rate", !known ? "its mean" : accel ? "g" : "the Earth's", text(without), text(with)) +
+                            accel ? "Gravity" : "Rate", accel ? "force" : "rate",
+                            !known  ? "its mean"
+                            : accel ? "g"
+                                    : "the Earth's",
+                            text(without), text(with)) +
                     thinned_text(at.size()));
 }
 
@@ -297,14 +301,14 @@ std::string coverage_section(const CalibrationReport& report) {
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   return section(
       "coverage", "Directions of gravity", "",
-      beside(
-          {figure(sphere(marks, "directions of gravity at rest"),
-                  fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
-                              gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
-           figure(plot.svg() + key({{"checked by other rests", color::green}, {"checked by none", color::vermilion}}),
-                  fmt::format("What each rest contributes to the nine accelerometer parameters (biases, scale factors, misalignments), all rests counting "
-                              "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
-                              number_text(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
+      beside({figure(sphere(marks, "directions of gravity at rest"),
+                     fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
+                                 gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
+              figure(plot.svg() + key({{"checked by other rests", color::green}, {"checked by none", color::vermilion}}),
+                     fmt::format(
+                         "What each rest contributes to the nine accelerometer parameters (biases, scale factors, misalignments), all rests counting "
+                         "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
+                         number_text(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
 }
 
 }  // namespace imulab::report
