@@ -7,7 +7,7 @@
 namespace imulab {
 namespace {
 
-using testing::AllOf, testing::HasSubstr, testing::Not;
+using testing::AllOf, testing::HasSubstr;
 
 /// Two IMUs of one body that felt the hand-held session: the second is turned by 90 deg about z, and its clock is 30 ms ahead.
 struct TwoImus : testing::Test {

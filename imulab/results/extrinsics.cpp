@@ -94,9 +94,11 @@ Conclusion conclusion_of(const Extrinsics& extrinsics) {
     rotation = std::max(rotation, largest_sigma(m, 0)), arm = std::max(arm, largest_sigma(m, lever_arm_row)),
     clock = std::max(clock, m.uncertainty(offset_row));
   const std::string of = extrinsics.imus.size() == 2 ? excerpt(extrinsics.imus[1]) : fmt::format("{} IMUs", extrinsics.imus.size() - 1);
+  const std::vector<std::string> reasons = extrinsics.findings.reasons();
+  const std::string because = reasons.empty() ? "" : fmt::format("; because {}", fmt::join(reasons, "; "));
   return {extrinsics.verdict,
-          fmt::format("{} relative to {}: rotation to {} deg, lever arm to {} mm, clock to {} ms (1 sigma)", of, excerpt(extrinsics.imus.front()),
-                      text::two_digits(rotation / unit::deg), text::two_digits(arm / mm), text::two_digits(clock / ms))};
+          fmt::format("{} relative to {}: rotation to {} deg, lever arm to {} mm, clock to {} ms (1 sigma){}", of, excerpt(extrinsics.imus.front()),
+                      text::two_digits(rotation / unit::deg), text::two_digits(arm / mm), text::two_digits(clock / ms), because)};
 }
 
 namespace {

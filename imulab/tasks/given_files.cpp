@@ -36,6 +36,7 @@ std::string described_result(const SavedResult& result) {
                              return std::string("an analysis of noise, which report takes, and a session as noise = \"FILE\" of its [imu]");
                            },
                            [](const NoiseBatch&) { return std::string("an analysis of the noise of several logs, which report takes"); },
+                           [](const Extrinsics&) { return std::string("a set of extrinsics, which report and export take"); },
                            [](const auto&) { return std::string("a saved result, which report and compare take"); }},
                     result);
 }

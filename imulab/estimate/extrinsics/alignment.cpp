@@ -125,8 +125,11 @@ Procrustes nearest_rotation(const Matrix3d& h) {
 
 /// The correlation of the rates at this lag, the others turned by the best rotation.
 double agreement(const std::vector<Vector3d>& first, const std::vector<Vector3d>& other, std::ptrdiff_t lag) {
-  const Matrix3d h = moments(first, other, lag, true);
-  const double size = moments(first, first, 0, true).trace() * moments(other, other, 0, true).trace();
+  const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, -lag);
+  const std::ptrdiff_t end = std::min(static_cast<std::ptrdiff_t>(first.size()), static_cast<std::ptrdiff_t>(other.size()) - lag);
+  const std::vector<Vector3d> a(first.begin() + begin, first.begin() + end), b(other.begin() + begin + lag, other.begin() + end + lag);
+  const Matrix3d h = moments(a, b, 0, true);
+  const double size = moments(a, a, 0, true).trace() * moments(b, b, 0, true).trace();
   return size > 0 ? (nearest_rotation(h).rotation.transpose() * h).trace() / std::sqrt(size) : 0;
 }
 

@@ -32,6 +32,12 @@ Vector3d row_of(const Columns3& columns, std::size_t i) { return {columns[0][i],
 Stream stream_of(const BodyImu& imu, std::int64_t origin_ns) {
   if (imu.recording.size() < 2 || imu.recording.gyro[0].empty() || imu.recording.accel[0].empty())
     throw Error(imu.name + ": has no gyros, or no accelerometers; expected both");
+  const auto is_constant = [](const std::vector<double>& axis) {
+    return std::all_of(axis.begin(), axis.end(), [&](double x) { return x == axis.front(); });
+  };
+  for (const auto& [columns, triad] : {std::pair{&imu.recording.gyro, "gyros"}, {&imu.recording.accel, "accelerometers"}})
+    if (std::all_of(columns->begin(), columns->end(), is_constant))
+      throw Error(fmt::format("{}: the readings of its {} never change; expected those of a moving IMU", imu.name, triad));
   const Recording recording = compensated(imu);
   const double own_interval = recording.interval_s;
   const auto together = static_cast<std::size_t>(std::max(1., std::floor(least_interval_s / own_interval + 0.01)));
