@@ -35,19 +35,21 @@ struct BodyImu {
 
 /// The pose and clock of IMU `to` relative to IMU `from`.
 struct Mounting {
+  /// Rows of the covariance: rotation [rad, about the axes of `to`] and lever arm have three each.
+  enum Row { rotation_row = 0, lever_arm_row = 3, clock_offset_row = 6, clock_drift_row = 7, accel_delay_row = 8, rows = 9 };
+
   std::string from, to;
   Matrix3d rotation = Matrix3d::Identity();  ///< takes a vector from the axes of `from` to those of `to`
   Vector3d lever_arm = Vector3d::Zero();     ///< m: position of `to` in the axes of `from`
   double clock_offset = 0;                   ///< s: stamp of `to` minus stamp of `from` for the same instant, at `epoch`
   double clock_drift = 0;                    ///< relative: rate of the clock of `to`, minus 1
   double accel_delay = 0;                    ///< s: delay of the accelerometers of `to` against its gyros, minus that of `from`
-  double epoch = 0;                          ///< s on the clock of the first IMU
-  /// Rotation [rad, about the axes of `to`], lever arm, clock offset, clock drift, accelerometers' delay.
-  Eigen::Matrix<double, 9, 9> covariance = Eigen::Matrix<double, 9, 9>::Zero();
+  double epoch = 0;                          ///< s on the clock of the first IMU, from its first stamp
+  Eigen::Matrix<double, rows, rows> covariance = Eigen::Matrix<double, rows, rows>::Zero();
   std::vector<std::string> not_shown = {};  ///< what this motion does not show: "lever arm along (0.00, 0.71, 0.71)"
 
-  /// The standard uncertainty of element i of the covariance.
-  double uncertainty(int i) const;
+  double uncertainty(int row) const;        ///< standard uncertainty
+  Vector3d uncertainties(Row first) const;  ///< of rotation_row or lever_arm_row
   /// Takes points from the axes of `from` to those of `to`, as Kalibr's T_i_b does: rotation, and minus the rotated lever arm.
   Eigen::Matrix4d matrix() const;
 };
@@ -67,7 +69,7 @@ struct BodyRates {
 struct Extrinsics {
   std::vector<std::string> imus;
   std::vector<Mounting> from_first;     ///< of each other IMU
-  Eigen::MatrixXd covariance;           ///< of all mountings, 9 rows each
+  Eigen::MatrixXd covariance;           ///< of all mountings, Mounting::rows each
   std::vector<BodyResidual> residuals;  ///< of each IMU
   std::vector<BodyRates> rates;         ///< of each other IMU beside the first
   std::vector<double> agreement;        ///< of each other IMU: correlation of its angular rate with that of the first, at the found offset

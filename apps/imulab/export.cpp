@@ -123,13 +123,17 @@ UsableCalibration calibration_of(const ExportVerbOptions& o) {
   return {no_calibration(), {}};
 }
 
-/// The text of extrinsics.json, which has targets of its own; none for a calibration.
+/// The text of extrinsics.json, which has targets of its own; none for a calibration. Throws Error for options of calibrations.
 std::optional<std::string> extrinsics_text_of(const ExportVerbOptions& o) {
-  constexpr std::size_t in_head = 200;
   if (o.calibration == "none" || is_stream(o.calibration)) return std::nullopt;
   const MappedFile file(o.calibration, Content::settings);
-  if (file.text().substr(0, in_head).find("\"imulab.extrinsics/") == std::string_view::npos) return std::nullopt;
-  return exported_extrinsics(std::get<Extrinsics>(parse_result(file.text(), o.calibration)), o.target);
+  if (file.text().find("\"imulab.extrinsics/") == std::string_view::npos) return std::nullopt;
+  const SavedResult result = parse_result(file.text(), input_name(o.calibration));
+  const auto* const extrinsics = std::get_if<Extrinsics>(&result);
+  if (extrinsics == nullptr) return std::nullopt;
+  for (const ExportVerbOptions::OfTargets& of : o.of_targets)
+    if (of.option->given) throw Error(fmt::format("{}: belongs to calibrations; expected extrinsics alone", of.name()));
+  return exported_extrinsics(*extrinsics, o.target);
 }
 
 void run(const ExportVerbOptions& o) {

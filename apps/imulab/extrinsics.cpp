@@ -9,6 +9,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/tasks/inspect.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
@@ -19,42 +20,70 @@
 namespace imulab::command {
 namespace {
 
-/// The IMUs of a session: a recording each.
-void add_imus_of_session(std::vector<BodyImu>& imus, const std::string& path, const ExtrinsicsOptions& o) {
-  const Session session = open_session(path, {o.declarations}, numbers_inspected, Purpose::compensation);
-  for (const RecordingSource& source : session.recordings) {
-    const std::string name = !source.imu.empty() ? source.imu : std::filesystem::path(source.file).stem().string();
-    imus.push_back(body_imu(session, source, name, o, warn));
+/// An IMU, its path on the command line, and what declares its recording.
+struct GivenImu {
+  BodyImu imu;
+  std::string path;
+  RecordingSource source;
+};
+
+void add(std::vector<GivenImu>& all, const Session& session, const RecordingSource& source, const std::string& name, const std::string& path,
+         const ExtrinsicsOptions& o) {
+  RecordingReading reading = read_recording(session, source);
+  for (const std::string& warning : reading.warnings) warn(name + ": " + warning);
+  GivenImu& given = all.emplace_back(GivenImu{{.name = name, .recording = std::move(reading.recording)}, path, source});
+  given.imu.grade = o.grade.value_or(session.imu.grade.value_or("mems"));
+  if (source.time.unit != "tick" && source.time.unit != "sample") given.imu.clock_zero_ns = source.time.zero;
+}
+
+/// The IMUs of a session, a recording each; or of a log, one or one for each of its topics.
+void add_imus(std::vector<GivenImu>& all, const std::string& path, const ExtrinsicsOptions& o) {
+  const auto open = [&](const std::vector<std::string>& topics) {
+    return open_session(path, {o.declarations, topics}, numbers_inspected, Purpose::compensation);
+  };
+  const auto stem = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+  if (declares_itself(path)) {
+    const Session session = open({});
+    for (const RecordingSource& source : session.recordings) add(all, session, source, source.imu.empty() ? stem(source.file) : source.imu, path, o);
+    return;
+  }
+  const std::vector<std::vector<std::string>> topics = imus_of(path);
+  for (const std::vector<std::string>& own : topics.empty() ? std::vector<std::vector<std::string>>{{}} : topics) {
+    const Session session = open(own);
+    add(all, session, session.recordings.front(), own.empty() ? stem(path) : fmt::format("{}", fmt::join(own, " and ")), path, o);
   }
 }
 
-/// The IMUs of a log: one, or one for each of its topics.
-void add_imus_of_log(std::vector<BodyImu>& imus, const std::string& path, const ExtrinsicsOptions& o) {
-  std::vector<std::vector<std::string>> topics = imus_of(path);
-  const bool several = !topics.empty();
-  if (!several) topics.emplace_back();
-  for (const std::vector<std::string>& own : topics) {
-    const Session session = open_session(path, {o.declarations, own}, numbers_inspected, Purpose::compensation);
-    const std::string name = several ? fmt::format("{}", fmt::join(own, " and ")) : std::filesystem::path(path).stem().string();
-    imus.push_back(body_imu(session, session.recordings.front(), name, o, warn));
-  }
+/// Equal names, of files in several folders or of topics in several logs, are told apart by their paths.
+void make_names_different(std::vector<GivenImu>& all) {
+  std::map<std::string, int> names, paths;
+  for (const GivenImu& given : all) ++names[given.imu.name], ++paths[given.path];
+  for (GivenImu& given : all)
+    if (names[given.imu.name] > 1) given.imu.name = paths[given.path] > 1 ? given.path + ": " + given.imu.name : given.path;
 }
 
-/// Files of one name in several folders are told apart by their folders.
-void make_names_different(std::vector<BodyImu>& imus, const std::vector<std::string>& paths) {
-  std::map<std::string, int> count;
-  for (const BodyImu& imu : imus) ++count[imu.name];
-  if (imus.size() != paths.size()) return;
-  for (std::size_t k = 0; k < imus.size(); ++k)
-    if (count[imus[k].name] > 1) imus[k].name = paths[k];
+/// One calibration for each IMU, in their order, or the word none.
+void take_calibrations(std::vector<GivenImu>& all, const std::vector<std::string>& files) {
+  if (files.empty()) return;
+  std::vector<std::string> names;
+  for (const GivenImu& given : all) names.push_back(given.imu.name);
+  if (files.size() != all.size())
+    throw OptionError("calibration", fmt::format("given {} times; expected one for each of {} IMUs, in the order of {}; none: without one",
+                                                 files.size(), all.size(), fmt::join(names, ", ")));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (files[k] == "none") continue;
+    all[k].imu.calibration = read_usable(files[k], false, "--calibration none").calibration;
+    check_thermal_units(*all[k].imu.calibration, all[k].source);
+  }
 }
 
 void run(const ExtrinsicsOptions& o) {
+  std::vector<GivenImu> given;
+  for (const std::string& path : recordings_named(o.recordings)) add_imus(given, path, o);
+  make_names_different(given);
+  take_calibrations(given, o.calibrations);
   std::vector<BodyImu> imus;
-  const std::vector<std::string> paths = recordings_named(o.recordings);
-  for (const std::string& path : paths) declares_itself(path) ? add_imus_of_session(imus, path, o) : add_imus_of_log(imus, path, o);
-  make_names_different(imus, paths);
-  take_calibrations(imus, o);
+  for (GivenImu& each : given) imus.push_back(std::move(each.imu));
   const auto answer = [&] {
     Progress progress("finding extrinsics");
     return extrinsics_answer(imus, [&progress](double part) { progress.report(part); });

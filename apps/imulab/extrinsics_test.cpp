@@ -7,7 +7,7 @@
 namespace imulab {
 namespace {
 
-using testing::AllOf, testing::HasSubstr;
+using testing::AllOf, testing::HasSubstr, testing::Not;
 
 /// Two IMUs of one body that felt the hand-held session: the second is turned by 90 deg about z, and its clock is 30 ms ahead.
 struct TwoImus : testing::Test {
@@ -52,9 +52,9 @@ TEST_F(TwoImus, AreFoundInOneLogAndExported) {
   EXPECT_EQ(run_imulab(folder, "report e.json -o again.html").exit_code, 0);
   EXPECT_THAT(run_imulab(folder, "export e.json --to kalibr").output, AllOf(HasSubstr("imu1:  # /right\n  T_i_b:"), HasSubstr("time_offset: -0.0")));
   EXPECT_THAT(run_imulab(folder, "export e.json --to ros").output,
-              AllOf(HasSubstr("static_transform_publisher"), HasSubstr("--frame-id _left --child-frame-id _right")));
-  EXPECT_THAT(run_imulab(folder, "export e.json --to urdf").output, HasSubstr("<joint name=\"_left_to__right\" type=\"fixed\">"));
-  EXPECT_THAT(run_imulab(folder, "export e.json --to csv").output, HasSubstr("_left,_right,clock_offset,0.0"));
+              AllOf(HasSubstr("static_transform_publisher"), HasSubstr("--frame-id left --child-frame-id right")));
+  EXPECT_THAT(run_imulab(folder, "export e.json --to urdf").output, HasSubstr("<joint name=\"left_to_right\" type=\"fixed\">"));
+  EXPECT_THAT(run_imulab(folder, "export e.json --to csv").output, HasSubstr("left,right,clock_offset,0.0"));
   EXPECT_THAT(on_one_line(run_imulab(folder, "export e.json --to px4").errors), HasSubstr("holds no extrinsics; expected one of kalibr, openvins"));
 }
 
@@ -70,7 +70,27 @@ TEST_F(TwoImus, AreNamedInASession) {
   EXPECT_THAT(on_one_line(run_imulab(folder, "calibrate half.toml --method handheld").errors), HasSubstr("some recordings name their IMU"));
 }
 
+TEST_F(TwoImus, HostileNamesEndNoComment) {
+  run_imulab(folder, "extrinsics two.mcap -o e.json");
+  std::string json = read_text(folder / "e.json");
+  for (std::size_t at = 0; (at = json.find("\"/right\"", at)) != std::string::npos; at += 8) json.replace(at, 8, R"("a-->\nrm -rf b")");
+  json.replace(json.find("\"not_shown\": []"), 15, R"("not_shown": ["x-->\nrm -rf c"])");
+  json.insert(json.find("\"headline\": \"") + 13, std::string(400, '-'));
+  folder.write("hostile.json", json);
+  const std::string urdf = run_imulab(folder, "export hostile.json --to urdf").output,
+                    ros = run_imulab(folder, "export hostile.json --to ros").output;
+  EXPECT_EQ(urdf.find("-->"), urdf.rfind("-->")) << urdf;
+  EXPECT_THAT(ros, AllOf(HasSubstr("# "), Not(HasSubstr("\nrm")))) << ros;
+  for (std::size_t at = 0; (at = json.find(R"("a-->\nrm -rf b")", at)) != std::string::npos;) json.replace(at, 16, "\"\"");
+  folder.write("unnamed.json", json);
+  EXPECT_THAT(run_imulab(folder, "export unnamed.json --to ros").output, HasSubstr("--child-frame-id imu\n"));
+  EXPECT_THAT(on_one_line(run_imulab(folder, "export e.json --to kalibr --topic /x").errors), HasSubstr("--topic: belongs to calibrations"));
+}
+
 TEST_F(TwoImus, WrongOptionsAreNamed) {
+  EXPECT_THAT(run_imulab(folder, "extrinsics two.mcap two.mcap").errors, HasSubstr("two.mcap: /left: two IMUs have this name"));
+  folder.write("open.json", R"({"format": "imulab.calibration/1", "quality": {"unobservable": ["accel.offset.x"]}, "model": {}})");
+  EXPECT_NE(run_imulab(folder, "extrinsics two.mcap --calibration open.json --calibration none").exit_code, 0);
   EXPECT_THAT(on_one_line(run_imulab(folder, "extrinsics two.mcap --calibration none").errors),
               HasSubstr("given 1 times; expected one for each of 2 IMUs, in the order of /left, /right"));
   EXPECT_THAT(run_imulab(folder, "extrinsics two.mcap --grade toy").errors, HasSubstr("toy"));

@@ -218,9 +218,9 @@ Recording read_for(const Calibration& calibration, const Session& session, const
   return std::move(reading.recording);
 }
 
-UsableCalibration read_usable(const std::string& file, bool allow_undetermined) {
+UsableCalibration read_usable(const std::string& file, bool allow_undetermined, const std::string& allow) {
   Calibration calibration = read_calibration(file);
-  std::vector<std::string> warnings = expect_usable(calibration, file, allow_undetermined);
+  std::vector<std::string> warnings = expect_usable(calibration, file, allow_undetermined, allow);
   warn_each(warnings);
   return {std::move(calibration), std::move(warnings)};
 }

@@ -47,6 +47,6 @@ struct UsableCalibration {
   std::vector<std::string> warnings;  ///< about it, which are printed
 };
 /// Reads a calibration that may be applied, and prints the warnings about it. Throws as expect_usable.
-UsableCalibration read_usable(const std::string& file, bool allow_undetermined);
+UsableCalibration read_usable(const std::string& file, bool allow_undetermined, const std::string& allow = "--allow-undetermined");
 
 }  // namespace imulab::command

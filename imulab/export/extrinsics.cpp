@@ -2,6 +2,7 @@
 
 #include "imulab/error.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/format.h>
@@ -17,11 +18,15 @@ namespace {
 
 using export_io::exact_number, export_io::plain;
 
-/// A name for frames: letters, digits and underscores.
+/// A name for frames: letters, digits and underscores, a letter first. "left_imu" of the topic "/left/imu".
 std::string frame_name(std::string_view name) {
   std::string out;
-  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return std::isdigit(static_cast<unsigned char>(out.front())) ? "imu_" + out : out;
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      out += c;
+    else if (!out.empty())
+      out += '_';
+  return out.empty() || !std::isalpha(static_cast<unsigned char>(out.front())) ? "imu" + out : out;
 }
 
 /// Roll, pitch and yaw of the axes of `to` in those of `from`: R = R_z(yaw) R_y(pitch) R_x(roll).
@@ -34,10 +39,11 @@ Vector3d roll_pitch_yaw(const Mounting& m) {
 std::string head(const Extrinsics& e, std::string_view mark) {
   std::string out = fmt::format("{} Extrinsics of imulab{}\n", mark, e.verdict == Verdict::doubtful ? ", DOUBTFUL" : "");
   for (const Mounting& m : e.from_first) {
+    const Vector3d turn = m.uncertainties(Mounting::rotation_row) / unit::deg, arm = 1e3 * m.uncertainties(Mounting::lever_arm_row);
     out += fmt::format("{} {} relative to {}: u of rotation {:.2g}, {:.2g}, {:.2g} deg, of lever arm {:.2g}, {:.2g}, {:.2g} mm, of clock {:.2g} ms\n",
-                       mark, plain(m.to), plain(m.from), m.uncertainty(0) / unit::deg, m.uncertainty(1) / unit::deg, m.uncertainty(2) / unit::deg,
-                       1e3 * m.uncertainty(3), 1e3 * m.uncertainty(4), 1e3 * m.uncertainty(5), 1e3 * m.uncertainty(6));
-    for (const std::string& what : m.not_shown) out += fmt::format("{}   NOT SHOWN by the motion: {}\n", mark, what);
+                       mark, plain(m.to), plain(m.from), turn[0], turn[1], turn[2], arm[0], arm[1], arm[2],
+                       1e3 * m.uncertainty(Mounting::clock_offset_row));
+    for (const std::string& what : m.not_shown) out += fmt::format("{}   NOT SHOWN by the motion: {}\n", mark, plain(what));
   }
   return out;
 }
@@ -70,8 +76,9 @@ std::string ros_text(const Extrinsics& e) {
 }
 
 std::string urdf_text(const Extrinsics& e) {
-  std::string out = "<!--\n" + head(e, " ") + "-->\n";
-  for (std::size_t at = 4; (at = out.find("--", at)) < out.find("-->");) out[at] = ' ';  // a comment of XML has no two dashes
+  std::string comment = head(e, " ");
+  for (std::size_t at = 0; (at = comment.find("--", at)) != std::string::npos;) comment[at] = ' ';  // would end it
+  std::string out = "<!--\n" + comment + "-->\n";
   for (const Mounting& m : e.from_first) {
     const Vector3d angles = roll_pitch_yaw(m);
     out += fmt::format(
@@ -92,29 +99,28 @@ std::string csv_text(const Extrinsics& e) {
     };
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row(fmt::format("rotation.{}{}", "xyz"[i], "xyz"[j]), m.rotation(i, j), "", "1");
-    for (int i = 0; i < 3; ++i) row(fmt::format("lever_arm.{}", "xyz"[i]), m.lever_arm[i], exact_number(m.uncertainty(3 + i)), "m");
-    row("clock_offset", m.clock_offset, exact_number(m.uncertainty(6)), "s"), row("clock_drift", m.clock_drift, exact_number(m.uncertainty(7)), "1");
-    row("accel_delay", m.accel_delay, exact_number(m.uncertainty(8)), "s");
+    for (int i = 0; i < 3; ++i)
+      row(fmt::format("lever_arm.{}", "xyz"[i]), m.lever_arm[i], exact_number(m.uncertainties(Mounting::lever_arm_row)[i]), "m");
+    row("clock_offset", m.clock_offset, exact_number(m.uncertainty(Mounting::clock_offset_row)), "s"),
+        row("clock_drift", m.clock_drift, exact_number(m.uncertainty(Mounting::clock_drift_row)), "1");
+    row("accel_delay", m.accel_delay, exact_number(m.uncertainty(Mounting::accel_delay_row)), "s");
   }
   return out;
 }
 
-constexpr std::array known_targets{
-    ExtrinsicsTarget{"kalibr", "imu chain: T_i_b and time_offset of each IMU", kalibr_text},
-    ExtrinsicsTarget{"openvins", "the same chain", kalibr_text}, ExtrinsicsTarget{"ros", "a static_transform_publisher each", ros_text},
-    ExtrinsicsTarget{"urdf", "a fixed joint each", urdf_text}, ExtrinsicsTarget{"csv", "a row a number, with its standard uncertainty", csv_text}};
+constexpr std::array known_targets{ExtrinsicsTarget{"kalibr", kalibr_text}, ExtrinsicsTarget{"openvins", kalibr_text},  // which reads that chain
+                                   ExtrinsicsTarget{"ros", ros_text}, ExtrinsicsTarget{"urdf", urdf_text}, ExtrinsicsTarget{"csv", csv_text}};
 
 }  // namespace
 
 std::span<const ExtrinsicsTarget> extrinsics_targets() { return known_targets; }
 
 std::string exported_extrinsics(const Extrinsics& extrinsics, std::string_view target) {
-  std::string names;
-  for (const ExtrinsicsTarget& t : known_targets) {
-    if (t.name == target) return t.text(extrinsics);
-    names += (names.empty() ? "" : ", ") + std::string(t.name);
-  }
-  throw Error(fmt::format("--to {}: holds no extrinsics; expected one of {}", target, names));
+  const auto* const found = std::ranges::find(known_targets, target, &ExtrinsicsTarget::name);
+  if (found != known_targets.end()) return found->text(extrinsics);
+  std::vector<std::string_view> names;
+  for (const ExtrinsicsTarget& t : known_targets) names.push_back(t.name);
+  throw Error(fmt::format("--to {}: holds no extrinsics; expected one of {}", target, text::listed(names)));
 }
 
 }  // namespace imulab

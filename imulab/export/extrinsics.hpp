@@ -10,7 +10,7 @@
 namespace imulab {
 
 struct ExtrinsicsTarget {
-  std::string_view name, summary;
+  std::string_view name;  ///< as of calibrations, where these have it
   std::string (*text)(const Extrinsics& extrinsics);
 };
 

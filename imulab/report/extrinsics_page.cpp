@@ -47,19 +47,19 @@ std::string with_sigma(double value, double sigma, std::string_view unit_name) {
 std::string numbers_of(const Mounting& m) {
   Table t;
   t.head = {"", "x", "y", "z"};
-  const auto row = [&](const char* name, const Vector3d& value, int first, double unit_size, std::string_view unit_name) {
+  const auto row = [&](const char* name, const Vector3d& value, Mounting::Row first, double unit_size, std::string_view unit_name) {
     std::vector<std::string> cells{name};
-    for (int i = 0; i < 3; ++i) cells.push_back(with_sigma(value[i] / unit_size, m.uncertainty(first + i) / unit_size, unit_name));
+    for (int i = 0; i < 3; ++i) cells.push_back(with_sigma(value[i] / unit_size, m.uncertainties(first)[i] / unit_size, unit_name));
     t.rows.push_back(std::move(cells));
   };
-  row("rotation vector", rotation_log(m.rotation), 0, unit::deg, "deg");
-  row("lever arm", m.lever_arm, 3, 1e-3, "mm");
+  row("rotation vector", rotation_log(m.rotation), Mounting::rotation_row, unit::deg, "deg");
+  row("lever arm", m.lever_arm, Mounting::lever_arm_row, 1e-3, "mm");
   for (int i = 0; i < 3; ++i)
     t.rows.push_back({fmt::format("rotation matrix, row {}", "xyz"[i]), fmt::format("{:.6f}", m.rotation(i, 0)),
                       fmt::format("{:.6f}", m.rotation(i, 1)), fmt::format("{:.6f}", m.rotation(i, 2))});
-  t.rows.push_back({"clock offset", with_sigma(m.clock_offset * 1e3, m.uncertainty(6) * 1e3, "ms"), "", ""});
-  t.rows.push_back({"clock drift", with_sigma(m.clock_drift * 1e6, m.uncertainty(7) * 1e6, "ppm"), "", ""});
-  t.rows.push_back({"accelerometers' delay", with_sigma(m.accel_delay * 1e3, m.uncertainty(8) * 1e3, "ms"), "", ""});
+  t.rows.push_back({"clock offset", with_sigma(m.clock_offset * 1e3, m.uncertainty(Mounting::clock_offset_row) * 1e3, "ms"), "", ""});
+  t.rows.push_back({"clock drift", with_sigma(m.clock_drift * 1e6, m.uncertainty(Mounting::clock_drift_row) * 1e6, "ppm"), "", ""});
+  t.rows.push_back({"accelerometers' delay", with_sigma(m.accel_delay * 1e3, m.uncertainty(Mounting::accel_delay_row) * 1e3, "ms"), "", ""});
   return table(t);
 }
 

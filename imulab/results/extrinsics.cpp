@@ -18,13 +18,15 @@
 namespace imulab {
 namespace {
 
-constexpr int lever_arm_row = 3, offset_row = 6, drift_row = 7, delay_row = 8, mounting_rows = 9;
 constexpr double mm = 1e-3, ms = 1e-3, ppm = 1e-6;
 
-Vector3d sigmas_at(const Mounting& m, int row) { return m.covariance.diagonal().segment<3>(row).cwiseSqrt(); }
-
-/// Largest standard deviation in any direction.
-double largest_sigma(const Mounting& m, int row) { return sigmas_at(m, row).maxCoeff(); }
+BodyRates rates_of_picture(const BodyRates& rates) {
+  constexpr std::size_t most = 1500;
+  BodyRates out{.time = result_io::thinned_rows(rates.time, most), .first = {}, .second = {}, .residual = {}};
+  for (const auto member : {&BodyRates::first, &BodyRates::second, &BodyRates::residual})
+    for (std::size_t axis = 0; axis < 3; ++axis) (out.*member)[axis] = result_io::thinned_rows((rates.*member)[axis], most);
+  return out;
+}
 
 }  // namespace
 
@@ -35,9 +37,9 @@ void describe(Fields& f, Mounting& m) {
   fields::derived(f, "matrix", Eigen::MatrixXd(m.matrix()));
   if constexpr (!Fields::reads)
     f.table("standard_uncertainty", [&](auto& u) {
-      u("rotation_deg", Vector3d(sigmas_at(m, 0)), fields::in(unit::deg)), u("lever_arm_m", Vector3d(sigmas_at(m, lever_arm_row)));
-      u("clock_offset_s", m.uncertainty(offset_row)), u("clock_drift_ppm", m.uncertainty(drift_row), fields::in(ppm));
-      u("accel_delay_s", m.uncertainty(delay_row));
+      u("rotation_deg", m.uncertainties(Mounting::rotation_row), fields::in(unit::deg)), u("lever_arm_m", m.uncertainties(Mounting::lever_arm_row));
+      u("clock_offset_s", m.uncertainty(Mounting::clock_offset_row)), u("clock_drift_ppm", m.uncertainty(Mounting::clock_drift_row), fields::in(ppm));
+      u("accel_delay_s", m.uncertainty(Mounting::accel_delay_row));
     });
   else
     f.knows("standard_uncertainty");
@@ -63,7 +65,7 @@ void describe(Fields& f, Extrinsics& e) {
   double epoch = e.from_first.empty() ? 0 : e.from_first.front().epoch;
   f("imus", e.imus), f("duration_s", e.duration), f("used_s", e.used), f("epoch_s", epoch);
   f("mountings", e.from_first);
-  const auto rows = mounting_rows * std::ssize(e.from_first);
+  const auto rows = Mounting::rows * std::ssize(e.from_first);
   if constexpr (Fields::reads) e.covariance.resize(rows, rows);
   f("covariance", e.covariance);
   f("residuals", e.residuals), f("agreement", e.agreement), f("findings", e.findings, fields::if_any), f("rates", e.rates, fields::optional);
@@ -73,8 +75,8 @@ void describe(Fields& f, Extrinsics& e) {
   fields::check(f, e.residuals.size() == others + 1 && e.agreement.size() == others, "residuals", "expected one of each IMU");
   if constexpr (Fields::reads)
     for (std::size_t k = 0; k < others; ++k) {
-      const auto row = static_cast<Eigen::Index>(mounting_rows * k);
-      e.from_first[k].covariance = e.covariance.block<mounting_rows, mounting_rows>(row, row);
+      const auto row = static_cast<Eigen::Index>(Mounting::rows * k);
+      e.from_first[k].covariance = e.covariance.block<Mounting::rows, Mounting::rows>(row, row);
       e.from_first[k].epoch = epoch;
     }
 }
@@ -86,13 +88,17 @@ Extrinsics result_io::extrinsics_of(const json_io::Field& root) {
   return out;
 }
 
-std::string extrinsics_json(const Extrinsics& extrinsics) { return result_text("extrinsics", written(extrinsics), JsonLayout::long_lists); }
+std::string extrinsics_json(const Extrinsics& extrinsics) {
+  Extrinsics shown = extrinsics;
+  std::transform(shown.rates.begin(), shown.rates.end(), shown.rates.begin(), rates_of_picture);
+  return result_text("extrinsics", written(shown), JsonLayout::long_lists);
+}
 
 Conclusion conclusion_of(const Extrinsics& extrinsics) {
   double rotation = 0, arm = 0, clock = 0;
   for (const Mounting& m : extrinsics.from_first)
-    rotation = std::max(rotation, largest_sigma(m, 0)), arm = std::max(arm, largest_sigma(m, lever_arm_row)),
-    clock = std::max(clock, m.uncertainty(offset_row));
+    rotation = std::max(rotation, m.uncertainties(Mounting::rotation_row).maxCoeff()),
+    arm = std::max(arm, m.uncertainties(Mounting::lever_arm_row).maxCoeff()), clock = std::max(clock, m.uncertainty(Mounting::clock_offset_row));
   const std::string of = extrinsics.imus.size() == 2 ? excerpt(extrinsics.imus[1]) : fmt::format("{} IMUs", extrinsics.imus.size() - 1);
   const std::vector<std::string> reasons = extrinsics.findings.reasons();
   const std::string because = reasons.empty() ? "" : fmt::format("; because {}", fmt::join(reasons, "; "));
@@ -123,11 +129,11 @@ std::string extrinsics_text(const Extrinsics& extrinsics, bool details) {
   for (std::size_t k = 0; k < extrinsics.from_first.size(); ++k) {
     const Mounting& m = extrinsics.from_first[k];
     out += fmt::format("{}\n  {:<24} {:>11} {:>11} {:>11}\n", excerpt(m.to) + " relative to " + excerpt(m.from), "", "x", "y", "z");
-    out += row_text("rotation vector", rotation_log(m.rotation) / unit::deg, sigmas_at(m, 0) / unit::deg, "deg");
-    out += row_text("lever arm", m.lever_arm / mm, sigmas_at(m, lever_arm_row) / mm, "mm");
-    out += row_text("clock offset", m.clock_offset / ms, m.uncertainty(offset_row) / ms, "ms");
-    out += row_text("clock drift", m.clock_drift / ppm, m.uncertainty(drift_row) / ppm, "ppm");
-    out += row_text("accelerometers' delay", m.accel_delay / ms, m.uncertainty(delay_row) / ms, "ms");
+    out += row_text("rotation vector", rotation_log(m.rotation) / unit::deg, m.uncertainties(Mounting::rotation_row) / unit::deg, "deg");
+    out += row_text("lever arm", m.lever_arm / mm, m.uncertainties(Mounting::lever_arm_row) / mm, "mm");
+    out += row_text("clock offset", m.clock_offset / ms, m.uncertainty(Mounting::clock_offset_row) / ms, "ms");
+    out += row_text("clock drift", m.clock_drift / ppm, m.uncertainty(Mounting::clock_drift_row) / ppm, "ppm");
+    out += row_text("accelerometers' delay", m.accel_delay / ms, m.uncertainty(Mounting::accel_delay_row) / ms, "ms");
     if (details) {
       const BodyResidual& r = extrinsics.residuals[k + 1];
       out += fmt::format("  residuals of {} samples: {:.3g} deg/s, {:.3g} m/s^2 (RMS); agreement of rates {:.4f}\n", r.samples, r.gyro / unit::deg,

@@ -99,9 +99,12 @@ Verb& declare(Verb& command, ExportVerbOptions& o) {
     names.emplace_back(target.name);
     help.push_back(fmt::format("{}: {}", target.name, target.summary));
   }
-  for (const ExtrinsicsTarget& target : extrinsics_targets())
+  std::vector<std::string_view> of_extrinsics;
+  for (const ExtrinsicsTarget& target : extrinsics_targets()) {
+    of_extrinsics.push_back(target.name);
     if (std::find(names.begin(), names.end(), target.name) == names.end()) names.emplace_back(target.name);
-  help.emplace_back("of extrinsics.json kalibr, openvins, ros, urdf and csv");
+  }
+  help.push_back(fmt::format("of extrinsics.json {}", fmt::join(of_extrinsics, ", ")));
   names.emplace_back("all");
   help.push_back("all: each of them, into the folder of -o");
   verb.option("CALIBRATION", o.calibration, "calibration.json, or extrinsics.json; none: export --noise alone").required().reads();

@@ -1,10 +1,7 @@
 #include "imulab/tasks/extrinsics.hpp"
 
-#include "imulab/core/text.hpp"
-#include "imulab/files.hpp"
 #include "imulab/report/extrinsics_page.hpp"
 #include "imulab/results/extrinsics.hpp"
-#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
@@ -29,28 +26,6 @@ Verb& declare(Verb& command, ExtrinsicsOptions& o) {
   verb.example("imulab extrinsics a.csv b.csv -o extrinsics.json");
   verb.example("imulab extrinsics flight.ulg --calibration a.json --calibration b.json --calibration none");
   return verb;
-}
-
-BodyImu body_imu(const Session& session, const RecordingSource& source, std::string name, const ExtrinsicsOptions& o, const Tell& tell) {
-  RecordingReading reading = read_recording(session, source);
-  for (const std::string& warning : reading.warnings) tell(name + ": " + warning);
-  BodyImu imu{.name = std::move(name), .recording = std::move(reading.recording)};
-  imu.grade = o.grade.value_or(session.imu.grade.value_or("mems"));
-  if (source.time.unit != "tick" && source.time.unit != "sample") imu.clock_zero_ns = source.time.zero;
-  return imu;
-}
-
-void take_calibrations(std::vector<BodyImu>& imus, const ExtrinsicsOptions& o) {
-  if (o.calibrations.empty()) return;
-  if (o.calibrations.size() != imus.size())
-    throw OptionError("calibration", fmt::format("given {} times; expected one for each of {} IMUs, in the order of {}; none: without one",
-                                                 o.calibrations.size(), imus.size(), [&] {
-                                                   std::vector<std::string> names;
-                                                   for (const BodyImu& imu : imus) names.push_back(imu.name);
-                                                   return fmt::format("{}", fmt::join(names, ", "));
-                                                 }()));
-  for (std::size_t k = 0; k < imus.size(); ++k)
-    if (o.calibrations[k] != "none") imus[k].calibration = read_calibration(o.calibrations[k]);
 }
 
 AnswerOf<Extrinsics> extrinsics_answer(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "imulab/extrinsics.hpp"
-#include "imulab/session.hpp"
 #include "imulab/tasks/verb.hpp"
 
 #include <functional>
@@ -18,11 +17,6 @@ struct ExtrinsicsOptions : ShowOptions {
 };
 /// The verb `extrinsics`, which sets these.
 Verb& declare(Verb& command, ExtrinsicsOptions& o);
-
-/// The IMU of a session's recording: its name, its readings, and the grade of the options, else of the session. `tell` gets the warnings of reading.
-BodyImu body_imu(const Session& session, const RecordingSource& source, std::string name, const ExtrinsicsOptions& o, const Tell& tell);
-/// Gives the calibrations of the options to the IMUs: one each in their order, or "none". Throws OptionError for another number of them.
-void take_calibrations(std::vector<BodyImu>& imus, const ExtrinsicsOptions& o);
 
 AnswerOf<Extrinsics> extrinsics_answer(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress);
 

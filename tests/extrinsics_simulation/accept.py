@@ -109,7 +109,7 @@ def clean(grade):
 def faulty():
     for fault, axis in (("another body", None), ("elastic mount", None), ("mirrored", None), ("clock steps", None), ("late accelerometers", None),
                         ("one axis", (0, 0, 1))):
-        said, wrong, worst = [], 0, 0
+        said, wrong, worst, named = [], 0, 0, 0
         for seed in range(max(4, options.bodies // 10)):
             with tempfile.TemporaryDirectory() as name:
                 answer, result, units, seconds = body(seed, pathlib.Path(name), imus=2, seconds=40, axis=axis, fault=fault)
@@ -117,7 +117,10 @@ def faulty():
                 rows = np.abs(errors(answer, units, seconds))
                 worst = max(worst, rows.max())
                 wrong += rows.max() > 5
+            named += bool(answer) and "lever arm along z" in answer["mountings"][0]["not_shown"]
             said.append((answer["verdict"] + ": " + "; ".join(answer["warnings"])) if answer else result.stderr.strip().splitlines()[-1])
+        if axis:
+            check(named == len(said), f"{fault}: {named} of {len(said)} name the lever arm along it")
         check(wrong == 0, f"{fault}: {wrong} of {len(said)} good and more than 5 u off (worst {worst:.1f}); said: {said[0][:220]}")
 
 

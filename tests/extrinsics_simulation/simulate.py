@@ -91,7 +91,7 @@ GRADES = {
 class Imu:
     """Where an IMU is, how its clock runs, and what is wrong with it."""
 
-    def __init__(self, random, grade, rate_hz, first=False, arm=0.3, clock=0.05, drift=100e-6, delay=0, perfect=False):
+    def __init__(self, random, grade, rate_hz, first=False, arm=0.3, clock=0.05, drift=100e-6, delay=0):
         g = GRADES[grade]
         self.grade, self.rate_hz = grade, rate_hz
         self.rotation = np.eye(3) if first else rotation(random.normal(size=3) * 1.5)
@@ -100,9 +100,8 @@ class Imu:
         self.drift = 0 if first else random.uniform(-drift, drift)
         self.delay = 0 if first else delay
         draw = lambda sigma: np.diag(random.normal(size=3) * sigma.scale) + (1 - np.eye(3)) * random.normal(size=(3, 3)) * sigma.misalignment
-        k = 0 if perfect else 1
-        self.gyro, self.accel = np.eye(3) + k * draw(g), np.eye(3) + k * np.tril(draw(g))
-        self.sensitivity = k * random.normal(size=(3, 3)) * g.g_sensitivity
+        self.gyro, self.accel = np.eye(3) + draw(g), np.eye(3) + np.tril(draw(g))
+        self.sensitivity = random.normal(size=(3, 3)) * g.g_sensitivity
         self.gyro_bias, self.accel_bias = random.normal(size=3) * g.gyro_bias, random.normal(size=3) * g.accel_bias
 
     def read(self, random, motion, seconds, bend=None):

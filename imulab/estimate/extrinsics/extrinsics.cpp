@@ -21,7 +21,9 @@ namespace imulab {
 
 using namespace extrinsics;
 
-double Mounting::uncertainty(int i) const { return std::sqrt(covariance(i, i)); }
+double Mounting::uncertainty(int row) const { return std::sqrt(covariance(row, row)); }
+
+Vector3d Mounting::uncertainties(Row first) const { return covariance.diagonal().segment<3>(first).cwiseSqrt(); }
 
 Eigen::Matrix4d Mounting::matrix() const {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
@@ -144,17 +146,6 @@ void judge_mounting(Extrinsics& out, const Mounting& m, double enlarged) {
     out.findings.add<Code::accels_late>(Subject{m.to}, 1e3 * m.accel_delay, m.from, 1e3 * u);
 }
 
-void thin(BodyRates& rates) {
-  constexpr std::size_t most = 1500;
-  const std::size_t every = rates.time.size() / most + 1;
-  const auto keep = [&](std::vector<double>& list) {
-    for (std::size_t i = 0; i * every < list.size(); ++i) list[i] = list[i * every];
-    list.resize((list.size() + every - 1) / every);
-  };
-  keep(rates.time);
-  for (Columns3* columns : {&rates.first, &rates.second, &rates.residual}) std::for_each(columns->begin(), columns->end(), keep);
-}
-
 void expect_different_names(const std::vector<BodyImu>& imus) {
   if (imus.size() < 2) throw Error(fmt::format("one IMU ({}); expected two or more on one body", imus.empty() ? "none" : imus.front().name));
   for (std::size_t i = 0; i < imus.size(); ++i)
@@ -264,7 +255,6 @@ Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::func
     out.rates.push_back(fit.rates(k));
     judge_agreement(out, fit, k);
     judge_mounting(out, m, enlargement.segment<mount_columns>(MotionFit::mount_column(k)).maxCoeff());
-    thin(out.rates.back());
     out.from_first.push_back(std::move(m));
   }
   out.verdict = out.findings.doubtful() ? Verdict::doubtful : Verdict::good;

@@ -83,11 +83,11 @@ void expect_near(const Mounting& m, const Place& from, const Place& to) {
   const Vector3d turned = rotation_log(m.rotation * (to.rotation * from.rotation.transpose()).transpose());
   const Vector3d arm = from.rotation * (to.arm - from.arm);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(turned[i], 0, most * m.uncertainty(i)) << m.to << i;
-    EXPECT_NEAR(m.lever_arm[i], arm[i], most * m.uncertainty(3 + i)) << m.to << i;
+    EXPECT_NEAR(turned[i], 0, most * m.uncertainties(Mounting::rotation_row)[i]) << m.to << i;
+    EXPECT_NEAR(m.lever_arm[i], arm[i], most * m.uncertainties(Mounting::lever_arm_row)[i]) << m.to << i;
   }
-  EXPECT_NEAR(m.clock_offset, to.offset - from.offset, most * m.uncertainty(6));
-  EXPECT_NEAR(m.accel_delay, to.delay - from.delay, most * m.uncertainty(8));
+  EXPECT_NEAR(m.clock_offset, to.offset - from.offset, most * m.uncertainty(Mounting::clock_offset_row));
+  EXPECT_NEAR(m.accel_delay, to.delay - from.delay, most * m.uncertainty(Mounting::accel_delay_row));
 }
 
 TEST(Extrinsics, AreFoundWithTheirUncertainties) {
@@ -96,9 +96,9 @@ TEST(Extrinsics, AreFoundWithTheirUncertainties) {
   expect_near(found.between(0, 1), {}, second), expect_near(found.between(0, 2), {}, third), expect_near(found.between(1, 2), second, third);
   const Mounting m = found.between(0, 1);
   // What 20 s of 1 rad/s and noise of these densities give: the scales of the gyros, uncertain by 1 %, are most of it.
-  EXPECT_LT(m.uncertainty(3), 0.005);
-  EXPECT_LT(m.uncertainty(6), 2e-5);
-  EXPECT_LT(m.uncertainty(0), 0.6 * unit::deg);
+  EXPECT_LT(m.uncertainty(Mounting::lever_arm_row), 0.005);
+  EXPECT_LT(m.uncertainty(Mounting::clock_offset_row), 2e-5);
+  EXPECT_LT(m.uncertainty(Mounting::rotation_row), 0.6 * unit::deg);
   EXPECT_TRUE(found.findings.has(Code::accels_late));
   EXPECT_NEAR(found.residuals[1].gyro, gyro_density * std::sqrt(second.rate_hz), 0.1 * gyro_density * std::sqrt(second.rate_hz));
   EXPECT_NEAR(found.residuals[2].accel, accel_density * std::sqrt(third.rate_hz), 0.15 * accel_density * std::sqrt(third.rate_hz));
@@ -129,8 +129,8 @@ TEST(Extrinsics, ACalibrationLeavesLessUncertain) {
   }
   const Extrinsics found = estimate_extrinsics({a, b});
   expect_near(found.between(0, 1), {}, second);
-  EXPECT_LT(found.between(0, 1).uncertainty(3), 0.5 * rough.uncertainty(3));
-  EXPECT_LT(found.between(0, 1).uncertainty(0), 0.02 * unit::deg);
+  EXPECT_LT(found.between(0, 1).uncertainty(Mounting::lever_arm_row), 0.5 * rough.uncertainty(Mounting::lever_arm_row));
+  EXPECT_LT(found.between(0, 1).uncertainty(Mounting::rotation_row), 0.02 * unit::deg);
   EXPECT_FALSE(found.findings.has(Code::imu_not_calibrated));
 }
 
@@ -139,8 +139,8 @@ TEST(Extrinsics, TurnsAboutOneAxisDoNotShowTheLeverArmAlongIt) {
   motion.along = Vector3d::UnitZ() * Vector3d(0.3, 1, 1).transpose();
   const Extrinsics found = estimate_extrinsics({imu("a", {}, motion), imu("b", second, motion)});
   const Mounting m = found.between(0, 1);
-  EXPECT_GT(m.uncertainty(5), 0.1);
-  EXPECT_LT(m.uncertainty(3), 0.02);
+  EXPECT_GT(m.uncertainties(Mounting::lever_arm_row).z(), 0.1);
+  EXPECT_LT(m.uncertainty(Mounting::lever_arm_row), 0.02);
   EXPECT_THAT(m.not_shown, Contains("lever arm along z"));
   EXPECT_TRUE(found.findings.has(Code::mounting_not_shown));
 }

@@ -282,14 +282,14 @@ double MotionFit::take_noise() {
   return most;
 }
 
-Eigen::MatrixXd MotionFit::information_of_difference(const Eigen::VectorXd& motion) const {
-  MotionFit other = *this;
-  other.motion_ = motion;
+Eigen::MatrixXd MotionFit::information_of_difference(Eigen::VectorXd other) {
   BorderedBand::Rows side = BorderedBand::Rows::Zero(motion_.size(), constants_);
   Eigen::MatrixXd corner = Eigen::MatrixXd::Zero(constants_, constants_);
   for_each_reading([&](std::size_t k, Sensor sensor, std::size_t span, const Sample& sample) {
     const Equation e = equation_of(k, sensor, span, sample);
-    const ThreeRows change = other.equation_of(k, sensor, span, sample).constants - e.constants;
+    motion_.swap(other);
+    const ThreeRows change = equation_of(k, sensor, span, sample).constants - e.constants;
+    motion_.swap(other);
     const double weight = weights_[2 * k + sensor];
     const Eigen::MatrixXd cross = weight * e.knots.transpose() * change, own = weight * change.transpose() * change;
     const std::vector<int>& columns = columns_[2 * k + sensor];

@@ -18,7 +18,14 @@ namespace imulab::extrinsics {
 /// Columns of an IMU among the constants. Matrices by rows.
 enum Column { gyro_matrix = 0, g_sensitivity = 9, accel_matrix = 18, gyro_offset = 27, accel_offset = 30, own_columns = 33 };
 /// Columns after them of each IMU but the first, and their number.
-enum MountColumn { turn = 0, arm = 3, offset = 6, drift = 7, delay = 8, mount_columns = 9 };
+enum MountColumn {
+  turn = Mounting::rotation_row,
+  arm = Mounting::lever_arm_row,
+  offset = Mounting::clock_offset_row,
+  drift = Mounting::clock_drift_row,
+  delay = Mounting::accel_delay_row,
+  mount_columns = Mounting::rows
+};
 
 struct ImuState {
   Matrix3d rotation = Matrix3d::Identity();
@@ -80,7 +87,7 @@ class MotionFit {
   template <class Use>
   void for_each_reading(const Use& use) const;
   /// The information about the constants that the difference between this motion and another one gives.
-  Eigen::MatrixXd information_of_difference(const Eigen::VectorXd& motion) const;
+  Eigen::MatrixXd information_of_difference(Eigen::VectorXd other);
   Eigen::VectorXd noisy_motion() const;          ///< with its noise once more
   Eigen::VectorXd motion_without_tilts() const;  ///< without turns that the tilt of a gyro's axis makes of those about another axis
   void add_priors(BorderedBand& equations, Eigen::VectorXd& border) const;
