@@ -1,9 +1,10 @@
 // Extrinsics: rotation, lever arm and clock offset between IMUs on one rigid body, from any motion that all of them felt.
 //
 // Example:
-//   const Extrinsics found = estimate_extrinsics({{.name = "a", .recording = a, .calibration = of_a}, {.name = "b", .recording = b}});
-//   const Mounting m = found.between(0, 1);
-//   const Vector3d rate_b = m.rotation * rate_a;
+//   const BodyImu calibrated{.name = "a", .recording = recording, .calibration = calibration};
+//   const Extrinsics found = estimate_extrinsics({calibrated, {.name = "b", .recording = make_recording(t, gyro, accel)}});
+//   const Mounting b = found.between(0, 1);
+//   std::printf("x %g m, u = %g m\n", b.lever_arm.x(), b.uncertainties(Mounting::lever_arm_row).x());
 //
 // The motion is a cubic spline of the rates and forces of the first IMU, estimated with the mountings, so its noise biases no lever arm. Errors of
 // the IMUs themselves are considered: with the covariance of their calibrations, else as large as is expected of the grade. Values are SI. Readings

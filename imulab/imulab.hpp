@@ -11,6 +11,7 @@
 #include "imulab/eigen.hpp"
 #include "imulab/error.hpp"
 #include "imulab/exchange.hpp"
+#include "imulab/extrinsics.hpp"
 #include "imulab/files.hpp"
 #include "imulab/finding.hpp"
 #include "imulab/finding_code.hpp"

@@ -74,7 +74,7 @@ class Integral:
 
 
 class Grade:
-    """One sigma of what an IMU of a grade departs by; noise densities."""
+    """One sigma of what an IMU departs by, as docs/reference/grades.md has it; noise densities of better ones."""
 
     def __init__(self, scale, misalignment, gyro_bias, accel_bias, g_sensitivity, gyro_noise, accel_noise):
         self.scale, self.misalignment, self.gyro_bias, self.accel_bias = scale, misalignment, gyro_bias, accel_bias
@@ -83,8 +83,8 @@ class Grade:
 
 DEG = np.pi / 180
 GRADES = {
-    "mems": Grade(0.01, 0.01, 1 * DEG, 0.3, 0.01 * DEG / 9.8 * 10, 0.005 * DEG, 1e-3),
-    "tactical": Grade(1.5e-4, 60 / 206265, 3 / 3600 * DEG, 1e-2, 1e-6, 0.05 / 60 * DEG, 3e-4),
+    "mems": Grade(0.01, 0.01, 1 * DEG, 0.3, 0.05 * DEG / 9.8, 0.005 * DEG, 1e-3),
+    "tactical": Grade(1.5e-4, 60 / 206265, 3 / 3600 * DEG, 1e-2, 0.3 / 3600 * DEG / 9.8, 0.05 / 60 * DEG, 3e-4),
 }
 
 
