@@ -37,6 +37,13 @@ struct CalibrationInput {
   std::optional<std::vector<Range>> rests = {};
 };
 
+/// The better IMU of the method reference, whose recording is among those of the input.
+struct ReferenceImu {
+  std::string imu;                           ///< name in the session's recordings
+  std::optional<Calibration> calibration{};  ///< its calibration, with the covariance that it is used with
+  std::string grade = "navigation";          ///< sizes of its errors without a calibration
+};
+
 struct CalibrationOptions {
   /// Coefficients to estimate; empty: all coefficients of the method, the optional ones if they are significant.
   std::vector<CoefficientIndex> terms = {};
@@ -63,6 +70,8 @@ struct CalibrationOptions {
     bool full = false;      ///< estimates all coefficients that the data determine, significant or not
     bool stepwise = false;  ///< uses Dai's three steps instead of the joint estimate
   } whole_unit = {};
+
+  std::optional<ReferenceImu> reference = {};  ///< of the method reference
 
   /// Called with the fraction done, from 0 to 1, which never decreases. Values in between are estimates because the number of iterations is unknown.
   std::function<void(double)> progress = {};

@@ -17,8 +17,8 @@ namespace {
 using Recordings = std::vector<std::shared_ptr<Recording>>;
 
 /// The recordings given, or those of files where `given` is none.
-SessionRecordings recordings_of(const Session& session, const std::optional<Recordings>& given, const std::string& chosen) {
-  if (!given) return read_recordings(session, chosen);
+SessionRecordings recordings_of(const Session& session, const std::optional<Recordings>& given, const std::string& chosen, bool several_imus) {
+  if (!given) return read_recordings(session, chosen, several_imus);
   std::vector<Recording> copies;
   for (const auto& recording : *given) copies.push_back(*recording);
   return given_recordings(session, std::move(copies));
@@ -30,7 +30,7 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
     CalibrationTask task = task_of(o);
     task.curves = true;
     task.progress = report;
-    const auto data = std::make_shared<const SessionRecordings>(recordings_of(*session, given, o.recording));
+    const auto data = std::make_shared<const SessionRecordings>(recordings_of(*session, given, o.recording, task.reference.has_value()));
     const auto answer = calibration_answer(data, o, task, !given);
     return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.findings.warnings());
   });

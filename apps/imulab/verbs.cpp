@@ -91,13 +91,14 @@ AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTas
                                        const std::string& imu = "") {
   Session session = open_sessions(paths, {o.declarations, o.topics});
   if (!imu.empty()) {
-    std::erase_if(session.recordings, [&](const RecordingSource& source) { return source.imu != imu; });
+    std::erase_if(session.recordings, [&](const RecordingSource& source) { return source.imu != imu && source.imu != o.reference.value_or(imu); });
     session.imu.name = imu;
   }
   expect_gravity(session, method(o.method));
   if (!o.recording.empty()) named_recording(session, o.recording);
-  const auto data = with_progress(
-      "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording)); });
+  const auto data = with_progress("reading", [&](const auto&) {
+    return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording, task.reference.has_value()));
+  });
   warn_each(data->warnings);
   auto answer = with_progress("calibrating", [&](const auto& report) {
     task.progress = report;
@@ -174,6 +175,10 @@ void run(const CalibrateOptions& o) {
       imus = imus_of_session(paths.front());
     else
       for (std::vector<std::string>& topics : imus_of(paths.front())) imus.push_back({std::move(topics)});
+    if (o.reference && std::erase_if(imus, [&](const OneOfSeveral& each) { return each.name() == *o.reference; }) == 0)
+      throw OptionError("reference", fmt::format("{}: {} has no IMU of this name; expected imu = \"{}\" in a [[recording]] of a session",
+                                                 *o.reference, paths.front(), *o.reference));
+    if (o.reference && imus.size() == 1) return show(calibrated(o, task, paths, imus.front().imu), o, "\n" + written_text(o.output) + "\n");
     if (!imus.empty()) return calibrate_each(o, task, paths.front(), imus);
   }
   show(calibrated(o, task, paths), o, "\n" + written_text(o.output) + "\n");

@@ -5,6 +5,7 @@
 #include "imulab/error.hpp"
 #include "imulab/estimate/check_input.hpp"
 #include "imulab/estimate/drive/drive.hpp"
+#include "imulab/estimate/extrinsics/reference.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -88,6 +89,17 @@ constexpr std::array all{
            .predict = hybrid::predict,
            .plan = hybrid::planner,
            .example = [](const ExampleSize& size) { return cheng_path_procedure(size.on_table); }},
+    Method{.name = "reference",
+           .summary = "from any motion beside a better IMU on the same body",
+           .reference = "Kabsch 1976",
+           .needs = "a better IMU on the same body: imu = \"NAME\" in each [[recording]]",
+           .equipment = 6,
+           .takes_several = true,
+           .takes_reference = true,
+           .test = "comparison in motion with a reference IMU on the same body",
+           .angle_source = "the turns that the reference IMU measured",
+           .instrument = Method::Instrument::always,
+           .calibrate = extrinsics::calibrate_by_reference},
     Method{.name = "static",
            .summary = "from rests alone",
            .reference = "Cheng 2014",
@@ -196,7 +208,8 @@ double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * q
 CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   CalibrationResult result = calibrate_together(method, input, options);
   const std::optional<double>& latitude = input.session.site.latitude;
-  if (!options.effects || !latitude || method.takes_aids || result.calibration.quality.verdict != Verdict::doubtful) return result;
+  if (!options.effects || !latitude || method.takes_aids || method.takes_reference || result.calibration.quality.verdict != Verdict::doubtful)
+    return result;
   constexpr double obvious = 30;  // difference of chi-square: five sigma of one parameter
   const Findings& found = result.calibration.quality.findings;
   const bool by_latitude = found.has(Code::wrong_latitude) || found.has(Code::not_earth_rate);
@@ -292,7 +305,9 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& declar
   for (const std::string& text : clocks) corrections.add<Code::clock_corrected>(text);
   quality.findings.prepend(corrections);
   kernel::doubt_small_residuals(quality, used.session.imu);
-  quality.findings.append(kernel::contradictions(result.calibration.model, recordings.front()));
+  const auto own = std::ranges::find_if(
+      recordings, [&](const Recording& r) { return !method.takes_reference || used.session.source_of(r.name).imu != options.reference->imu; });
+  quality.findings.append(kernel::contradictions(result.calibration.model, *own));
   if (options.second_opinion && options.effects && !method.second.empty()) add_second_opinion(result.calibration, method, used, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
   kernel::state_clock(result.calibration, used.session, gains);

@@ -70,6 +70,7 @@ struct Method {
   bool takes_accel_alone = false;  ///< accepts recordings without gyros
   bool takes_several = false;      ///< processes several recordings separately; otherwise they are joined
   bool takes_aids = false;         ///< uses records of the session's aids, which also determine the place
+  bool takes_reference = false;    ///< compares with a better IMU on the same body, which also knows gravity
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
   bool takes_runs = false;       ///< predicts by Monte Carlo and by the classical model
   std::string_view second = {};  ///< method for a second opinion on the same data; empty: none

@@ -19,11 +19,11 @@
 namespace imulab {
 namespace {
 
-constexpr double interval = 0.1;
+constexpr double sample_s = 0.1;
 
 std::vector<double> simulated(const NoiseModel& m, std::size_t n, std::uint64_t seed) {
   std::vector<double> rate(n);
-  const AxisNoise noise(m, interval, seed, "noise of a test");
+  const AxisNoise noise(m, sample_s, seed, "noise of a test");
   noise.add_slow(rate);
   noise.add_fast(0, rate);
   return rate;
@@ -32,13 +32,13 @@ std::vector<double> simulated(const NoiseModel& m, std::size_t n, std::uint64_t 
 std::vector<double> constructed(const NoiseModel& m, std::size_t n, std::uint64_t seed) {
   const RandomStream stream(seed, "constructed");
   std::vector<double> rate(n);
-  add_flicker(rate, m.B, interval, seed);
+  add_flicker(rate, m.B, sample_s, seed);
   double before = stream.normal(4 * n), walk = 0;
-  const double step = m.K * std::sqrt(interval);
+  const double step = m.K * std::sqrt(sample_s);
   std::array<double, 4> z{};
   for (std::size_t k = 0; k < n; ++k) {
     stream.normals(4 * k, z);
-    rate[k] += m.N / std::sqrt(interval) * z[0] + m.Q / interval * (z[1] - before) + m.R.value * interval * static_cast<double>(k);
+    rate[k] += m.N / std::sqrt(sample_s) * z[0] + m.Q / sample_s * (z[1] - before) + m.R.value * sample_s * static_cast<double>(k);
     rate[k] += walk + step * (0.5 * z[2] + z[3] / std::sqrt(12.0));  // exact mean of the walk over the interval
     walk += step * z[2];
     before = z[1];
@@ -54,7 +54,7 @@ struct Held {
 std::array<Held, 5> count(const NoiseModel& truth, std::size_t logs) {
   std::vector<NoiseFit> fits(logs);
   parallel_for(logs,
-               [&](std::size_t k) { fits[k] = fit_noise(k % 2 == 0 ? simulated(truth, 12000, 1 + k) : constructed(truth, 12000, 1 + k), interval); });
+               [&](std::size_t k) { fits[k] = fit_noise(k % 2 == 0 ? simulated(truth, 12000, 1 + k) : constructed(truth, 12000, 1 + k), sample_s); });
   std::array<Held, 5> out;
   for (const NoiseFit& f : fits) {
     const std::array<const NoiseCoefficient*, 5> found{&f.Q, &f.N, &f.B, &f.K, &f.R};
@@ -97,7 +97,7 @@ TEST(NoiseFit, LeavesOutWhatAnUnknownFilterTook) {
   std::vector<double> rate = constructed({.N = 1, .B = 0.5}, 50000, 3);
   smooth(rate);
   smooth(rate);
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   EXPECT_TRUE(fit.low_pass || fit.cut);
   EXPECT_NEAR(fit.N.value, 1, 0.1) << "what remains of the filter below the cut";
 }
@@ -111,7 +111,7 @@ TEST(NoiseFit, KnowsAButterworthFilter) {
     x = r;
     r = y;
   }
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   ASSERT_TRUE(fit.low_pass);
   EXPECT_EQ(fit.low_pass->order, 1);
   EXPECT_TRUE(fit.low_pass->digital);
@@ -124,9 +124,9 @@ TEST(NoiseFit, KnowsAButterworthFilter) {
 
 TEST(NoiseFit, FindsLinesAndTakesThemOut) {
   std::vector<double> rate = constructed({.N = 1}, 20000, 4);
-  const auto sine = [](double hz, std::size_t k) { return std::sin(2 * std::numbers::pi * hz * static_cast<double>(k) * interval); };
+  const auto sine = [](double hz, std::size_t k) { return std::sin(2 * std::numbers::pi * hz * static_cast<double>(k) * sample_s); };
   for (std::size_t k = 0; k < rate.size(); ++k) rate[k] += 0.5 * sine(1 / 80.0, k) + 2 * sine(3.21, k);
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   ASSERT_EQ(fit.lines.size(), 2u);
   EXPECT_NEAR(fit.lines[0].hz, 1 / 80.0, 5e-5) << "a tenth of one over the record";
   EXPECT_NEAR(fit.lines[1].hz, 3.21, 5e-5);
@@ -143,8 +143,8 @@ TEST(NoiseFit, FindsLinesAndTakesThemOut) {
 
 TEST(NoiseFit, FindsAMarkovProcess) {
   std::vector<double> rate = constructed({.N = 1}, 50000, 5);
-  add_process(rate, 1, 5, interval, RandomStream(5, "process"));
-  const NoiseFit fit = fit_noise(rate, interval);
+  add_process(rate, 1, 5, sample_s, RandomStream(5, "process"));
+  const NoiseFit fit = fit_noise(rate, sample_s);
   ASSERT_EQ(fit.markov.size(), 1u);
   for (const auto& [found, truth] : {std::pair{fit.markov[0].sigma, 1.0}, std::pair{fit.markov[0].time, 5.0}, std::pair{fit.N, 1.0}}) {
     EXPECT_LT(found.lower, truth);
@@ -158,7 +158,7 @@ TEST(NoiseFit, KnowsTheStepOfRoundedReadings) {
   const double step = 2;  // for a scatter of 3.2
   for (double& r : rate) r = 9.8 + step * std::round(r / step);
   EXPECT_NEAR(resolution_of(rate), step, 1e-9);
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   EXPECT_LT(fit.N.lower, 1) << "without the rounding's own noise, a 33rd of the power";
   EXPECT_GT(fit.N.upper, 1);
 }
@@ -174,15 +174,15 @@ TEST(NoiseFit, SaysWhatTheModelDoesNotHave) {
     b = a, a = y;
     rate[k] += y;
   }
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   EXPECT_TRUE(!fit.accepted() || fit.highest_hz < 1);
 }
 
 TEST(NoiseFit, ScalesWithUnitsAndIgnoresTheMean) {
   std::vector<double> rate = constructed({.N = 1, .B = 0.3, .R = {0.01, true}}, 8192, 5);
-  const NoiseFit fit = fit_noise(rate, interval);
+  const NoiseFit fit = fit_noise(rate, sample_s);
   for (double& r : rate) r = 1e-6 * r + 9.8;
-  const NoiseFit small = fit_noise(rate, interval);
+  const NoiseFit small = fit_noise(rate, sample_s);
   EXPECT_NEAR(small.N.value, 1e-6 * fit.N.value, 1e-10);  // readings near 9.8 are rounded to 2e-15
   EXPECT_NEAR(small.R.value, 1e-6 * fit.R.value, 1e-12);
   EXPECT_EQ(small.B.determined, fit.B.determined);
@@ -203,7 +203,7 @@ TEST(NoiseFit, BAndKTogetherWhereNeitherIsDetermined) {
   constexpr std::size_t logs = 60;
   const NoiseModel truth{.N = 1, .B = 0.2, .K = 0.02};
   std::vector<NoiseFit> fits(logs);
-  parallel_for(logs, [&](std::size_t k) { fits[k] = fit_noise(constructed(truth, 12000, 100 + k), interval); });
+  parallel_for(logs, [&](std::size_t k) { fits[k] = fit_noise(constructed(truth, 12000, 100 + k), sample_s); });
   double joint = 0, held = 0;
   for (const NoiseFit& f : fits) {
     if (!f.joint) continue;

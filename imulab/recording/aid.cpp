@@ -17,11 +17,21 @@ std::string_view to_string(AidKind kind) {
       return "heading";
     case AidKind::zero_velocity:
       return "zero_velocity";
+    case AidKind::pose:
+      return "pose";
+    case AidKind::attitude:
+      return "attitude";
+    case AidKind::odometry:
+      return "odometry";
     case AidKind::gnss:
       break;
   }
   return "gnss";
 }
+
+bool has_attitude(AidKind kind) { return kind == AidKind::pose || kind == AidKind::attitude || kind == AidKind::odometry; }
+
+std::string_view to_string(AidFrame frame) { return frame == AidFrame::free ? "free" : frame == AidFrame::level ? "level" : "north"; }
 
 bool has_record(AidKind kind) { return kind != AidKind::vehicle && kind != AidKind::zero_velocity; }
 

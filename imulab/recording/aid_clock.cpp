@@ -73,7 +73,11 @@ Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSourc
   const bool to_gps = source.time.scale == TimeScale::gps;
   if (aid.scale == TimeScale::gps && !to_gps) std::transform(stamps.begin(), stamps.end(), stamps.begin(), in_utc);
   if (aid.scale == TimeScale::utc && to_gps) std::transform(stamps.begin(), stamps.end(), stamps.begin(), in_gps);
-  const auto origin = aid.scale == TimeScale::own ? std::nullopt : origin_of(counted, span_of(stamps), known);
+  // A program that tracks poses often stamps by the clock of the IMU's driver.
+  const bool one_clock = has_attitude(aid.kind) && overlap(counted, span_of(stamps));
+  const auto origin = one_clock                     ? std::optional<std::int64_t>(0)
+                      : aid.scale == TimeScale::own ? std::nullopt
+                                                    : origin_of(counted, span_of(stamps), known);
   if (known && !origin) fail_apart(aid, counted, span_of(stamps));
   shift(stamps, origin ? zero + *origin : stamps.front() - own.begin);
   if (!known && origin && source.time.scale == TimeScale::own) aid.other_scale_s = leap_seconds(1e-9 * static_cast<double>(counted.begin + *origin));

@@ -168,16 +168,21 @@ void check_record(const Aid& aid, std::size_t number, std::vector<std::string>& 
   const auto expect = [&](bool good, std::string_view problem) {
     if (!good) problems.push_back(fmt::format("aid {} ({}): {}", number, to_string(aid.kind), problem));
   };
-  for (const std::size_t size :
-       {r.position.size(), r.position_sigma.size(), r.velocity.size(), r.velocity_sigma.size(), r.value.size(), r.value_sigma.size()})
+  for (const std::size_t size : {r.position.size(), r.position_sigma.size(), r.velocity.size(), r.velocity_sigma.size(), r.value.size(),
+                                 r.value_sigma.size(), r.place.size(), r.attitude.size()})
     if (size != 0 && size != r.time.size())
       return expect(false, fmt::format("a column has {} rows; expected {}, one for each stamp, or none", size, r.time.size()));
   expect(std::is_sorted(r.time.begin(), r.time.end(), std::less_equal()), "its stamps do not ascend");
   if (r.time.empty()) return;
   const bool of_receiver = aid.kind == AidKind::gnss;
   expect(has_record(aid.kind), "it has a record; expected none of this kind");
-  expect(of_receiver ? !r.position.empty() || !r.velocity.empty() : !r.value.empty() || !has_record(aid.kind),
-         of_receiver ? "its record has neither positions nor velocities" : "its record has no values");
+  if (has_attitude(aid.kind)) {
+    expect(!r.attitude.empty(), "its record has no attitudes");
+    expect(aid.kind == AidKind::attitude || !r.place.empty(), "its record has no positions");
+  } else {
+    expect(of_receiver ? !r.position.empty() || !r.velocity.empty() : !r.value.empty() || !has_record(aid.kind),
+           of_receiver ? "its record has neither positions nor velocities" : "its record has no values");
+  }
   expect(std::none_of(r.position.begin(), r.position.end(), [](const Eigen::Vector3d& at) { return std::abs(at.x()) > std::numbers::pi / 2; }),
          "a latitude is beyond a pole; expected radians");
 }

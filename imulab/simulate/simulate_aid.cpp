@@ -1,12 +1,14 @@
 #include "imulab/simulate/simulate_aid.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
 #include "imulab/navigation/aided/aided_budget.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/units.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -18,13 +20,14 @@
 namespace imulab {
 namespace {
 
-using Eigen::Vector3d;
+using Eigen::Vector3d, Eigen::Matrix3d;
 
 /// The true motion of a point of the body.
 struct PointMotion {
   double latitude = 0, longitude = 0, height = 0;
   Vector3d velocity, velocity_b;  // east-north-up and right-forward-up
   double heading = 0;             // of the forward axis
+  Eigen::Matrix3d C_nb;
   double meridian_radius = 0, parallel_radius = 0;
 };
 
@@ -40,6 +43,7 @@ PointMotion motion_at(const motion::Kinematics& body, const Vector3d& arm) {
   p.velocity_b = body.C_nb.transpose() * p.velocity;
   const Vector3d forward = body.C_nb.col(1);
   p.heading = std::atan2(forward.x(), forward.y());
+  p.C_nb = body.C_nb;
   return p;
 }
 
@@ -75,7 +79,9 @@ double value_at(AidKind kind, const PointMotion& point) {
   return kind == AidKind::wheels ? point.velocity_b.y() : kind == AidKind::barometer ? point.height : point.heading;
 }
 
-double default_value_sigma(AidKind kind) { return kind == AidKind::wheels ? 0.1 : kind == AidKind::barometer ? 1 : 1 * unit::deg; }
+double default_value_sigma(AidKind kind) {
+  return kind == AidKind::wheels ? 0.1 : kind == AidKind::barometer ? 1 : has_attitude(kind) ? 0.1 * unit::deg : 1 * unit::deg;
+}
 
 /// The horizontal displacement of a position at a time.
 Vector3d jump_at(const Aid& aid, double time, const RandomStream& draws) {
@@ -91,6 +97,7 @@ Vector3d jump_at(const Aid& aid, double time, const RandomStream& draws) {
 Aid with_defaults(Aid aid) {
   if (aid.kind == AidKind::gnss && !aid.position_sigma && !aid.velocity_sigma) aid.position_sigma = 1.5, aid.velocity_sigma = 0.05;
   if (aid.kind != AidKind::gnss && !aid.value_sigma) aid.value_sigma = default_value_sigma(aid.kind);
+  if (has_attitude(aid.kind) && !aid.position_sigma) aid.position_sigma = aid.kind == AidKind::pose ? 0.002 : 0.01;
   return aid;
 }
 
@@ -106,11 +113,28 @@ void add_gnss_row(const Aid& aid, const PointMotion& point, const Vector3d& erro
   }
 }
 
+/// The frame of poses: from east-north-up axes to its own. Its tilt is a shortest rotation, so level axes in it are east and north.
+Matrix3d frame_in(AidFrame frame, const RandomStream& draws) {
+  return frame == AidFrame::free ? rotation_exp(Vector3d(draws.normal(10), draws.normal(11), 0)) : Matrix3d::Identity();
+}
+
+void add_pose_row(const Aid& aid, const PointMotion& first, const PointMotion& point, const Matrix3d& frame, const Vector3d& error,
+                  const Vector3d& turn, AidRecord& record) {
+  if (aid.kind != AidKind::attitude) {
+    const Vector3d way((point.longitude - first.longitude) * first.parallel_radius, (point.latitude - first.latitude) * first.meridian_radius,
+                       point.height - first.height);
+    record.place.push_back(frame * way + error);
+    record.position_sigma.push_back(Vector3d::Constant(*aid.position_sigma));
+  }
+  record.attitude.push_back(Eigen::Quaterniond(frame * point.C_nb * rotation_exp(turn)).coeffs());
+  record.value_sigma.push_back(*aid.value_sigma);
+}
+
 }  // namespace
 
 double aid_rate(const Aid& aid) {
   const bool fast = aid.kind == AidKind::wheels || aid.kind == AidKind::barometer;
-  return aid.rate.value_or(fast ? 10 : 1);
+  return aid.rate.value_or(has_attitude(aid.kind) ? 100 : fast ? 10 : 1);
 }
 
 SimulatedAid simulate_aid(const Aid& declared, std::size_t number, const motion::Trajectory& motion, std::uint64_t seed) {
@@ -124,9 +148,11 @@ SimulatedAid simulate_aid(const Aid& declared, std::size_t number, const motion:
         aid.lever_arm.value_or(Vector3d::Zero())[i] + aid.lever_arm_sigma.value_or(0) * installed.normal(static_cast<std::uint64_t>(i));
   out.delay = aid.delay.value_or(0) + aid.delay_sigma.value_or(0) * installed.normal(3);
   const double rate = aid_rate(aid);
-  const bool gnss = aid.kind == AidKind::gnss;
-  AidErrors errors(gnss ? aid.position_sigma.value_or(0) : *aid.value_sigma, aid.correlation, 1 / rate, stream("errors"));
-  AidErrors velocity_errors(aid.velocity_sigma.value_or(0), std::nullopt, 1 / rate, stream("velocity errors"));
+  const bool gnss = aid.kind == AidKind::gnss, poses = has_attitude(aid.kind);
+  AidErrors errors(gnss || poses ? aid.position_sigma.value_or(0) : *aid.value_sigma, aid.correlation, 1 / rate, stream("errors"));
+  AidErrors velocity_errors(poses ? *aid.value_sigma : aid.velocity_sigma.value_or(0), std::nullopt, 1 / rate, stream("velocity errors"));
+  const Matrix3d frame = frame_in(aid.frame, installed);
+  const PointMotion first = motion_at(motion.at(0), out.lever_arm);
   AidRecord& record = out.aid.record = {};
   for (std::size_t k = 0; static_cast<double>(k) / rate <= motion.duration; ++k) {
     const double time = static_cast<double>(k) / rate;
@@ -135,6 +161,8 @@ SimulatedAid simulate_aid(const Aid& declared, std::size_t number, const motion:
     const Vector3d error = errors.next();
     if (gnss) {
       add_gnss_row(aid, point, error + jump_at(aid, time, stream("jumps")), velocity_errors.next(), record);
+    } else if (poses) {
+      add_pose_row(aid, first, point, frame, error, velocity_errors.next(), record);
     } else {
       record.value.push_back(value_at(aid.kind, point) + error.x());
       record.value_sigma.push_back(*aid.value_sigma);

@@ -9,6 +9,7 @@
 #include "imulab/fleet/store/server.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/model/finding_table.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/report/calibration_page.hpp"
@@ -34,6 +35,7 @@ CalibrationOptions options_of(const CalibrationTask& task, const Method& method,
   options.handheld.requirements = task.requirements;
   options.whole_unit = {.full = task.terms == "full", .stepwise = task.stepwise};
   options.progress = task.progress;
+  options.reference = task.reference;
   constexpr double points = 500;  // of a curve: enough for a screen
   if (task.curves && method.takes_curves && !recordings.empty())
     options.hybrid.curve_interval = static_cast<double>(recordings.front().size()) * recordings.front().interval_s / points;
@@ -64,8 +66,22 @@ std::map<std::string, std::string> options_used(const CalibrateOptions& o) {
   if (o.effects != "table") used["effects"] = o.effects;
   if (!o.recording.empty()) used["recording"] = o.recording;
   if (o.stepwise) used["stepwise"] = "true";
+  if (o.reference) used["reference"] = *o.reference;
+  if (o.reference_calibration) used["calibration"] = *o.reference_calibration;
   if (!o.prior.empty()) used["prior"] = fleet::shown_store(o.prior);
   return used;
+}
+
+ReferenceImu reference_of(const CalibrateOptions& o) {
+  ReferenceImu out{.imu = *o.reference};
+  if (!o.reference_calibration) return out;
+  if (std::ranges::find(grades(), *o.reference_calibration, &Grade::name) != grades().end()) {
+    out.grade = *o.reference_calibration;
+    return out;
+  }
+  out.calibration = read_calibration(*o.reference_calibration);
+  expect_usable(*out.calibration, *o.reference_calibration, false, "--calibration navigation");
+  return out;
 }
 
 }  // namespace
@@ -98,6 +114,8 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
       .of_command();
   verb.option("--require LIMITS", o.require,
               "limits that the uncertainties must meet, as in \"gyro.matrix.diagonal <= 100 ppm, accel.bias <= 200 ug\"; exit code 1 otherwise");
+  verb.option("--reference NAME", o.reference, names_of_methods(&Method::takes_reference) + ": the better IMU, as [[recording]] names it by imu");
+  verb.option("--calibration FILE", o.reference_calibration, "of the reference: its calibration, or the name of its grade (default: navigation)");
   prior_option(verb, o.prior);
   report_option(verb, o.report);
   topics_option(verb, o.topics).of_command();
@@ -121,6 +139,10 @@ CalibrationTask task_of(const CalibrateOptions& o) {
   const auto only = [](bool Method::*capability, const char* has) { return fmt::format("only the method {} {}", names_of_methods(capability), has); };
   if (o.stepwise && !chosen.takes_stepwise) throw OptionError("stepwise", only(&Method::takes_stepwise, "has steps"));
   if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has convergence curves"));
+  if (o.reference && !chosen.takes_reference) throw OptionError("reference", only(&Method::takes_reference, "has one"));
+  if (o.reference_calibration && !chosen.takes_reference) throw OptionError("calibration", only(&Method::takes_reference, "has a reference"));
+  if (!o.reference && chosen.takes_reference)
+    throw OptionError("reference", "is missing; expected the better IMU, as a [[recording]] of the session names it by imu");
   if (o.terms == "full" && !chosen.takes_full) throw OptionError("terms full", only(&Method::takes_full, "takes it"));
   errors_of_option("terms", [&] { parse_terms(o.terms); });
   CalibrationTask task{.method = o.method,
@@ -129,6 +151,7 @@ CalibrationTask task_of(const CalibrateOptions& o) {
                        .stepwise = o.stepwise,
                        .curves = !o.curves.empty() || !o.report.empty()};
   if (o.require) task.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
+  if (o.reference) task.reference = reference_of(o);
   task.prior = read_prior(o.prior);
   return task;
 }
@@ -160,12 +183,12 @@ std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
   return indices;
 }
 
-SessionRecordings read_recordings(Session session, const std::string& chosen) {
+SessionRecordings read_recordings(Session session, const std::string& chosen, bool several_imus) {
   SessionRecordings data{std::move(session), {}, {}};
   Session& s = data.session;
   if (!chosen.empty() || s.recordings.empty()) s.recordings = {RecordingSource(choose_recording(s, chosen))};
   for (const RecordingSource& source : s.recordings)
-    if (source.imu != s.recordings.front().imu)
+    if (source.imu != s.recordings.front().imu && !several_imus)
       throw Error(fmt::format("{}: its recordings are of several IMUs ({}, {}); expected one chosen by recording", s.file, s.recordings.front().imu,
                               source.imu));
   std::erase_if(s.steps, [&](const Step& step) {
@@ -185,7 +208,7 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
 }
 
 void expect_gravity(const Session& session, const Method& method) {
-  if (!method.takes_aids) errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
+  if (!method.takes_aids && !method.takes_reference) errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
 }
 
 namespace {
@@ -280,8 +303,10 @@ std::string calibration_page(const CalibrationResult& result, const SessionRecor
   std::vector<std::string> said;  // already
   Session session = data.session;
   session.aids = aids_of_all(data, said);
+  const auto reference = result.calibration.options.find("reference");  // the calibration is not its
   for (const Recording& recording : data.recordings)
-    report.recordings.push_back(evidence_of(result.calibration, session, recording, data.recordings.size()));
+    if (reference == result.calibration.options.end() || session.source_of(recording.name).imu != reference->second)
+      report.recordings.push_back(evidence_of(result.calibration, session, recording, data.recordings.size()));
   return calibration_page(report);
 }
 

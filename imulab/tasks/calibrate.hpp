@@ -16,7 +16,7 @@ namespace imulab {
 
 struct CalibrateOptions : ShowOptions {
   std::string session, method, terms = "auto", effects = "table", recording, curves, prior;
-  std::optional<std::string> require;
+  std::optional<std::string> require, reference, reference_calibration;
   std::vector<std::string> more, declarations, topics;
   bool stepwise = false;
 };
@@ -30,8 +30,9 @@ struct CalibrationTask {
   bool stepwise = false;       ///< whole-unit
   bool curves = false;         ///< hybrid: convergence curves
   std::vector<Requirement> requirements = {};
-  std::optional<FleetPrior> prior = {};       ///< the prior from a fleet: the result is then in the accelerometers' frame
-  std::function<void(double)> progress = {};  ///< as CalibrationOptions has it
+  std::optional<ReferenceImu> reference = {};  ///< of a method that takes one
+  std::optional<FleetPrior> prior = {};        ///< the prior from a fleet: the result is then in the accelerometers' frame
+  std::function<void(double)> progress = {};   ///< as CalibrationOptions has it
 };
 
 /// The names of all methods, or of those with a prediction.
@@ -55,8 +56,8 @@ struct SessionRecordings {
 };
 
 /// Reads the recordings of a session that a method uses: all of them, or the one named `chosen`; the only one where it takes one. Throws Error as
-/// read_recording does, and where the caller has to choose one.
-SessionRecordings read_recordings(Session session, const std::string& chosen = "");
+/// read_recording does, and where the caller has to choose one. `several_imus`: the recordings may be of several.
+SessionRecordings read_recordings(Session session, const std::string& chosen = "", bool several_imus = false);
 
 /// Recordings from memory, one for each of the session's, as declared_session takes them. A session without recordings takes them as they are,
 /// temperatures in degC.

@@ -244,7 +244,8 @@ InspectedRecording opened_session(const GivenFiles& given, const InspectionTask&
   for (Finding& f : found.findings)
     if (f.severity == Severity::warning) f.severity = Severity::doubt, f.text = "the data contradict the session: " + f.text;
   for (MethodFinding& method : found.methods)
-    if (!find_method(method.name)->support && !find_method(method.name)->takes_aids && !out.session.steps.empty() && !out.session.rigs.empty())
+    if (!find_method(method.name)->support && !find_method(method.name)->takes_aids && !find_method(method.name)->takes_reference &&
+        !out.session.steps.empty() && !out.session.rigs.empty())
       method = {method.name, true, "the session has a rig and steps: try it if they are those that it needs"};
   return out;
 }

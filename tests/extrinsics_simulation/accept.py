@@ -11,12 +11,14 @@ import tempfile
 
 import numpy as np
 
+import coefficients
 import simulate as s
 
 parser = argparse.ArgumentParser()
 parser.add_argument("imulab", type=lambda name: pathlib.Path(name).resolve())
 parser.add_argument("--bodies", type=int, default=40)
 parser.add_argument("--seed", type=int, default=1)
+parser.add_argument("--only", default="", choices=("", "extrinsics", "reference"))
 options = parser.parse_args()
 
 
@@ -124,8 +126,44 @@ def faulty():
         check(wrong == 0, f"{fault}: {wrong} of {len(said)} good and more than 5 u off (worst {worst:.1f}); said: {said[0][:220]}")
 
 
-for grade in ("mems", "tactical"):
-    clean(grade)
-faulty()
+def by_reference(drive):
+    """A MEMS IMU beside a tactical one that has no calibration."""
+    ratios, good, scales = [], 0, []
+    seconds = 600 if drive else 60
+    sessions = max(4, options.bodies // (10 if drive else 4))
+    for seed in range(sessions):
+        random = np.random.default_rng([seed, options.seed, 7])
+        motion = s.Motion(random, seconds, drive=drive)
+        units = [s.Imu(random, "tactical", 100.0, first=True), s.Imu(random, "mems", 100.0)]
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            for which, unit in zip(("good", "cheap"), units):
+                s.write(folder / f"{which}.csv", *unit.read(random, motion, seconds))
+            s.session(folder / "session.toml", [("good", 100.0), ("cheap", 100.0)], "mems")
+            result = subprocess.run([options.imulab, "calibrate", folder, "--method", "reference", "--reference", "good", "--calibration", "tactical",
+                                     "-o", folder / "c.json"], capture_output=True, text=True)
+            file = folder / "c.json"
+            calibration = json.loads(file.read_text()) if file.exists() else None
+        if not calibration or calibration["quality"]["verdict"] != "good":
+            print(f"   session {seed}: {result.stderr.strip() or calibration['quality']['reasons']}")
+            continue
+        good += 1
+        rows = coefficients.rows_of(calibration, units[1])
+        ratios += [e / u for e, u in rows.values()]
+        scales.append(rows["gyro.matrix[2, 2]"][1])
+    name = "drives of 10 minutes" if drive else "motions by hand of a minute"
+    check(good >= 0.98 * sessions, f"reference, {name}: {good} of {sessions} good")
+    inside = (np.abs(ratios) < 1.96).mean()
+    check(inside > 0.93, f"reference, {name}: {100 * inside:.1f} % of {len(ratios)} coefficients within 1.96 u, largest {np.abs(ratios).max():.1f}; "
+          f"u of the gyro scale z {1e6 * np.median(scales):.0f} ppm")
+
+
+if options.only in ("", "extrinsics"):
+    for grade in ("mems", "tactical"):
+        clean(grade)
+    faulty()
+if options.only in ("", "reference"):
+    by_reference(drive=False)
+    by_reference(drive=True)
 print(f"{len(failed)} checks failed")
 sys.exit(1 if failed else 0)

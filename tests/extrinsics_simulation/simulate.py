@@ -36,15 +36,20 @@ class Sines:
 class Motion:
     """Rates and forces at the first IMU's origin, at equal steps."""
 
-    def __init__(self, random, seconds, rate=1.5, way=0.15, axis=None):
+    def __init__(self, random, seconds, rate=1.5, way=0.15, axis=None, drive=False):
         self.t = np.arange(-1, seconds + 1, STEP)
         rates, path = Sines(random, rate, 0.2, 3), Sines(random, way, 0.2, 2)
+        if drive:  # turns about the vertical, a road that tilts the vehicle, and speed
+            rates, path = Sines(random, 0.3, 0.02, 0.1), Sines(random, 5, 0.02, 0.15)
+            rates.amplitude[:2] *= 0.1
+        self.place, self.attitude = path.at(self.t), np.empty((len(self.t), 3, 3))
         self.rate, self.rate_slope, acceleration = rates.at(self.t), rates.at(self.t, 1), path.at(self.t, 2)
         if axis is not None:  # turns about one axis alone
             axis = np.array(axis) / np.linalg.norm(axis)
             self.rate, self.rate_slope = self.rate @ np.outer(axis, axis), self.rate_slope @ np.outer(axis, axis)
         attitude, self.force = rotation(random.normal(size=3)), np.empty_like(self.rate)  # attitude: from body to level axes
         for i in range(len(self.t)):
+            self.attitude[i] = attitude
             self.force[i] = attitude.T @ (acceleration[i] - GRAVITY)
             middle = self.rate[i] + 0.5 * STEP * self.rate_slope[i]
             attitude = attitude @ rotation(STEP * middle)
@@ -84,7 +89,7 @@ class Grade:
 DEG = np.pi / 180
 GRADES = {
     "mems": Grade(0.01, 0.01, 1 * DEG, 0.3, 0.05 * DEG / 9.8, 0.005 * DEG, 1e-3),
-    "tactical": Grade(1.5e-4, 60 / 206265, 3 / 3600 * DEG, 1e-2, 0.3 / 3600 * DEG / 9.8, 0.05 / 60 * DEG, 3e-4),
+    "tactical": Grade(1.5e-4, 60 / 206265, 3 / 3600 * DEG, 3e-3, 0.3 / 3600 * DEG / 9.8, 0.05 / 60 * DEG, 3e-4),
 }
 
 
@@ -118,6 +123,54 @@ class Imu:
         root = np.sqrt(self.rate_hz)
         return (stamps, rate @ self.gyro.T + force @ self.sensitivity.T + self.gyro_bias + random.normal(size=rate.shape) * g.gyro_noise * root,
                 force @ self.accel.T + self.accel_bias + random.normal(size=force.shape) * g.accel_noise * root)
+
+
+class Tracker:
+    """Poses of markers on the body in a frame of their own, on their own clock."""
+
+    def __init__(self, random, rate_hz=100, way=1e-3, angle=0.05 * DEG, frame="free", arm=0.2, clock=0.05, drift=50e-6):
+        self.rate_hz, self.way, self.angle = rate_hz, way, angle
+        yaw = rotation(np.array([0, 0, random.uniform(-np.pi, np.pi)]))
+        self.frame = rotation(random.normal(size=3)) if frame == "free" else yaw  # from level axes to the frame
+        self.body = rotation(random.normal(size=3) * 1.5)  # from the axes of the markers to those of the IMU
+        self.arm = random.uniform(-arm, arm, 3)
+        self.offset, self.drift = random.uniform(-clock, clock), random.uniform(-drift, drift)
+
+    def read(self, random, motion, seconds):
+        """Stamps, positions and quaternions x, y, z, w."""
+        stamps = np.arange(random.uniform(0, 1 / self.rate_hz), seconds, 1 / self.rate_hz)
+        times = (stamps - self.offset) - self.drift * (stamps - self.offset - seconds / 2)
+        at = ((times - motion.t[0]) / STEP).astype(int)
+        rest = times - motion.t[at]
+        places, quaternions = [], []
+        speed = np.gradient(motion.place, STEP, axis=0)
+        for i, dt in zip(at, rest):
+            attitude = motion.attitude[i] @ rotation(dt * (motion.rate[i] + dt / 2 * motion.rate_slope[i]))
+            place = motion.place[i] + dt * speed[i] + attitude @ self.arm
+            places.append(self.frame @ place + random.normal(size=3) * self.way)
+            quaternions.append(quaternion(self.frame @ attitude @ self.body @ rotation(random.normal(size=3) * self.angle)))
+        return stamps, np.array(places), np.array(quaternions)
+
+
+def quaternion(c):
+    """x, y, z, w of a rotation matrix (Shepperd 1978)."""
+    four = np.array([c[0, 0] - c[1, 1] - c[2, 2], c[1, 1] - c[0, 0] - c[2, 2], c[2, 2] - c[0, 0] - c[1, 1], np.trace(c)]) + 1
+    k = int(np.argmax(four))
+    s = c + c.T
+    rows = [
+        [four[0], s[0, 1], s[0, 2], c[2, 1] - c[1, 2]],
+        [s[0, 1], four[1], s[1, 2], c[0, 2] - c[2, 0]],
+        [s[0, 2], s[1, 2], four[2], c[1, 0] - c[0, 1]],
+        [c[2, 1] - c[1, 2], c[0, 2] - c[2, 0], c[1, 0] - c[0, 1], four[3]],
+    ]
+    return np.array(rows[k]) / (2 * np.sqrt(four[k]))
+
+
+def write_poses(path, stamps, places, quaternions):
+    with open(path, "w") as file:
+        file.write("# timestamp tx ty tz qx qy qz qw\n")
+        for row in np.column_stack([stamps, places, quaternions]):
+            file.write(f"{row[0]:.9f} " + " ".join(f"{v:.7f}" for v in row[1:]) + "\n")
 
 
 def write(path, stamps, rate, force):

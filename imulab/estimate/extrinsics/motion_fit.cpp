@@ -21,7 +21,6 @@ constexpr double knots_of_margin = 6;
 /// One sigma of the rate [rad/s] and force [m/s^2] at a knot before the data: any motion, but bounded where no sample is.
 constexpr double any_rate = 100, any_force = 1000;
 constexpr double least_sigma = 1e-9;
-constexpr double any_arm = 2, any_turn = 10, any_offset = 1, any_drift = 2e-4, any_delay = 0.01;  // one sigma: m, rad, s, relative, s
 
 double square(double x) { return x * x; }
 

@@ -27,6 +27,9 @@ enum MountColumn {
   mount_columns = Mounting::rows
 };
 
+/// One sigma of a mounting before the motion: m, rad, s, relative, s.
+inline constexpr double any_arm = 2, any_turn = 10, any_offset = 1, any_drift = 2e-4, any_delay = 0.01;
+
 struct ImuState {
   Matrix3d rotation = Matrix3d::Identity();
   Vector3d lever_arm = Vector3d::Zero();

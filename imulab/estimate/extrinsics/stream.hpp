@@ -3,21 +3,13 @@
 
 #include "imulab/eigen.hpp"
 #include "imulab/extrinsics.hpp"
+#include "imulab/navigation/common_motion.hpp"
 
 #include <vector>
 
 namespace imulab::extrinsics {
 
-/// A mean over an interval.
-struct Sample {
-  double begin = 0, end = 0;  ///< s
-  Vector3d rate, force;
-};
-
-struct Stream {
-  std::vector<Sample> samples;
-  double interval = 0;  ///< s, median
-};
+using common_motion::Sample, common_motion::Stream;
 
 /// Compensates the readings, and takes means over 4 ms of those that come faster. Times count from `origin_ns` on the IMU's clock. Samples at a limit
 /// and across gaps are left out.

@@ -1,10 +1,12 @@
-// Aids in ROS bags: sensor_msgs/NavSatFix (height above the ellipsoid), geometry_msgs/TwistStamped and TwistWithCovarianceStamped. A receiver's twist
-// is in east-north-up axes (REP 103); that of wheels has the forward speed in x.
+// Aids in ROS bags: sensor_msgs/NavSatFix (height above the ellipsoid), geometry_msgs/TwistStamped and TwistWithCovarianceStamped, and poses:
+// geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry. A receiver's twist is in east-north-up axes (REP
+// 103); that of wheels has the forward speed in x.
 #include "imulab/error.hpp"
 #include "imulab/formats/aid/format.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"
 
 #include <fmt/core.h>
@@ -20,6 +22,7 @@ using bag::MessageType;
 /// The numbers of a message of an aid, and what they are of it.
 struct AidMessage {
   MessageType type;
+  bool (*is_of)(AidKind kind);
   void (*put)(AidKind kind, const std::vector<double>& v, AidRow& row);
 };
 
@@ -45,11 +48,33 @@ void put_twist_with_covariance(AidKind kind, const std::vector<double>& v, AidRo
     row.velocity_sigma = {sigma(0), sigma(1), sigma(2)};
 }
 
+/// Position, then quaternion x, y, z, w. Messages without a measurement of the attitude's or position's error state variances of 0 or less.
+void put_pose(AidKind kind, const std::vector<double>& v, AidRow& row) {
+  if (kind != AidKind::attitude) row.place = {v[0], v[1], v[2]};
+  row.attitude = {v[3], v[4], v[5], v[6]};
+}
+
+void put_pose_with_covariance(AidKind kind, const std::vector<double>& v, AidRow& row) {
+  put_pose(kind, v, row);
+  constexpr std::size_t covariance = 7, size = 6;
+  const auto variance = [&](std::size_t i) { return v[covariance + i * (size + 1)]; };
+  const auto sigma = [&](std::size_t i) { return variance(i) > 0 ? std::sqrt(variance(i)) : AidRow::none; };
+  if (kind != AidKind::attitude) row.position_sigma = {sigma(0), sigma(1), sigma(2)};
+  row.value_sigma = std::sqrt((std::pow(sigma(3), 2) + std::pow(sigma(4), 2) + std::pow(sigma(5), 2)) / 3);
+}
+
+bool is_of_receiver(AidKind kind) { return kind == AidKind::gnss; }
+bool is_of_velocity(AidKind kind) { return kind == AidKind::gnss || kind == AidKind::wheels; }
+
 const std::vector<AidMessage>& aid_messages() {
   static const std::vector<AidMessage> messages{
-      {{"sensor_msgs/NavSatFix", 12, {}, true}, put_fix},
-      {{"geometry_msgs/TwistStamped", 6, {}}, put_twist},
-      {{"geometry_msgs/TwistWithCovarianceStamped", 42, {}}, put_twist_with_covariance},
+      {{"sensor_msgs/NavSatFix", 12, {}, bag::Between::fix_status}, is_of_receiver, put_fix},
+      {{"geometry_msgs/TwistStamped", 6, {}}, is_of_velocity, put_twist},
+      {{"geometry_msgs/TwistWithCovarianceStamped", 42, {}}, is_of_velocity, put_twist_with_covariance},
+      {{"geometry_msgs/PoseStamped", 7, {}}, has_attitude, put_pose},
+      {{"geometry_msgs/TransformStamped", 7, {}, bag::Between::frame_name}, has_attitude, put_pose},
+      {{"geometry_msgs/PoseWithCovarianceStamped", 7 + 36, {}}, has_attitude, put_pose_with_covariance},
+      {{"nav_msgs/Odometry", 7 + 36, {}, bag::Between::frame_name}, has_attitude, put_pose_with_covariance},
   };
   return messages;
 }
@@ -59,7 +84,7 @@ const AidMessage* aid_message_of(const bag::Topic& topic, AidKind kind) {
   if (const auto msg = name.find("/msg/"); msg != std::string::npos) name.erase(msg, 4);
   if (topic.encoding != "ros1" && topic.encoding != "cdr") return nullptr;
   for (const AidMessage& message : aid_messages())
-    if (message.type.name == name && (kind == AidKind::gnss || (kind == AidKind::wheels && !message.type.after_fix_status))) return &message;
+    if (message.type.name == name && message.is_of(kind)) return &message;
   return nullptr;
 }
 
@@ -75,8 +100,12 @@ const bag::Topic& choose_aid_topic(const std::vector<bag::Topic>& topics, const 
   if (!found.empty())
     throw Error(fmt::format("{}: has several topics of an aid; expected file = \"{}:TOPIC\" with one of {}", input_name(request.file),
                             request.file.filename().string(), names));
-  throw Error(fmt::format("{}: has no {} of kind {}; expected sensor_msgs/NavSatFix, or geometry_msgs/TwistStamped{}", input_name(request.file),
-                          request.topic.empty() ? "topic" : "topic " + request.topic, to_string(request.kind), names.empty() ? "" : ": " + names));
+  std::vector<std::string_view> types;
+  for (const AidMessage& message : aid_messages())
+    if (message.is_of(request.kind)) types.push_back(message.type.name);
+  throw Error(fmt::format("{}: has no {} of kind {}; expected {}{}", input_name(request.file),
+                          request.topic.empty() ? "topic" : "topic " + request.topic, to_string(request.kind), text::listed(types),
+                          names.empty() ? "" : ": " + names));
 }
 
 AidRows read_bag_aid(const AidRequest& request) {
@@ -93,7 +122,7 @@ AidRows read_bag_aid(const AidRequest& request) {
       const bag::MessagePlaces places = bag::message_places(topic.message_encoding(), message.type, bytes);
       row.time = places.stamp_ns;
       for (std::size_t i = 0; i < values.size(); ++i) values[i] = bag::load<double>(bytes.data() + places.of(i), places.big);
-      if (message.type.after_fix_status && static_cast<signed char>(bytes[places.status]) < 0) return void(++without_fix);
+      if (message.type.between == bag::Between::fix_status && static_cast<signed char>(bytes[places.status]) < 0) return void(++without_fix);
     } catch (const bag::Damaged& e) {
       throw Error(fmt::format("{}: {}: message {}: {}", out.file, topic.name, number, e.what()));
     }

@@ -31,6 +31,11 @@ double& part(AidRow& row) {
   return (row.*Vector)[I];
 }
 
+template <int I>
+double& quaternion(AidRow& row) {
+  return row.attitude[I];
+}
+
 double& value_of(AidRow& row) { return row.value; }
 double& value_sigma_of(AidRow& row) { return row.value_sigma; }
 
@@ -41,8 +46,24 @@ std::vector<AidColumns> value_columns(std::string_view name, std::string_view si
   return {{{name, factor, value_of}}, {{sigma, factor, value_sigma_of, true}}};
 }
 
+/// Columns of poses and attitudes; the first group that a kind must have comes first.
+std::vector<AidColumns> pose_columns(AidKind kind) {
+  std::vector<AidColumns> out{{{"qw", 1, quaternion<3>}, {"qx", 1, quaternion<0>}, {"qy", 1, quaternion<1>}, {"qz", 1, quaternion<2>}},
+                              {{"attitude_sigma_deg", unit::deg, value_sigma_of, true}}};
+  if (kind == AidKind::attitude) return out;
+  out.push_back({{"x_m", 1, part<&AidRow::place, 0>}, {"y_m", 1, part<&AidRow::place, 1>}, {"z_m", 1, part<&AidRow::place, 2>}});
+  out.push_back({{"x_sigma_m", 1, part<&AidRow::position_sigma, 0>, true},
+                 {"y_sigma_m", 1, part<&AidRow::position_sigma, 1>, true},
+                 {"z_sigma_m", 1, part<&AidRow::position_sigma, 2>, true}});
+  return out;
+}
+
 std::vector<AidColumns> aid_columns(AidKind kind) {
   switch (kind) {
+    case AidKind::pose:
+    case AidKind::attitude:
+    case AidKind::odometry:
+      return pose_columns(kind);
     case AidKind::wheels:
       return value_columns("speed_mps", "speed_sigma_mps", 1);
     case AidKind::barometer:
@@ -101,13 +122,14 @@ AidColumns columns_there(const std::vector<std::string>& names, AidKind kind, co
   AidColumns there;
   std::string expected;
   bool measures = false;
-  for (const AidColumns& group : aid_columns(kind)) {
+  const std::vector<AidColumns> groups = aid_columns(kind);
+  for (const AidColumns& group : groups) {
     const auto count = std::count_if(group.begin(), group.end(), [&](const AidColumn& c) { return is_among(c.name, names); });
     if (count > 0 && count < static_cast<std::ptrdiff_t>(group.size()))
       throw Error(fmt::format("{}: has some of the columns {}; expected all of them, or none", file, listed_columns(group)));
     if (count > 0) there.insert(there.end(), group.begin(), group.end());
-    if (!group.front().is_sigma) expected += (expected.empty() ? "" : ", or ") + listed_columns(group);
-    measures = measures || (count > 0 && !group.front().is_sigma);
+    if (!group.front().is_sigma) expected += (expected.empty() ? "" : has_attitude(kind) ? ", and " : ", or ") + listed_columns(group);
+    if (!group.front().is_sigma) measures = has_attitude(kind) ? (count > 0 && (measures || &group == &groups.front())) : measures || count > 0;
   }
   if (!measures) throw Error(fmt::format("{}: has no column of an aid of kind {}; expected {}", file, to_string(kind), expected));
   return there;
@@ -143,6 +165,8 @@ AidRow row_of(const AidRecord& record, std::size_t i) {
   if (!record.velocity_sigma.empty()) row.velocity_sigma = record.velocity_sigma[i];
   if (!record.value.empty()) row.value = record.value[i];
   if (!record.value_sigma.empty()) row.value_sigma = record.value_sigma[i];
+  if (!record.place.empty()) row.place = record.place[i];
+  if (!record.attitude.empty()) row.attitude = record.attitude[i];
   return row;
 }
 
@@ -169,7 +193,7 @@ std::string aid_csv(const Aid& aid, std::string_view comment) {
 }
 
 namespace {
-constexpr std::array<std::string_view, 5> measured_columns{"latitude_deg", "vn", "speed_mps", "height_m", "heading_deg"};  // one of each kind
+constexpr std::array<std::string_view, 6> measured_columns{"latitude_deg", "vn", "speed_mps", "height_m", "heading_deg", "qw"};  // one of each kind
 }
 
 std::optional<AidKind> kind_of_aid(const std::filesystem::path& file) {
@@ -189,7 +213,7 @@ std::optional<AidKind> kind_of_aid(const std::filesystem::path& file) {
     return hint.role == inspection::Role::gyro || hint.role == inspection::Role::accel;
   };
   if (std::any_of(names.begin(), names.end(), is_of_imu) || time_column_in(names) == time_columns.end()) return std::nullopt;
-  for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading})
+  for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading, AidKind::pose, AidKind::attitude})
     for (const AidColumns& group : aid_columns(kind))
       if (!group.front().is_sigma && std::all_of(group.begin(), group.end(), [&](const AidColumn& c) { return is_among(c.name, names); }))
         return kind;

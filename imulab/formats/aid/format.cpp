@@ -8,8 +8,8 @@
 namespace imulab::aid_io {
 
 const std::vector<AidFormat>& aid_formats() {
-  static const std::vector<AidFormat> formats{bag_aid_format(),          ulog_aid_format(), dataflash_aid_format(), rtklib_format(),
-                                              novatel_solution_format(), nmea_format(),     aid_csv_format()};
+  static const std::vector<AidFormat> formats{bag_aid_format(), ulog_aid_format(), dataflash_aid_format(), rtklib_format(), novatel_solution_format(),
+                                              nmea_format(),    tum_format(),      euroc_format(),         aid_csv_format()};
   return formats;
 }
 

@@ -38,6 +38,8 @@ AidFormat novatel_solution_format();
 AidFormat bag_aid_format();
 AidFormat ulog_aid_format();
 AidFormat dataflash_aid_format();
+AidFormat tum_format();
+AidFormat euroc_format();
 AidFormat aid_csv_format();
 
 /// The aid that a file is which holds nothing else: a receiver's positions, or a CSV with the columns and the time of an aid and without an IMU's.

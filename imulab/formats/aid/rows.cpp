@@ -6,6 +6,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -31,6 +32,11 @@ void check_row(const AidRows& rows, const AidRow& row) {
   for (const double speed : row.velocity)
     if (is_beyond(speed, -1e5, 1e5))
       throw Error(fmt::format("{}: velocity: {:g} m/s is out of range; expected -1e+05 to 1e+05", rows.place(row), speed));
+  for (const double at : row.place)
+    if (is_beyond(at, -1e7, 1e7)) throw Error(fmt::format("{}: position: {:g} m is out of range; expected -1e+07 to 1e+07", rows.place(row), at));
+  constexpr double rounding = 0.01;  // of a quaternion's length: files have as few as three digits
+  if (const double length = row.attitude.norm(); is_beyond(length, 1 - rounding, 1 + rounding))
+    throw Error(fmt::format("{}: quaternion: its length is {:g}; expected 1", rows.place(row), length));
   if (is_beyond(row.value, -1e6, 1e6)) throw Error(fmt::format("{}: {:g} is out of range; expected -1e+06 to 1e+06", rows.place(row), row.value));
   for (const double sigma : {row.position_sigma.x(), row.position_sigma.y(), row.position_sigma.z(), row.velocity_sigma.x(), row.velocity_sigma.y(),
                              row.velocity_sigma.z(), row.value_sigma})
@@ -51,7 +57,10 @@ std::size_t take_zeros(AidRow& row) {
   return zeros;
 }
 
-bool has_any(const AidRow& row) { return !std::isnan(row.value) || !row.position.array().isNaN().all() || !row.velocity.array().isNaN().all(); }
+bool has_any(const AidRow& row) {
+  return !std::isnan(row.value) || !row.position.array().isNaN().all() || !row.velocity.array().isNaN().all() || row.place.allFinite() ||
+         row.attitude.allFinite();
+}
 
 /// Adds what the row before, of the same stamp, does not say: 0 where it says nothing new.
 int fill(double& value, double more) {
@@ -62,7 +71,8 @@ int fill(double& value, double more) {
 
 int fill(AidRow& row, const AidRow& more) {
   int added = fill(row.value, more.value) + fill(row.value_sigma, more.value_sigma);
-  for (const auto vector : {&AidRow::position, &AidRow::position_sigma, &AidRow::velocity, &AidRow::velocity_sigma})
+  for (Eigen::Index i = 0; i < 4; ++i) added += fill(row.attitude[i], more.attitude[i]);
+  for (const auto vector : {&AidRow::position, &AidRow::position_sigma, &AidRow::velocity, &AidRow::velocity_sigma, &AidRow::place})
     for (Eigen::Index i = 0; i < 3; ++i) added += fill((row.*vector)[i], (more.*vector)[i]);
   return added;
 }
@@ -106,7 +116,7 @@ AidReading make_record(AidRows all) {
     else if (has_any(row))
       rows.push_back(row);
   }
-  if (rows.empty()) throw Error(all.file + ": has no row with a position, a velocity or a value; expected some");
+  if (rows.empty()) throw Error(all.file + ": has no row with a position, a velocity, an attitude or a value; expected some");
   AidReading out{{}, std::move(all.warnings)};
   if (repeated > 0) out.warnings.push_back(fmt::format("{}: {} rows repeat the stamp of the row before and are left out", all.file, repeated));
   if (zeros > 0)
@@ -119,6 +129,9 @@ AidReading make_record(AidRows all) {
   put_column(out.record.velocity_sigma, rows, [](const AidRow& row) { return row.velocity_sigma; });
   put_column(out.record.value, rows, [](const AidRow& row) { return row.value; });
   put_column(out.record.value_sigma, rows, [](const AidRow& row) { return row.value_sigma; });
+  put_column(out.record.place, rows, [](const AidRow& row) { return row.place; });
+  if (std::ranges::any_of(rows, [](const AidRow& row) { return row.attitude.allFinite(); }))
+    for (const AidRow& row : rows) out.record.attitude.push_back(row.attitude.normalized());
   return out;
 }
 

@@ -23,6 +23,8 @@ struct AidRow {
   Eigen::Vector3d position = Eigen::Vector3d::Constant(none), position_sigma = position;
   Eigen::Vector3d velocity = position, velocity_sigma = position;
   double value = none, value_sigma = none;
+  Eigen::Vector3d place = position;                            ///< of a pose
+  Eigen::Vector4d attitude = Eigen::Vector4d::Constant(none);  ///< quaternion x, y, z, w
 };
 
 struct AidRows {

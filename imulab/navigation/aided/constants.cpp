@@ -1,3 +1,4 @@
+#include "imulab/core/rotation.hpp"
 #include "imulab/model/finding_table.hpp"
 #include "imulab/navigation/aided/aided.hpp"
 #include "imulab/navigation/aided/setup.hpp"
@@ -31,6 +32,8 @@ constexpr std::array quantities{
     ConstantQuantity{"*.lever_arm.*", metre, turns},
     ConstantQuantity{"*.height_level", metre, ""},
     ConstantQuantity{"*.mounting.*", degree, straight},
+    ConstantQuantity{"*.body.*", degree, "turns about two axes"},
+    ConstantQuantity{"*.tilt.*", degree, "turns about level axes"},
     ConstantQuantity{"*.delay", second, speed},
     ConstantQuantity{"*.delay.drift", ppm, speed},
     ConstantQuantity{"*.scale", ppm, straight},
@@ -72,7 +75,7 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
   const Eigen::MatrixXd& P = smoothed.middle_covariance;
   std::vector<Eigen::Index> states;
   for (const StateBlock& b : p.blocks) {
-    if (std::isfinite(b.time)) continue;
+    if (!is_result(p, b)) continue;
     for (Eigen::Index k = 0; k < b.size; ++k)
       if (const Eigen::Index at = b.first + k; b.prior[k] > 0) {
         out.constants.push_back({b.elements[static_cast<std::size_t>(k)], x[at], std::sqrt(P(at, at)), b.prior[k]});
@@ -80,6 +83,12 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
       }
   }
   out.constants_covariance = P(states, states);
+  for (const Channel& c : p.channels) {
+    if (c.body < 0) continue;
+    const Vector3d turn = rotation_log(c.body_start * rotation_exp(x.segment<3>(c.body)));
+    for (std::size_t k = 0; k < states.size(); ++k)
+      if (const Eigen::Index element = states[k] - c.body; element >= 0 && element < 3) out.constants[k].value = turn[element];
+  }
 }
 
 void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out) {

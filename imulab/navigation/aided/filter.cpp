@@ -104,8 +104,10 @@ struct Filter {
   /// Returns true if a correction rotates the axes too far: velocities in rotated axes are not linear in the angle.
   bool turned_far(const VectorXd& correction) const {
     constexpr double far = 0.02;  // rad: the neglected part is 0.2 mm/s at 1 m/s
+    const bool motion = correction.head<3>().cwiseAbs().maxCoeff() > far;
     return std::ranges::any_of(p.channels, [&](const Channel& c) {
-      return c.mount >= 0 && std::max(correction.head<3>().cwiseAbs().maxCoeff(), correction.segment<2>(c.mount).cwiseAbs().maxCoeff()) > far;
+      return (c.mount >= 0 && (motion || correction.segment<2>(c.mount).cwiseAbs().maxCoeff() > far)) ||
+             (c.body >= 0 && (motion || correction.segment<3>(c.body).cwiseAbs().maxCoeff() > far));
     });
   }
 

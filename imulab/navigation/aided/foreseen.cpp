@@ -77,7 +77,7 @@ AidedNavigation foresee(const SensorPriors& priors, const Session& session, cons
   std::size_t at = 0;
   for (const StateBlock& b : p.blocks)
     for (Index k = 0; k < b.size; ++k)
-      if (!std::isfinite(b.time) && b.prior[k] > 0) out.constants[at++].value = prior.mean[b.first + k];
+      if (is_result(p, b) && b.prior[k] > 0) out.constants[at++].value = prior.mean[b.first + k];
   for (; at < out.constants.size(); ++at) out.constants[at].value = 0;
   for (const SmoothedNode& node : smoothed.nodes) out.covariance.push_back({p.time_after(node.samples), node.covariance});
   judge_heading(out);

@@ -2,6 +2,8 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
+#include "imulab/navigation/aided/observed_point.hpp"
+#include "imulab/navigation/aided/pose.hpp"
 #include "imulab/units.hpp"
 
 #include <algorithm>
@@ -21,82 +23,6 @@ Vector3d stated_or(const std::vector<Vector3d>& rows, std::size_t row, double ot
   for (Eigen::Index k = 0; row < rows.size() && k < 3; ++k)
     if (std::isfinite(rows[row][k]) && rows[row][k] > 0) out[k] = rows[row][k];
   return out;
-}
-
-ObservedRows rows_of(Eigen::Index count, Eigen::Index size) {
-  return {VectorXd::Zero(count), MatrixXd::Zero(count, size), VectorXd::Zero(count), std::vector<std::size_t>(static_cast<std::size_t>(count))};
-}
-
-/// Returns the time from the epoch to the moment of the measurement.
-double offset_in_time(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
-  return o.stamp - delay_at(p, c, at.state.x, o.stamp) - at.time;
-}
-
-/// Sets the derivative by the delay of a measured quantity that changes at `rate`.
-void set_delay(const Problem& p, const Channel& c, const Observation& o, const VectorXd& rate, MatrixXd& derivative) {
-  if (c.delay < 0) return;
-  derivative.col(c.delay) = -rate;
-  derivative.col(c.delay + 1) = -(o.stamp - p.delay_time()) * rate;
-}
-
-Vector3d lever_of(const Channel& c, const Instant& at) { return c.lever >= 0 ? Vector3d(at.state.x.segment<3>(c.lever)) : Vector3d::Zero(); }
-
-ObservedRows joined_rows(ObservedRows a, const ObservedRows& b) {
-  ObservedRows out = rows_of(a.residual.size() + b.residual.size(), a.derivative.cols());
-  out.residual << a.residual, b.residual;
-  out.derivative << a.derivative, b.derivative;
-  out.variance << a.variance, b.variance;
-  out.source = std::move(a.source);
-  out.source.insert(out.source.end(), b.source.begin(), b.source.end());
-  return out;
-}
-
-/// A vector with its derivatives by all states.
-struct Derived {
-  Vector3d value;
-  MatrixXd derivative;
-};
-
-/// Returns the derivatives of the rate relative to the Earth by all states on which it depends.
-MatrixXd rate_derivative(const Problem& p, const Instant& at) {
-  const NavigationState& motion = at.state.motion;
-  MatrixXd out = MatrixXd::Zero(3, p.size);
-  out.middleCols<3>(At::attitude) = -motion.q_nb.toRotationMatrix().transpose() * skew<double>(local_earth(motion.latitude, motion.height).rate);
-  for (const Eigen::Index first : {p.gyro_offset, p.gyro_flicker})
-    if (first >= 0) out.middleCols<3>(first).setIdentity();
-  for (Eigen::Index j = 0; j < 3; ++j) {
-    if (p.gyro_matrix >= 0) out.middleCols<3>(p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
-    if (p.g_sensitivity >= 0) out.middleCols<3>(p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
-  }
-  if (p.terms) {
-    Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
-    p.terms->at(p.time[at.sample], p.samples[at.sample], changes);
-    out.middleCols(p.terms_first, changes.cols()) = changes.topRows<3>();
-  }
-  return out;
-}
-
-/// Returns the velocity of the aid's point relative to the IMU, in body axes.
-Derived swing_of(const Problem& p, const Channel& c, const Instant& at) {
-  const Vector3d lever = lever_of(c, at);
-  Derived out{at.rate_eb.cross(lever), -skew<double>(lever) * rate_derivative(p, at)};
-  if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) = skew<double>(at.rate_eb);
-  return out;
-}
-
-/// Returns the velocity of the aid's point and its acceleration, east-north-up. Terms with a small time factor are differentiated only by that time.
-Derived velocity_of(const Problem& p, const Channel& c, const Instant& at) {
-  const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
-  const Derived swing = swing_of(p, c, at);
-  const Vector3d swung = C * swing.value;
-  Derived out{at.state.motion.velocity + swung, C * swing.derivative};
-  out.derivative.middleCols<3>(At::attitude) -= skew<double>(swung);
-  out.derivative.middleCols<3>(At::velocity).setIdentity();
-  return out;
-}
-Vector3d acceleration_of(const Channel& c, const Instant& at) {
-  const Vector3d lever = lever_of(c, at);
-  return at.acceleration + at.state.motion.q_nb * (at.rate_eb.cross(at.rate_eb.cross(lever)) + at.turning.cross(lever));
 }
 
 ObservedRows observe_position(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& place) {
@@ -219,14 +145,14 @@ ObservedRows observe_heading(const Problem& p, const Channel& c, const Observati
   return out;
 }
 
-/// The rate at rest is a mean over 0.1 s, with the noise of the gyros and of a base that is not quite still.
+/// The rate at rest is a mean, with the noise of the gyros and of a base that is not quite still.
 ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation& o, const Instant& at) {
   ObservedRows out = rows_of(6, p.size);
   out.residual << -at.state.motion.velocity, -at.rate_eb;
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
   out.derivative.bottomRows<3>() = rate_derivative(p, at);
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
-  out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / 0.1 + Vector3d::Constant(std::pow(2e-4, 2));
+  out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / (2 * std::max(p.half_instant, p.interval)) + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
   return out;
 }
@@ -238,6 +164,9 @@ constexpr std::array laws{
     AidLaw{AidKind::barometer, "barometer", 0, 0, 1, observe_barometer},
     AidLaw{AidKind::heading, "heading", 0, 0, 2 * unit::deg, observe_heading},
     AidLaw{AidKind::zero_velocity, "zero_velocity", 0, 0.02, 0, observe_rest},
+    AidLaw{AidKind::pose, "pose", 0.002, 0, 0.1 * unit::deg, observe_pose},
+    AidLaw{AidKind::attitude, "attitude", 0, 0, 0.5 * unit::deg, observe_pose},
+    AidLaw{AidKind::odometry, "odometry", 0.01, 0, 0.2 * unit::deg, observe_pose},
 };
 
 }  // namespace
@@ -275,8 +204,7 @@ Matrix3d mounting(const Problem&, const Channel& c, const Eigen::VectorXd& x) {
 }
 
 Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
-  constexpr double half = 0.05;  // s: shorter means are dominated by sensor noise
-  const auto margin = static_cast<std::size_t>(std::max(1., std::round(half / p.interval)));
+  const auto margin = static_cast<std::size_t>(std::max(1., std::round(p.half_instant / p.interval)));
   Increment sum, raw;
   Vector3d before = Vector3d::Zero();
   double length = 0, length_before = 0;
@@ -297,7 +225,7 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
   return {.state = state,
           .time = end > 0 ? p.time[end - 1] : p.begin,
           .rate_ib = rate,
-          .rate_eb = rate - C.transpose() * earth.rate,
+          .rate_eb = rate - C.transpose() * earth_rate_at(p, state),
           .turning = turning,
           .acceleration = C * sum.velocity / length + gravity - (2 * earth.rate + earth.transport_rate(v)).cross(v),
           .raw_rate = raw.angle / length,

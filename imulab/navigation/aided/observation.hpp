@@ -24,7 +24,7 @@ namespace imulab::aided {
 struct Instant {
   FullState state;
   double time = 0;               // s
-  Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over 0.1 s
+  Vector3d rate_ib;              // corrected, body axes [rad/s], a mean over 2 half_instant
   Vector3d rate_eb;              // relative to the Earth
   Vector3d turning;              // angular acceleration, body axes [rad/s^2], between the means of the halves of that time
   Vector3d acceleration;         // east-north-up [m/s^2]

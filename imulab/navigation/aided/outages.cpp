@@ -32,7 +32,8 @@ void add_outages(const Problem& p, const std::vector<Withheld>& withheld, Outage
   for (const auto& [observation, source, residual, variance] : withheld) {
     const Observation& o = p.observations[observation];
     const Channel& c = p.channels[o.channel];
-    if (c.aid.kind != AidKind::gnss || residual.size() < 3 || source != c.first_noise) continue;  // positions
+    const bool positions = c.aid.kind == AidKind::gnss || !c.aid.record.place.empty();
+    if (!positions || residual.size() < 3 || source != c.first_noise) continue;
     const auto at = std::ranges::find_if(outages, [&](const OutageResult& r) { return o.stamp >= r.begin && o.stamp <= r.end; });
     OutageErrors& errors = *at.*part;
     const double horizontal = std::hypot(residual[0], residual[1]);

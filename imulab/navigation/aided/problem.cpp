@@ -70,11 +70,17 @@ double delay_at(const Problem& p, const Channel& c, const Eigen::VectorXd& x, do
   return c.delay >= 0 ? x[c.delay] + x[c.delay + 1] * (stamp - p.delay_time()) : 0;
 }
 
+Vector3d earth_rate_at(const Problem& p, const FullState& state) {
+  return p.earth_rate >= 0 ? Vector3d(state.x.segment<3>(p.earth_rate)) : local_earth(state.motion.latitude, state.motion.height).rate;
+}
+
 std::string in_words(std::string name) {
   std::ranges::replace(name, '.', ' ');
   std::ranges::replace(name, '_', ' ');
   return name;
 }
+
+bool is_result(const Problem& p, const StateBlock& b) { return !std::isfinite(b.time) && b.first != p.earth_rate; }
 
 Eigen::Index add_block(Problem& problem, StateBlock block) {
   block.first = problem.size;

@@ -57,7 +57,10 @@ struct Channel {
   std::string name;
   Aid aid;
   Eigen::Index lever = -1, delay = -1, mount = -1, scale = -1, slow = -1, level = -1;
-  std::size_t first_noise = 0, second_noise = 0;  // noise source of position (or value), and of velocity
+  std::size_t first_noise = 0, second_noise = 0;                                   // noise source of position (or value), and of velocity or attitude
+  Eigen::Index body = -1, tilt = -1, slow_turn = -1;                               // of poses (pose.hpp)
+  Matrix3d body_start = Matrix3d::Identity(), frame_start = Matrix3d::Identity();  // about which these are
+  double scale_start = 1;
 };
 
 /// A row of an aid's record, or a time at which a constraint applies.
@@ -88,6 +91,7 @@ struct Problem {
   std::vector<StateBlock> blocks;  // all states except the first nine
   Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
   Eigen::Index gyro_flicker = -1, accel_flicker = -1;  // in addition to the offsets
+  Eigen::Index earth_rate = -1;                        // of the Earth's rate in the level axes of poses, whose north is unknown
   const OutputTerms* terms = nullptr;                  // their states begin at terms_first
   Eigen::Index terms_first = -1;
   Eigen::Index sensors_end = 15;  // end of the states on which the sensors' output depends
@@ -102,6 +106,10 @@ struct Problem {
   /// delay hours earlier is uninformative.
   double delay_time() const { return std::min(middle(), begin + 300); }
   double longest_step = 1;  // s: between two epochs
+  /// s: half of the time over which an Instant is a mean. Shorter means have more noise of the sensors; poses resolve the change of fast turns.
+  double half_instant = 0.05;
+  Vector3d place = Vector3d::Zero();  // origin of poses: latitude, longitude [rad], height [m]
+  double vertical_earth_rate = 0;     // before the data, rad/s
 };
 
 /// A navigation state and all other states (the first nine are zero).
@@ -131,8 +139,14 @@ Increment corrected(const Problem& problem, const TimedIncrement& sample, const 
 /// Returns the delay of an aid's stamps at `stamp` [s].
 double delay_at(const Problem& problem, const Channel& channel, const Eigen::VectorXd& x, double stamp);
 
+/// Returns the Earth's rate in the level axes.
+Vector3d earth_rate_at(const Problem& problem, const FullState& state);
+
 /// Returns a name in words: "gnss.slow_error" becomes "gnss slow error".
 std::string in_words(std::string name);
+
+/// Returns true for constants that are results: not for nuisances.
+bool is_result(const Problem& problem, const StateBlock& block);
 
 /// Appends a block of states.
 Eigen::Index add_block(Problem& problem, StateBlock block);

@@ -5,6 +5,7 @@
 #include "imulab/error.hpp"
 #include "imulab/model/filter_flicker.hpp"
 #include "imulab/navigation/aided/aid_motion.hpp"
+#include "imulab/navigation/aided/pose.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/recording/aid_clock.hpp"
 #include "imulab/units.hpp"
@@ -15,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -29,7 +31,9 @@ constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
 constexpr double delay_sigma = 0.2;                    // s: for an aid on the recording's clock
 constexpr double clock_sigma = 300e-6;                 // rate error of a logger's clock relative to the aid's
 constexpr double mount_sigma = 20 * unit::deg;
-constexpr double flicker_time = 100;  // s: time over which an offset's flicker equals its bias instability
+constexpr double unknown_scale = 0.2;                                         // relative: of a first guess by accelerations
+constexpr double odometry_position = 0.1, odometry_attitude = 1 * unit::deg;  // m: of slow errors, whose size is estimated
+constexpr double flicker_time = 100;                                          // s: time over which an offset's flicker equals its bias instability
 
 double density(const std::optional<double>& declared, const Vector3d* rest, Eigen::Index axis, double of_grade) {
   if (declared) return *declared;
@@ -43,7 +47,9 @@ std::size_t add_source(Problem& p, std::string name) {
 }
 
 constexpr std::array axes{"x", "y", "z"}, lever_arms{"right", "forward", "up"};
-constexpr std::array angles{"pitch", "yaw"};
+constexpr std::array angles{"pitch", "yaw"}, tilts{"east", "north"};
+constexpr std::array components{"east", "north", "up"};
+constexpr double body_sigma = 5 * unit::deg, free_tilt = 5 * unit::deg, upright_tilt = 0.5 * unit::deg;  // of a first guess, or declared
 
 /// Constants that have names of their own below that of the block.
 StateBlock constants(const std::string& name, const VectorXd& prior, std::span<const char* const> elements) {
@@ -170,11 +176,40 @@ void add_channel(Problem& p, const Aid& aid, const std::string& name) {
       delay();
       c.slow = add_slow(p, c, name + ".slow_error", 1, value_sigma(aid, 0), 60);
       break;
+    case AidKind::pose:
+    case AidKind::attitude:
+    case AidKind::odometry:
+      c.first_noise = add_source(p, name + ".position"), c.second_noise = add_source(p, name + ".attitude");
+      if (aid.kind != AidKind::attitude) lever();
+      delay();
+      c.body = add_block(p, constants(name + ".body", VectorXd::Constant(3, body_sigma), axes));
+      c.tilt = add_block(p, constants(name + ".tilt", VectorXd::Constant(2, aid.frame == AidFrame::free ? free_tilt : upright_tilt), tilts));
+      if (!aid.scale_known) c.scale = add_block(p, constant(name + ".scale", unknown_scale));
+      if (aid.kind != AidKind::odometry) break;
+      c.slow = add_slow(p, c, name + ".slow_error", 3, odometry_position, 100);
+      c.slow_turn = add_slow(p, c, name + ".slow_turn", 3, odometry_attitude, 100);
+      break;
     case AidKind::zero_velocity:
       c.first_noise = add_source(p, name + ".velocity"), c.second_noise = add_source(p, name + ".rate");
       break;
   }
   p.channels.push_back(std::move(c));
+}
+
+/// Sets the origin of poses, and the Earth's rate in the level axes of their frame if it is not known to point north. Without a latitude all of it is
+/// unknown.
+void set_level_axes(Problem& p, const std::vector<Aid>& aids, const Site& site) {
+  const double latitude = site.latitude.value_or(45 * unit::deg);
+  p.half_instant = 0;
+  p.place = {latitude, site.longitude.value_or(0), site.height.value_or(0)};
+  if (!site.latitude && !p.gravity) site.gravity();  // throws an Error that names both
+  if (site.latitude && std::ranges::any_of(aids, [](const Aid& aid) { return has_attitude(aid.kind) && aid.frame == AidFrame::north; })) return;
+  const double level = site.latitude ? earth_rate * std::cos(latitude) / std::numbers::sqrt2 : earth_rate / std::numbers::sqrt3;
+  if (site.latitude) p.vertical_earth_rate = earth_rate * std::sin(latitude);
+  const double up = site.latitude ? earth_rate * site.latitude_sigma.value_or(0.1 * unit::deg) : level;
+  p.earth_rate = add_block(p, constants("earth_rate", Vector3d(level, level, up), components));
+  p.sensors_end = p.size;
+  if (p.joint.size() > 0) p.joint.conservativeResizeLike(Eigen::MatrixXd::Zero(p.size, p.size));
 }
 
 bool inside(const std::vector<Outage>& outages, double t) {
@@ -319,6 +354,7 @@ Problem make_problem(const Recording& recording, const SensorPriors& priors, con
   p.gravity = session.site.given_gravity;
   p.gyro_noise = priors.gyro_noise, p.accel_noise = priors.accel_noise;
   add_sensors(p, priors, options.matrices);
+  if (std::ranges::any_of(aids, [](const Aid& aid) { return has_attitude(aid.kind); })) set_level_axes(p, aids, session.site);
   for (const Aid& aid : aids) {
     const std::string kind(aid_law(aid.kind).name);
     const auto same = std::ranges::count(aids.begin(), aids.begin() + (&aid - aids.data()), aid.kind, &Aid::kind);
@@ -327,6 +363,7 @@ Problem make_problem(const Recording& recording, const SensorPriors& priors, con
   }
   std::ranges::stable_sort(p.observations, {}, &Observation::stamp);
   std::erase_if(p.observations, [&](const Observation& o) { return o.stamp < p.begin - 1 || o.stamp > p.time.back() + 1; });
+  align_channels(p, recording);
   if (p.observations.empty()) throw Error(recording.name + ": no aid has an observation during the recording; expected times that overlap");
   return p;
 }
@@ -352,6 +389,7 @@ Prior prior_of(const Problem& p) {
     if (c.lever >= 0 && c.aid.lever_arm) out.mean.segment<3>(c.lever) = *c.aid.lever_arm;
     if (c.delay >= 0) out.mean[c.delay] = c.aid.delay.value_or(0);
   }
+  if (p.earth_rate >= 0) out.mean[p.earth_rate + 2] = p.vertical_earth_rate;
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
+#include "imulab/navigation/aided/pose.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/units.hpp"
 
@@ -205,6 +206,16 @@ FilterStart start_near(const Problem& p, const NavigationState& state) {
 }
 
 FoundStart find_start(const Problem& p, const Session& session) {
+  if (const std::optional<PoseStart> pose = start_by_poses(p, p.begin)) {
+    // One sigma: how the tracked body lies is known to half of the angle; the lever arm and errors of the first pose are below the distance.
+    constexpr double angle = 10 * unit::deg, beside_frame = 2;
+    FoundStart out{.start = start_near(p, pose->state)};
+    out.start.sample = sample_after(p, pose->time);
+    out.start.sigma.segment<3>(At::attitude).setConstant(angle);
+    out.start.sigma.segment<3>(At::position).setConstant(beside_frame);
+    if (const double later = time_before(p, out.start.sample) - p.begin; later > prompt) out.late_by = later;
+    return out;
+  }
   if (!session.initial) return best_heading(p, known_start(p, session, 0, nullptr));
   const InitialState& given = *session.initial;
   if (given.time < p.begin - p.interval / 2 || given.time >= p.time.back())

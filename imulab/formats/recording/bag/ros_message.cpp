@@ -45,7 +45,12 @@ MessagePlaces places_after(std::size_t origin, std::size_t at, bool aligned, boo
                                        : std::int64_t{load<std::uint32_t>(message.data() + at, big)};
   const std::size_t status = after(at + 12, name);
   std::size_t numbers = status;
-  if (type.after_fix_status) numbers += aligned ? 3 + (numbers - origin + 1) % 2 : 3;  // int8, then uint16 on an even place
+  if (type.between == Between::fix_status) numbers += aligned ? 3 + (numbers - origin + 1) % 2 : 3;  // int8, then uint16 on an even place
+  if (type.between == Between::frame_name) {
+    if (aligned) numbers = origin + (numbers - origin + 3) / 4 * 4;
+    after(numbers, 4);
+    numbers = after(numbers + 4, load<std::uint32_t>(message.data() + numbers, big));
+  }
   if (aligned) numbers = origin + (numbers - origin + 7) / 8 * 8;
   after(numbers, sizeof(double) * type.numbers);
   return {seconds * 1'000'000'000 + nanoseconds, numbers, status, big};

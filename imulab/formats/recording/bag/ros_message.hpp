@@ -15,6 +15,9 @@ namespace imulab::bag {
 
 enum class Encoding { ros1, cdr };
 
+/// What a message has between its header and its numbers: a sensor_msgs/NavSatStatus, or the name of a frame.
+enum class Between { nothing, fix_status, frame_name };
+
 /// A message of a header, then numbers of eight bytes.
 struct MessageType {
   std::string_view name;  ///< as ROS 1 says it: "sensor_msgs/Imu"
@@ -24,7 +27,7 @@ struct MessageType {
     std::size_t index;  ///< of the number
   };
   std::vector<Field> fields;
-  bool after_fix_status = false;  ///< sensor_msgs/NavSatStatus is between header and numbers
+  Between between = Between::nothing;
 
   std::vector<recording_io::ColumnDescription> columns() const;
 };

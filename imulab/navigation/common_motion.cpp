@@ -1,4 +1,4 @@
-#include "imulab/estimate/extrinsics/alignment.hpp"
+#include "imulab/navigation/common_motion.hpp"
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
@@ -15,7 +15,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace imulab::extrinsics {
+namespace imulab::common_motion {
 namespace {
 
 constexpr double step_s = 0.01;
@@ -133,20 +133,43 @@ double agreement(const std::vector<Vector3d>& first, const std::vector<Vector3d>
   return size > 0 ? (nearest_rotation(h).rotation.transpose() * h).trace() / std::sqrt(size) : 0;
 }
 
+/// Sets the rotation that turns the first's rates and forces to the other's, from their moments; without forces, from the rates alone.
+void set_rotation(const Matrix3d& of_rates, const Matrix3d& of_forces, const Names& names, Alignment& out) {
+  constexpr double clear = 0.05;  // of a direction: errors of the readings make less
+  constexpr double most_apart = 30 * unit::deg;
+  const bool with_forces = !of_forces.isZero(0);
+  const Procrustes rates = nearest_rotation(of_rates), forces = with_forces ? nearest_rotation(of_forces) : rates;
+  for (const auto& [quantity, found] : {std::pair{"angular rates", rates}, {"forces", forces}})
+    if (found.handedness < -clear)
+      throw Unsupported(fmt::format("the {} of {} and {} are mirror images; expected right-handed axes: one of their axes has the wrong sign",
+                                    quantity, names.first, names.other));
+  if (!with_forces && rates.second < clear)
+    throw Unsupported(fmt::format("{} and {} turn about one axis alone, which does not show how their axes lie; expected turns about two",
+                                  names.first, names.other));
+  const double apart = rotation_log(rates.rotation.transpose() * forces.rotation).norm();
+  if (rates.second > clear && forces.second > clear && apart > most_apart)
+    throw Unsupported(
+        fmt::format("{} and {}: the angular rates show another rotation than the forces, by {:.0f} deg; expected gyros and "
+                    "accelerometers in the same axes",
+                    names.first, names.other, apart / unit::deg));
+  out.rotation = with_forces ? nearest_rotation(of_rates / of_rates.norm() + of_forces / of_forces.norm()).rotation : rates.rotation;
+  out.second_rate = rates.second, out.second_force = forces.second;
+}
+
 }  // namespace
 
-Alignment aligned(const Stream& first_stream, const Stream& other_stream, const std::string& first_name, const std::string& other_name) {
+Alignment aligned(const Stream& first_stream, const Stream& other_stream, const Names& names) {
   constexpr std::size_t together = 10;  // of the coarse search
   constexpr double most_lag_s = 1000;
   const auto same = [](const Sample& a, const Sample& b) { return a.rate == b.rate && a.force == b.force; };
   if (std::equal(first_stream.samples.begin(), first_stream.samples.end(), other_stream.samples.begin(), other_stream.samples.end(), same))
-    throw Error(fmt::format("{} and {} have the same readings; expected those of two IMUs", first_name, other_name));
+    throw Error(fmt::format("{} and {} have the same readings; expected those of {}", names.first, names.other, names.expected));
   const Grid first = grid_of(first_stream), other = grid_of(other_stream);
   const double length_first = step_s * static_cast<double>(first.rate.size()), length_other = step_s * static_cast<double>(other.rate.size());
   const double shorter = std::min(length_first, length_other);
   const auto refuse_short = [&] {
     throw Unsupported(
-        fmt::format("{} and {} have less than {:.0f} s in common; expected records of one motion", first_name, other_name, least_common_s));
+        fmt::format("{} and {} have less than {:.0f} s in common; expected records of one motion", names.first, names.other, least_common_s));
   };
   if (shorter < least_common_s) refuse_short();
   // Equal stamps where at least half of the shorter record is then in common: one clock, or two that were set. Else both begin together.
@@ -162,7 +185,7 @@ Alignment aligned(const Stream& first_stream, const Stream& other_stream, const 
   constexpr std::size_t candidates = 8;
   const std::vector<Peak> coarse =
       peaks_of(a, b, at_equal_stamps - most, at_equal_stamps + most, std::min(least, std::min(a.size(), b.size())), lags(0.5), candidates);
-  if (coarse.empty()) throw Unsupported(fmt::format("{} and {}: no turns in common; expected turns of some 30 deg/s", first_name, other_name));
+  if (coarse.empty()) throw Unsupported(fmt::format("{} and {}: no turns in common; expected turns of some 30 deg/s", names.first, names.other));
 
   // Sizes of rates do not know their signs: the rates themselves, turned as well as can be, decide between the candidates.
   Alignment out;
@@ -190,25 +213,11 @@ Alignment aligned(const Stream& first_stream, const Stream& other_stream, const 
   if (fine.height < least_agreement)
     throw Unsupported(
         fmt::format("{} and {} do not turn alike: the correlation of their angular rates is {:.2f} at most; "
-                    "expected two IMUs on one rigid body, in one motion with turns of some 30 deg/s",
-                    first_name, other_name, fine.height));
+                    "expected {} on one rigid body, in one motion with turns of some 30 deg/s",
+                    names.first, names.other, fine.height, names.expected));
 
-  const Matrix3d of_rates = moments(first.rate, other.rate, fine.lag, true), of_forces = moments(first.force, other.force, fine.lag, false);
-  const Procrustes rates = nearest_rotation(of_rates), forces = nearest_rotation(of_forces);
-  constexpr double clear = 0.05;  // of a direction: errors of the readings make less
-  for (const auto& [triad, found] : {std::pair{"gyros", rates}, {"accelerometers", forces}})
-    if (found.handedness < -clear)
-      throw Unsupported(fmt::format("the {} of {} and {} are mirror images; expected right-handed axes: one of their axes has the wrong sign", triad,
-                                    first_name, other_name));
-  out.rotation = nearest_rotation(of_rates / of_rates.norm() + of_forces / of_forces.norm()).rotation;
-  const double apart = rotation_log(rates.rotation.transpose() * forces.rotation).norm();
-  constexpr double most_apart = 30 * unit::deg;
-  if (rates.second > clear && forces.second > clear && apart > most_apart)
-    throw Unsupported(
-        fmt::format("{} and {}: the gyros show another rotation than the accelerometers, by {:.0f} deg; "
-                    "expected gyros and accelerometers in the same axes",
-                    first_name, other_name, apart / unit::deg));
+  set_rotation(moments(first.rate, other.rate, fine.lag, true), moments(first.force, other.force, fine.lag, false), names, out);
   return out;
 }
 
-}  // namespace imulab::extrinsics
+}  // namespace imulab::common_motion
