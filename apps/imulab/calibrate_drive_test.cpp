@@ -27,6 +27,26 @@ using ::testing::Lt;
 using ::testing::Not;
 using Json = nlohmann::json;
 
+// Poses of an ideal tracker in a tilted frame, by the simulator of procedures.
+TEST(CalibrateByPoses, FindsTheUnit) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure handheld --grade mems --poses 20 -o p.toml").exit_code, 0);
+  std::string procedure = read_text(folder / "p.toml");
+  procedure.replace(procedure.find("[site]"), 6, "[site]\nlongitude_deg = 11");
+  folder.write("p.toml", procedure +
+                             "\n[[aid]]\nkind = \"pose\"\nposition_sigma_m = 0.001\nattitude_sigma_deg = 0.05\nrate_hz = 10\n"
+                             "lever_arm_m = [0.1, 0.05, 0]\nlever_arm_sigma_m = 0.02\n");
+  ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);
+  const CommandResult made = run_imulab(folder, "calibrate s --method drive -o c.json");
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  EXPECT_THAT(made.output, HasSubstr("good: nothing contradicts"));
+  const CommandResult compared = run_imulab(folder, "compare c.json s/truth.json");
+  EXPECT_THAT(compared.output, HasSubstr("0 of 42 coefficients differ"));
+  const Json found = Json::parse(read_text(folder / "c.json"));
+  for (const Json& row : found["standard_uncertainty"]["gyro"]["matrix"])
+    for (const Json& u : row) EXPECT_LT(u.get<double>(), 3e-4);
+}
+
 const char* const mission_head = R"(format = "imulab.mission/1"
 rate_hz = 25
 truth_rate_hz = 1

@@ -1,4 +1,5 @@
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/mcap_file.hpp"
 #include "tests/recorded_session.hpp"
@@ -68,6 +69,28 @@ TEST_F(TwoImus, AreNamedInASession) {
   EXPECT_THAT(read_text(folder / "c-1.json"), HasSubstr("\"imu\": \"right\""));
   folder.write("half.toml", read_text(folder / "two.toml").replace(read_text(folder / "two.toml").find("imu = \"left\""), 12, ""));
   EXPECT_THAT(on_one_line(run_imulab(folder, "calibrate half.toml --method handheld").errors), HasSubstr("some recordings name their IMU"));
+}
+
+TEST_F(TwoImus, OneIsTheReferenceOfTheOther) {
+  write_session();
+  const CommandResult made =
+      run_imulab(folder, "calibrate two.toml --method reference --reference left --calibration tactical -o r.json --report r.html");
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  const nlohmann::json found = nlohmann::json::parse(read_text(folder / "r.json"));
+  EXPECT_EQ(found["imu"], "right");
+  EXPECT_EQ(found["options"]["reference"], "left");
+  EXPECT_GT(found["quality"]["degrees_of_freedom"], 1000);
+  for (std::size_t i = 0; i < 3; ++i) {  // both have the same readings but for their axes
+    EXPECT_NEAR(found["model"]["gyro"]["matrix"][i][i].get<double>(), 1, 4 * found["standard_uncertainty"]["gyro"]["matrix"][i][i].get<double>());
+    EXPECT_NEAR(found["model"]["accel"]["offset"][i].get<double>(), 0, 4 * found["standard_uncertainty"]["accel"]["offset"][i].get<double>());
+    EXPECT_LT(found["standard_uncertainty"]["gyro"]["matrix"][i][i].get<double>(), 2e-3);
+  }
+  const auto refused = [&](const std::string& options) { return on_one_line(run_imulab(folder, "calibrate two.toml --method " + options).errors); };
+  EXPECT_THAT(refused("reference"), HasSubstr("--reference: is missing; expected the better IMU"));
+  EXPECT_THAT(refused("reference --reference up"), HasSubstr("--reference: up: two.toml has no IMU of this name"));
+  EXPECT_THAT(refused("reference --reference left --calibration toy.json"), HasSubstr("toy.json: cannot be opened"));
+  EXPECT_THAT(refused("handheld --reference left"), HasSubstr("--reference: only the method reference has one"));
+  EXPECT_THAT(refused("handheld --calibration tactical"), HasSubstr("--calibration: only the method reference has a reference"));
 }
 
 TEST_F(TwoImus, HostileNamesEndNoComment) {

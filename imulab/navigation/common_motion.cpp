@@ -193,8 +193,9 @@ Alignment aligned(const Stream& first_stream, const Stream& other_stream, const 
   Peak fine;
   for (const Peak& candidate : coarse) {
     const auto middle = candidate.lag * static_cast<std::ptrdiff_t>(together);
-    const std::vector<Peak> near = peaks_of(fine_a, fine_b, middle - 20, middle + 20, 100, 0, 1);
-    if (near.empty()) continue;
+    constexpr std::ptrdiff_t around = 20;
+    const std::vector<Peak> near = peaks_of(fine_a, fine_b, middle - around, middle + around, 100, 0, 1);
+    if (near.empty() || std::abs(near.front().lag - middle) == around) continue;  // a slope of another maximum
     const double height = agreement(first.rate, other.rate, near.front().lag);
     const double offset = other.begin - first.begin + step_s * static_cast<double>(near.front().lag);
     constexpr double alike = 0.98;

@@ -135,6 +135,8 @@ def by_reference(drive):
         random = np.random.default_rng([seed, options.seed, 7])
         motion = s.Motion(random, seconds, drive=drive)
         units = [s.Imu(random, "tactical", 100.0, first=True), s.Imu(random, "mems", 100.0)]
+        if drive:
+            units[1].rotation = s.rotation(0.02 * random.normal(size=3))  # parallel, or no axis is the one about which the vehicle turns
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             for which, unit in zip(("good", "cheap"), units):

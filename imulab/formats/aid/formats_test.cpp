@@ -218,5 +218,56 @@ TEST(BagAids, FixesAndTwists) {
   EXPECT_THAT(aid_text_error(twists, AidKind::heading), HasSubstr("has no topic of kind heading"));
 }
 
+void expect_pose(const AidRecord& r) {
+  ASSERT_EQ(r.place.size(), 1u);
+  EXPECT_EQ(r.place[0], Eigen::Vector3d(1, 2, 3));
+  EXPECT_LT((r.attitude[0] - Eigen::Vector4d(0.5, -0.5, 0.1, 0.7).normalized()).norm(), 1e-12) << "x, y, z, w";
+}
+
+TEST(BagAids, Poses) {
+  const std::string head =
+      std::string("\0\1\0\0", 4) + packed(std::int32_t{1'752'003'240}, std::uint32_t{500'000'000}, std::uint32_t{4}) + std::string("map\0", 4);
+  const std::string pose = packed(1.0, 2.0, 3.0, 0.5, -0.5, 0.1, 0.7);
+  expect_pose(read_aid_text(aid_bag("geometry_msgs/msg/PoseStamped", {"/pose"}, head + pose), AidKind::pose).record);
+  // The name of the child, then numbers on a multiple of eight after the encapsulation.
+  const std::string child = packed(std::uint32_t{5}) + std::string("base\0", 5) + std::string(7, '\0');
+  std::string covariance;
+  for (int i = 0; i < 36; ++i) covariance += packed(i % 7 != 0 ? 0.0 : i < 21 ? 0.04 : 1e-4);
+  const ReadAid odometry = read_aid_text(aid_bag("nav_msgs/msg/Odometry", {"/odom"}, head + child + pose + covariance), AidKind::odometry);
+  expect_pose(odometry.record);
+  EXPECT_NEAR(odometry.record.position_sigma[0].y(), 0.2, 1e-12);
+  EXPECT_NEAR(odometry.record.value_sigma[0], 0.01, 1e-12);
+  EXPECT_THAT(read_aid_text(aid_bag("geometry_msgs/msg/PoseStamped", {"/pose"}, head + pose), AidKind::attitude).record.place, IsEmpty());
+  EXPECT_THAT(aid_text_error(aid_bag("geometry_msgs/msg/PoseStamped", {"/pose"}, head + pose)), HasSubstr("has no topic of kind gnss"));
+}
+
+TEST(PoseText, TrajectoriesOfBenchmarks) {
+  const ReadAid tum = read_aid_text("# timestamp tx ty tz qx qy qz qw\n12.25 1 2 3 0.5 -0.5 0.1 0.7\n", AidKind::pose);
+  EXPECT_EQ(tum.format, "a trajectory of poses (TUM)");
+  EXPECT_THAT(tum.record.time, ElementsAre(12 * second + second / 4));
+  expect_pose(tum.record);
+  const ReadAid euroc = read_aid_text(
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x [m s^-1]\n"
+      "1403636580838555648, 1, 2, 3, 0.7, 0.5, -0.5, 0.1, 0.3\n",
+      AidKind::pose);
+  EXPECT_EQ(euroc.format, "ground truth (EuRoC)");
+  EXPECT_THAT(euroc.record.time, ElementsAre(1403636580838555648));
+  expect_pose(euroc.record);
+  expect_pose(read_aid_text("t,x_m,y_m,z_m,qw,qx,qy,qz\n0,1,2,3,0.7,0.5,-0.5,0.1\n", AidKind::pose).record);
+}
+
+TEST(PoseText, WhatIsNoPoseIsNamed) {
+  EXPECT_THAT(aid_text_error("1 2 3 4 0 0 0 1\n2 2 3 4 0 0 x 1\n", AidKind::pose),
+              HasSubstr(":2: 2 2 3 4 0 0 x 1 is no pose; expected seconds x y z"));
+  EXPECT_THAT(aid_text_error("1 2 3 4 0 0 0 2\n", AidKind::pose), HasSubstr(":1: quaternion: its length is 2; expected 1"));
+  EXPECT_THAT(aid_text_error("1 2 3 4 0 0 0 1\n", AidKind::gnss),
+              HasSubstr("is a trajectory of poses, and the aid's kind is gnss; expected kind = \"pose\""));
+  EXPECT_THAT(aid_text_error("1 1e9 3 4 0 0 0 1\n", AidKind::pose), HasSubstr("position: 1e+09 m is out of range"));
+  EXPECT_THAT(aid_text_error("t,qw,qx,qy,qz\n0,1,0,0,0\n", AidKind::pose), HasSubstr("expected qw, qx, qy, qz, and x_m, y_m, z_m"));
+  const ReadAid cut = read_aid_text("1 2 3 4 0 0 0 1\n2 2 3 4 0", AidKind::pose);
+  EXPECT_THAT(cut.record.time, ElementsAre(second));
+  EXPECT_THAT(cut.warnings, ElementsAre(HasSubstr("the last line is cut off")));
+}
+
 }  // namespace
 }  // namespace imulab::aid_io

@@ -141,7 +141,7 @@ void judge_positions(AidedNavigation& out) {
   constexpr double lost = 1000;  // m
   std::vector<double> all;
   const auto sigma = [](const AidedCovariance& c) {
-    return std::sqrt(c.value(At::position, At::position) + c.value(At::position + 1, At::position + 1));
+    return std::sqrt(std::max(0., c.value(At::position, At::position)) + std::max(0., c.value(At::position + 1, At::position + 1)));  // by rounding
   };
   for (const AidedCovariance& c : out.covariance)
     if (&c == &out.covariance.back() || c.time < (&c + 1)->time) all.push_back(sigma(c));  // a time counts once
