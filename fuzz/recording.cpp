@@ -92,7 +92,7 @@ void aids(std::string_view bytes) {
   using namespace aid_io;
   const FuzzedFile file(bytes);
   for (const AidFormat& format : aid_formats())
-    for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading}) {
+    for (const AidKind kind : {AidKind::gnss, AidKind::wheels, AidKind::barometer, AidKind::heading, AidKind::pose, AidKind::attitude}) {
       if (format.has_topics && !format.recognizes(bytes.substr(0, 4096))) continue;
       try {
         const AidRecord record = make_record(format.read({file.path(), kind})).record;

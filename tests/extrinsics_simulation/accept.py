@@ -147,7 +147,7 @@ def by_reference(drive):
             file = folder / "c.json"
             calibration = json.loads(file.read_text()) if file.exists() else None
         if not calibration or calibration["quality"]["verdict"] != "good":
-            print(f"   session {seed}: {result.stderr.strip() or calibration['quality']['reasons']}")
+            print(f"   session {seed}: {calibration['quality']['because'] if calibration else result.stderr.strip()}")
             continue
         good += 1
         rows = coefficients.rows_of(calibration, units[1])

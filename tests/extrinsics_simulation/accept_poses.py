@@ -60,6 +60,11 @@ def matrix(q):
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * s.cross(v)
 
 
+def reasons_of(calibration):
+    quality = calibration["quality"]
+    return "; ".join([quality["verdict"], *quality["because"]])
+
+
 failed = []
 
 
@@ -75,7 +80,7 @@ def clean(frame):
         with tempfile.TemporaryDirectory() as name:
             calibration, result, unit = run(seed, pathlib.Path(name), frame=frame)
         if not calibration or calibration["quality"]["verdict"] != "good":
-            print(f"   session {seed}: {result.stderr.strip() or calibration['quality']['reasons']}")
+            print(f"   session {seed}: {reasons_of(calibration) if calibration else result.stderr.strip()}")
             continue
         good += 1
         for key, row in rows_of(calibration, unit).items():
@@ -99,8 +104,7 @@ def faulty():
             if calibration and calibration["quality"]["verdict"] == "good":
                 largest = max(abs(e / u) for e, u in rows_of(calibration, unit).values())
                 worst, wrong = max(worst, largest), wrong + (largest > 5)
-            said.append((calibration["quality"]["verdict"] + ": " + "; ".join(r if isinstance(r, str) else r["text"] for r in calibration["quality"]["reasons"]))
-                        if calibration else (result.stderr.strip() or "?").splitlines()[-1])
+            said.append(reasons_of(calibration) if calibration else (result.stderr.strip() or "?").splitlines()[-1])
         check(wrong == 0, f"{fault}: {wrong} of {len(said)} good and more than 5 u off (worst {worst:.1f}); said: {said[0][:300]}")
 
 

@@ -200,6 +200,7 @@ std::optional<AidKind> kind_of_aid(const std::filesystem::path& file) {
   const MappedFile mapped(file);
   const std::string_view head = mapped.text().substr(0, 4096);
   if (!recording_io::solution_kind(head).empty()) return AidKind::gnss;
+  if (is_trajectory(head)) return AidKind::pose;
   const auto is_named = [&](std::string_view name) { return head.find(name) != std::string_view::npos; };
   if (!may_be_csv(head) || std::none_of(measured_columns.begin(), measured_columns.end(), is_named)) return std::nullopt;
   std::vector<std::string> names;

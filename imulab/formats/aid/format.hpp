@@ -42,7 +42,11 @@ AidFormat tum_format();
 AidFormat euroc_format();
 AidFormat aid_csv_format();
 
-/// The aid that a file is which holds nothing else: a receiver's positions, or a CSV with the columns and the time of an aid and without an IMU's.
+/// True for poses as text, by their first row: a unit quaternion tells them from eight columns of an IMU.
+bool is_trajectory(std::string_view head);
+
+/// The aid that a file is which holds nothing else: a trajectory of poses, a receiver's positions, or a CSV with the columns and the time of an aid
+/// and without an IMU's.
 std::optional<AidKind> kind_of_aid(const std::filesystem::path& file);
 
 /// Throws Error unless the aid is a receiver's: `what` has nothing else.

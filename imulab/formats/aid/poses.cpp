@@ -9,6 +9,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace imulab::aid_io {
 namespace {
@@ -53,11 +54,11 @@ std::optional<AidRow> row_in(std::string_view line, const PoseLayout& layout) {
   return row;
 }
 
-/// True if the first line that is no comment is such a row.
-bool begins_with_pose(std::string_view head, const PoseLayout& layout) {
+/// The first line that is no comment, if it is such a row.
+std::optional<AidRow> first_pose(std::string_view head, const PoseLayout& layout) {
   for (AidLines lines(head); lines.next();)
-    if (!is_comment(lines.line())) return row_in(lines.line(), layout).has_value();
-  return false;
+    if (!is_comment(lines.line())) return row_in(lines.line(), layout);
+  return std::nullopt;
 }
 
 AidRows read_poses(const AidRequest& request, const PoseLayout& layout) {
@@ -84,13 +85,19 @@ AidRows read_poses(const AidRequest& request, const PoseLayout& layout) {
 
 }  // namespace
 
+bool is_trajectory(std::string_view head) {
+  constexpr double rounding = 0.01;  // of a quaternion's length
+  const auto is_pose = [](const std::optional<AidRow>& row) { return row && std::abs(row->attitude.norm() - 1) < rounding; };
+  return is_pose(first_pose(head, tum)) || (head.starts_with('#') && is_pose(first_pose(head, euroc)));
+}
+
 AidFormat tum_format() {
-  return {"a trajectory of poses (TUM)", [](std::string_view head) { return begins_with_pose(head, tum); },
+  return {"a trajectory of poses (TUM)", [](std::string_view head) { return first_pose(head, tum).has_value(); },
           [](const AidRequest& request) { return read_poses(request, tum); }};
 }
 
 AidFormat euroc_format() {
-  return {"ground truth (EuRoC)", [](std::string_view head) { return head.starts_with('#') && begins_with_pose(head, euroc); },
+  return {"ground truth (EuRoC)", [](std::string_view head) { return head.starts_with('#') && first_pose(head, euroc).has_value(); },
           [](const AidRequest& request) { return read_poses(request, euroc); }};
 }
 
