@@ -326,7 +326,7 @@ TEST(Methods, AnUnknownOneIsAnsweredWithTheKnown) {
     method("magic");
     FAIL();
   } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("drive, handheld, hybrid, static, turntable, whole-unit"));
+    EXPECT_THAT(e.what(), HasSubstr("drive, handheld, hybrid, reference, static, turntable, whole-unit"));
   }
 }
 
