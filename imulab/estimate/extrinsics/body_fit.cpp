@@ -160,9 +160,8 @@ void BodyFit::judge_mounting(std::size_t k, const Mounting& m, Findings& finding
 
 BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Findings& findings) {
   expect_different_names(imus);
-  BodyFit out{
-      .streams = std::make_unique<std::vector<Stream>>(), .fit = {}, .covariance_before = {}, .constants = {}, .residuals = {}, .agreement = {}};
-  std::vector<Stream>& streams = *out.streams;
+  BodyFit out{.fit = {}, .covariance_before = {}, .constants = {}, .residuals = {}, .agreement = {}};
+  std::vector<Stream> streams;
   std::vector<ImuState> states(imus.size());
   std::vector<Prior> priors;
   double tilt_sigma = 0;  // of the first IMU's gyros
@@ -194,8 +193,7 @@ BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Fi
     const double root_rate = 1 / std::sqrt(streams[k].interval);
     states[k].gyro_sigma = gyro_density * root_rate, states[k].accel_sigma = accel_density * root_rate;
   }
-  out.fit = std::make_unique<MotionFit>(streams, std::move(states), std::move(priors), spans, tilt_sigma);
-  MotionFit& fit = *out.fit;
+  MotionFit& fit = out.fit.emplace(std::move(streams), std::move(states), std::move(priors), spans, tilt_sigma);
   constexpr int most_steps = 20;
   constexpr double small_step = 0.05, small_change = 0.02;
   fit.step(false);

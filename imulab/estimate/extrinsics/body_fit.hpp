@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,8 +17,7 @@ namespace imulab::extrinsics {
 std::vector<std::string> not_shown(const Mounting& mounting);
 
 struct BodyFit {
-  std::unique_ptr<std::vector<Stream>> streams;  ///< to which the fit refers
-  std::unique_ptr<MotionFit> fit;
+  std::optional<MotionFit> fit;          ///< always there
   std::vector<Prior> covariance_before;  ///< of each IMU's errors before the motion
   ConstantsCovariance constants;
   bool converged = false;

@@ -41,9 +41,8 @@ struct MotionFit::Means {
   Matrix3d by_arm = Matrix3d::Zero();
 };
 
-MotionFit::MotionFit(const std::vector<Stream>& streams, std::vector<ImuState> states, std::vector<Prior> priors, std::vector<Span> spans,
-                     double tilt_sigma)
-    : streams_(streams), states_(std::move(states)), priors_(std::move(priors)), spans_(std::move(spans)), tilt_sigma_(tilt_sigma) {
+MotionFit::MotionFit(std::vector<Stream> streams, std::vector<ImuState> states, std::vector<Prior> priors, std::vector<Span> spans, double tilt_sigma)
+    : streams_(std::move(streams)), states_(std::move(states)), priors_(std::move(priors)), spans_(std::move(spans)), tilt_sigma_(tilt_sigma) {
   double shortest = HUGE_VAL, longest = 0;
   for (const Stream& s : streams_) shortest = std::min(shortest, s.interval), longest = std::max(longest, s.interval);
   knot_s_ = 1.5 * shortest;  // at knots of one interval, a motion that changes its sign with each of them would not be seen

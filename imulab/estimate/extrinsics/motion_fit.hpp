@@ -54,7 +54,7 @@ struct ConstantsCovariance {
 class MotionFit {
  public:
   /// `states`: start. `spans`: on the first clock. `tilt_sigma` [rad]: of a gyro's axis of the first IMU.
-  MotionFit(const std::vector<Stream>& streams, std::vector<ImuState> states, std::vector<Prior> priors, std::vector<Span> spans, double tilt_sigma);
+  MotionFit(std::vector<Stream> streams, std::vector<ImuState> states, std::vector<Prior> priors, std::vector<Span> spans, double tilt_sigma);
 
   /// One step; the constants are held where `with_constants` is false. Returns the largest change of a constant in standard uncertainties.
   double step(bool with_constants);
@@ -96,7 +96,7 @@ class MotionFit {
   void add_priors(BorderedBand& equations, Eigen::VectorXd& border) const;
   void take_step(const BorderedBand::Solution& change, bool with_constants);
 
-  const std::vector<Stream>& streams_;
+  std::vector<Stream> streams_;
   std::vector<ImuState> states_;
   std::vector<Prior> priors_;
   std::vector<Span> spans_;
