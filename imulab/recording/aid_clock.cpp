@@ -84,9 +84,12 @@ Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSourc
   aid.scale = known ? TimeScale::recording : TimeScale::own;
   if (known) return aid;
   if (aid.delay_sigma) aid.delay_sigma = std::hypot(*aid.delay_sigma, guessed_offset_sigma);
-  notes.push_back(fmt::format(
-      "{}: the scale of {} is not known (time = {{ scale = \"gps\" }} or \"utc\" says it); their offset is estimated, from {} on", aid.file,
-      source.time.scale == TimeScale::own ? "the recording's clock" : "the aid's clock", origin ? "that of their dates" : "both beginning together"));
+  notes.push_back(
+      fmt::format("{}: the scale of {} is not known (time = {{ scale = \"gps\" }} or \"utc\" says it); their offset is estimated, from {} on",
+                  aid.file, source.time.scale == TimeScale::own ? "the recording's clock" : "the aid's clock",
+                  one_clock ? "that of their stamps"
+                  : origin  ? "that of their dates"
+                            : "both beginning together"));
   return aid;
 }
 

@@ -36,6 +36,8 @@ constexpr std::array quantities{
     ConstantQuantity{"*.tilt.*", degree, "turns about level axes"},
     ConstantQuantity{"*.delay", second, speed},
     ConstantQuantity{"*.delay.drift", ppm, speed},
+    ConstantQuantity{"pose*.scale", metre, "accelerations"},
+    ConstantQuantity{"odometry*.scale", metre, "accelerations"},
     ConstantQuantity{"*.scale", ppm, straight},
     ConstantQuantity{"*", ppm, ""},
 };
@@ -70,6 +72,24 @@ void use_factors(const AidedNavigation& out, Problem& p) {
   for (std::size_t k = 0; k < p.sources.size(); ++k) p.sources[k].factor = out.factors[k].factor * out.factors[k].lasting * out.factors[k].lasting;
 }
 
+namespace {
+
+/// States the rotation of a tracked body and the scale of its positions as a whole: the states are what the first guess lacks.
+void state_from_first_guess(const Channel& c, const Eigen::VectorXd& x, const std::vector<Eigen::Index>& states, AidedNavigation& out) {
+  if (c.body < 0) return;
+  const Vector3d turn = rotation_log(c.body_start * rotation_exp(x.segment<3>(c.body)));
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    AidedConstant& constant = out.constants[k];
+    if (const Eigen::Index element = states[k] - c.body; element >= 0 && element < 3) constant.value = turn[element];
+    if (states[k] != c.scale) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    constant.value = c.scale_start * (1 + x[c.scale]), constant.sigma *= c.scale_start, constant.prior *= c.scale_start;
+    out.constants_covariance.row(at) *= c.scale_start, out.constants_covariance.col(at) *= c.scale_start;
+  }
+}
+
+}  // namespace
+
 void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigation& out) {
   const Eigen::VectorXd& x = smoothed.nodes[smoothed.middle].state.x;
   const Eigen::MatrixXd& P = smoothed.middle_covariance;
@@ -83,12 +103,7 @@ void add_constants(const Problem& p, const SmootherPass& smoothed, AidedNavigati
       }
   }
   out.constants_covariance = P(states, states);
-  for (const Channel& c : p.channels) {
-    if (c.body < 0) continue;
-    const Vector3d turn = rotation_log(c.body_start * rotation_exp(x.segment<3>(c.body)));
-    for (std::size_t k = 0; k < states.size(); ++k)
-      if (const Eigen::Index element = states[k] - c.body; element >= 0 && element < 3) out.constants[k].value = turn[element];
-  }
+  for (const Channel& c : p.channels) state_from_first_guess(c, x, states, out);
 }
 
 void add_constants_with(const OutputTerms& terms, Problem& p, FilterStart start, AboutTrajectory& trajectory, AidedNavigation& out) {
