@@ -139,7 +139,9 @@ void add_calibrate_all(Verb& fleet) {
   const auto o = std::make_shared<Options>();
   Verb& verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
   verb.option("DIR", o->files, "folders with sessions in them or below them").required().takes_several(1);
-  verb.option("--method METHOD", o->method, "as for imulab calibrate").required().one_of(offered_methods());
+  verb.option("--method METHOD", o->method, "as for imulab calibrate").required().one_of(offered_methods([](const Method& m) {
+    return !m.takes_reference;
+  }));
   verb.option("--terms TERMS", o->terms, "as for imulab calibrate").show_default();
   store_option(verb, o->store);
   add_declared(verb, o->declared);

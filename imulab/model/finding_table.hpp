@@ -119,7 +119,8 @@ inline constexpr auto finding_table = [] {
        "use "
        "rests of 30 s or more"},
       {one_attitude, "one-attitude", note,
-       "one attitude shows the gyros' biases, and how the biases follow the temperature; the accelerometers' biases, scales and nonorthogonality stay "
+       "one attitude shows the gyros' biases, and how the biases follow the temperature; the accelerometers' biases, scales and nonorthogonality "
+       "stay "
        "as declared: to have all, calibrate this recording together with one by hand"},
       {parts_used, "parts-used", note, "{} were used"},
       {turns_used, "turns-used", note, "{} of {} turns were used with their declared angle, each with u = {:.2g} deg"},
@@ -265,6 +266,8 @@ inline constexpr auto finding_table = [] {
 
       {motion_part, "motion-part", note, "the {:.0f} s with most motion were used, of {:.0f} s"},
       {imu_not_calibrated, "imu-not-calibrated", note, "{}: scales and misalignments of {}, since no calibration was given"},
+      {effects_not_estimated, "effects-not-estimated", warning,
+       "effects such as asymmetry and nonlinearity are not estimated, and u does not contain them", "compare with another method"},
       {rates_unlike, "rates-unlike", doubt, "{} and {} turn differently, by {:.0f} % of their rates: not on one rigid body, or not at one time"},
       {clock_ambiguous, "clock-ambiguous", doubt, "the clocks of {} and {} agree at two offsets, {:.3f} s and {:.3f} s"},
       {mounting_not_shown, "mounting-not-shown", warning, "{}: the motion does not show the {}", "turn the body quickly about another axis"},

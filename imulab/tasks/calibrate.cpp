@@ -127,10 +127,10 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   return verb;
 }
 
-std::vector<std::string> offered_methods(bool predicting) {
+std::vector<std::string> offered_methods(bool (*offered)(const Method& method)) {
   std::vector<std::string> names;
   for (const Method& m : methods())
-    if (!predicting || m.predict) names.emplace_back(m.name);
+    if (offered == nullptr || offered(m)) names.emplace_back(m.name);
   return names;
 }
 

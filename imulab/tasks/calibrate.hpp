@@ -35,8 +35,8 @@ struct CalibrationTask {
   std::function<void(double)> progress = {};   ///< as CalibrationOptions has it
 };
 
-/// The names of all methods, or of those with a prediction.
-std::vector<std::string> offered_methods(bool predicting = false);
+/// The names of all methods, or of those that `offered` accepts.
+std::vector<std::string> offered_methods(bool (*offered)(const Method& method) = nullptr);
 
 /// The task that these options ask for; reads the prior. Throws OptionError for what is wrong, or not of the method.
 CalibrationTask task_of(const CalibrateOptions& o);

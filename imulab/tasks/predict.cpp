@@ -51,7 +51,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
   verb.option("procedure", o.procedure, "the procedure or session to predict; of a drive the mission, with [[aid]]").required().reads();
   verb.option("--method METHOD", o.method,
               fmt::format("method of the calibration; Monte Carlo and tolerances only for {}", names_of_methods(&Method::takes_runs)))
-      .one_of(offered_methods(true))
+      .one_of(offered_methods([](const Method& m) { return bool{m.predict}; }))
       .show_default();
   verb.option("--terms TERMS", o.terms, "coefficients to estimate, as for imulab calibrate; all others are taken as zero").show_default();
   effects_option(verb, o.effects);

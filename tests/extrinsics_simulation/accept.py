@@ -6,13 +6,13 @@ import argparse
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 import numpy as np
 
-import coefficients
+import judging
 import simulate as s
+from judging import check
 
 parser = argparse.ArgumentParser()
 parser.add_argument("imulab", type=lambda name: pathlib.Path(name).resolve())
@@ -77,15 +77,6 @@ def body(seed, folder, *, imus=None, grade="mems", seconds=60, axis=None, fault=
     return answer, result, units, seconds
 
 
-failed = []
-
-
-def check(right, text):
-    print(("   " if right else "!! ") + text, flush=True)
-    if not right:
-        failed.append(text)
-
-
 def clean(grade):
     all_rows, good, u = [], 0, []
     for seed in range(options.bodies):
@@ -147,10 +138,10 @@ def by_reference(drive):
             file = folder / "c.json"
             calibration = json.loads(file.read_text()) if file.exists() else None
         if not calibration or calibration["quality"]["verdict"] != "good":
-            print(f"   session {seed}: {calibration['quality']['because'] if calibration else result.stderr.strip()}")
+            print(f"   session {seed}: {judging.reasons_of(calibration) if calibration else result.stderr.strip()}")
             continue
         good += 1
-        rows = coefficients.rows_of(calibration, units[1])
+        rows = judging.rows_of(calibration, units[1])
         ratios += [e / u for e, u in rows.values()]
         scales.append(rows["gyro.matrix[2, 2]"][1])
     name = "drives of 10 minutes" if drive else "motions by hand of a minute"
@@ -167,5 +158,4 @@ if options.only in ("", "extrinsics"):
 if options.only in ("", "reference"):
     by_reference(drive=False)
     by_reference(drive=True)
-print(f"{len(failed)} checks failed")
-sys.exit(1 if failed else 0)
+judging.finish()

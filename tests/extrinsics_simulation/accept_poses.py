@@ -6,13 +6,13 @@ import argparse
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 import numpy as np
 
+import judging
 import simulate as s
-from coefficients import rows_of
+from judging import check, reasons_of, rows_of
 
 parser = argparse.ArgumentParser()
 parser.add_argument("imulab", type=lambda name: pathlib.Path(name).resolve())
@@ -60,22 +60,8 @@ def matrix(q):
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * s.cross(v)
 
 
-def reasons_of(calibration):
-    quality = calibration["quality"]
-    return "; ".join([quality["verdict"], *quality["because"]])
-
-
-failed = []
-
-
-def check(right, text):
-    print(("   " if right else "!! ") + text, flush=True)
-    if not right:
-        failed.append(text)
-
-
 def clean(frame):
-    good, all_rows, squares = 0, {}, []
+    good, all_rows = 0, {}
     for seed in range(options.sessions):
         with tempfile.TemporaryDirectory() as name:
             calibration, result, unit = run(seed, pathlib.Path(name), frame=frame)
@@ -113,5 +99,4 @@ if options.only != "faults":
         clean(frame)
 if options.only in ("", "faults"):
     faulty()
-print(f"{len(failed)} checks failed")
-sys.exit(1 if failed else 0)
+judging.finish()

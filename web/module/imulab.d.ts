@@ -53,7 +53,7 @@ export interface VerbOptions extends CallOptions {
   set?: Record<string, string | number>;
   [option: string]: unknown;
 }
-export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-unit" | "drive";
+export type Method = "static" | "handheld" | "turntable" | "hybrid" | "whole-unit" | "drive" | "reference";
 
 /** What a recording holds, with the evidence; files["session.toml"] where nothing is open. A session among the input is opened with its files. */
 export function inspect(input: Input, options?: VerbOptions): Promise<Answer<Inspection>>;

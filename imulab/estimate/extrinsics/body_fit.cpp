@@ -31,7 +31,6 @@ Prior covariance_of_errors(const BodyImu& imu, bool known) {
       p(g_sensitivity + element, g_sensitivity + element) = squared(std::max(sizes.g_sensitivity, sizes.terms.g_sensitivity));
       p(accel_matrix + element, accel_matrix + element) = squared(i == j ? sizes.accel_scale : i > j ? sizes.accel_misalignment : fixed);
     }
-  const auto wander = [&](const NoiseModel& noise) { return squared(noise.turn_on.value) + squared(noise.B); };
   const double of_gyros = known ? squared(sizes.gyro_bias) : squared(any_gyro_offset),
                of_accels = known ? squared(sizes.accel_bias) : squared(any_accel_offset);
   for (int i = 0; i < 3; ++i) p(gyro_offset + i, gyro_offset + i) = of_gyros, p(accel_offset + i, accel_offset + i) = of_accels;
@@ -46,8 +45,7 @@ Prior covariance_of_errors(const BodyImu& imu, bool known) {
                       : coefficient.term == Term::matrix && coefficient.triad == Triad::gyro  ? gyro_matrix
                       : coefficient.term == Term::matrix && coefficient.triad == Triad::accel ? accel_matrix
                                                                                               : -1;
-    const bool gyro = coefficient.triad == Triad::gyro;
-    const int offset_row = (gyro ? gyro_offset : accel_offset) + coefficient.row;
+    const int offset_row = (coefficient.triad == Triad::gyro ? gyro_offset : accel_offset) + coefficient.row;
     if (known && coefficient.term == Term::offset) to_errors(offset_row, static_cast<Eigen::Index>(k)) = 1, kept(offset_row, offset_row) = 0;
     if (first < 0) continue;
     const int row = coefficient.row, column = coefficient.column;
@@ -63,8 +61,8 @@ Prior covariance_of_errors(const BodyImu& imu, bool known) {
   p = kept * p * kept;
   p += to_errors * c.covariance * to_errors.transpose();
   for (int i = 0; i < 3 && known; ++i) {
-    p(gyro_offset + i, gyro_offset + i) += c.turn_on ? squared(c.turn_on->gyro) + squared(sizes.gyro_noise.B) : wander(sizes.gyro_noise);
-    p(accel_offset + i, accel_offset + i) += c.turn_on ? squared(c.turn_on->accel) + squared(sizes.accel_noise.B) : wander(sizes.accel_noise);
+    p(gyro_offset + i, gyro_offset + i) += squared(c.turn_on ? c.turn_on->gyro : sizes.gyro_noise.turn_on.value) + squared(sizes.gyro_noise.B);
+    p(accel_offset + i, accel_offset + i) += squared(c.turn_on ? c.turn_on->accel : sizes.accel_noise.turn_on.value) + squared(sizes.accel_noise.B);
   }
   p.diagonal().array() += squared(fixed);
   return p;
@@ -148,9 +146,11 @@ void BodyFit::judge_agreement(std::size_t k, const std::vector<BodyImu>& imus, c
     findings.add<Code::rates_unlike>(Subject{imus.front().name}, imus[k].name, 100 * std::max(unlike, std::sqrt(std::max(0., 1 - agreement[k - 1]))));
 }
 
-void BodyFit::judge_mounting(std::size_t k, const Mounting& m, Findings& findings) const {
-  const double enlarged = constants.enlargement.segment<mount_columns>(MotionFit::mount_column(k)).maxCoeff();
-  kernel::add_scatter(findings, fmt::format("seconds of {} and {}", m.from, m.to), enlarged);
+void BodyFit::judge_scatter(const Mounting& m, Eigen::Index first, Eigen::Index size, Findings& findings) const {
+  kernel::add_scatter(findings, fmt::format("seconds of {} and {}", m.from, m.to), constants.enlargement.segment(first, size).maxCoeff());
+}
+
+void BodyFit::judge_mounting(const Mounting& m, Findings& findings) {
   if (!m.not_shown.empty()) findings.add<Code::mounting_not_shown>(Subject{m.to}, fmt::format("{}", fmt::join(m.not_shown, ", ")));
   const double u = m.uncertainty(delay);
   constexpr double certain = 4, least_delay_s = 2e-4;  // sigmas; a delay that matters to no user

@@ -29,8 +29,10 @@ struct BodyFit {
   Mounting mounting(std::size_t imu, const std::vector<BodyImu>& imus) const;
   /// The rates of an IMU but the first differ from those of the first by this fraction of the motion; adds a doubt if it is large.
   void judge_agreement(std::size_t imu, const std::vector<BodyImu>& imus, const BodyRates& rates, Findings& findings) const;
+  /// Adds that the seconds scatter more than the noise explains in constants of an IMU: `size` from the column `first` on.
+  void judge_scatter(const Mounting& mounting, Eigen::Index first, Eigen::Index size, Findings& findings) const;
   /// Adds what contradicts the mounting or is not shown.
-  void judge_mounting(std::size_t imu, const Mounting& mounting, Findings& findings) const;
+  static void judge_mounting(const Mounting& mounting, Findings& findings);
 };
 
 struct FitOptions {

@@ -75,7 +75,8 @@ Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::func
     out.rates.push_back(body.fit->rates(k));
     out.from_first.push_back(body.mounting(k, imus));
     body.judge_agreement(k, imus, out.rates.back(), out.findings);
-    body.judge_mounting(k, out.from_first.back(), out.findings);
+    body.judge_scatter(out.from_first.back(), MotionFit::mount_column(k), mount_columns, out.findings);
+    BodyFit::judge_mounting(out.from_first.back(), out.findings);
   }
   out.verdict = out.findings.doubtful() ? Verdict::doubtful : Verdict::good;
   return out;

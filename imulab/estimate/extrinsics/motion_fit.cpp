@@ -362,6 +362,7 @@ ConstantsCovariance MotionFit::covariance() {
   const double bound = 1 + chance * std::sqrt(2 / std::max(parts, 1.));
   const Eigen::ArrayXd scatter = (out.covariance * sum * out.covariance).diagonal();
   const Eigen::ArrayXd expected = (out.covariance * (equations_->information() - prior) * out.covariance).diagonal();
+  out.scatter = scatter / expected, out.seconds = static_cast<int>(parts);
   out.enlargement = (scatter > bound * expected).select(scatter / expected, 1.).sqrt();
   out.covariance = out.enlargement.asDiagonal() * out.covariance * out.enlargement.asDiagonal();
   out.change = (change.border.array() / out.covariance.diagonal().array().sqrt()).abs().maxCoeff();

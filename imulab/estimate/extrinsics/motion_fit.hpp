@@ -48,6 +48,8 @@ using Prior = Eigen::Matrix<double, own_columns, own_columns>;
 struct ConstantsCovariance {
   Eigen::MatrixXd covariance;
   Eigen::VectorXd enlargement;  ///< factor of each standard uncertainty
+  Eigen::VectorXd scatter;      ///< chi-square of each constant by the seconds over what the noise explains: 1 is expected
+  int seconds = 0;              ///< of the motion
   double change = 0;            ///< of the constants by another step, in standard uncertainties
 };
 

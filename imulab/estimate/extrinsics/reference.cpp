@@ -114,8 +114,9 @@ CalibrationResult calibrate_by_reference(const CalibrationInput& input, const Ca
 
   Quality& quality = c.quality;
   quality.converged = body.converged;
-  quality.chi2_per_dof = 1;  // the noise of every sensor is that of its residuals
-  quality.degrees_of_freedom = static_cast<int>(6 * body.residuals[1].samples);
+  // The noise of every sensor is that of its residuals, so the seconds show whether it explains them.
+  quality.chi2_per_dof = body.constants.scatter.segment<own_columns>(own).mean();
+  quality.degrees_of_freedom = body.constants.seconds;
   quality.condition = kernel::condition_number(c.covariance);
   constexpr double undetermined = 0.7;  // of the prior: the motion tells less than it
   std::vector<std::string> names;
@@ -136,9 +137,11 @@ CalibrationResult calibrate_by_reference(const CalibrationInput& input, const Ca
                                            "; shown by turns about all axes, and rests on several faces");
   if (!input.session.imu.grade) findings.add<Code::no_grade>("session");
   if (!pair.reference.calibration) findings.add<Code::imu_not_calibrated>(Subject{pair.reference.name}, "grade " + pair.reference.grade);
+  if (options.effects) findings.add<Code::effects_not_estimated>();
   const Mounting mounting = body.mounting(1, imus);
   body.judge_agreement(1, imus, body.fit->rates(1), findings);
-  body.judge_mounting(1, mounting, findings);
+  body.judge_scatter(mounting, own, Index{own_columns} + Index{mount_columns}, findings);
+  BodyFit::judge_mounting(mounting, findings);
   add_mounting(mounting, quality);
   if (determined.estimated.empty()) findings.add<Code::no_coefficient_shown>();
   kernel::add_common_doubts(findings, determined, input.session.site);

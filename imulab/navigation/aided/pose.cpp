@@ -29,8 +29,8 @@ Matrix3d body_of(const Channel& c, const VectorXd& x) { return c.body_start * ro
 
 ObservedRows observe_place(const Problem& p, const Channel& c, const Observation& o, const Instant& at, const Vector3d& measured) {
   const VectorXd& x = at.state.x;
-  const double scale = c.scale_start * (1 + (c.scale >= 0 ? x[c.scale] : 0)), offset = offset_in_time(p, c, o, at);
-  const Vector3d metres = frame_of(c, x) * measured * c.scale_start, place = metres * (scale / c.scale_start);
+  const double relative = 1 + (c.scale >= 0 ? x[c.scale] : 0), offset = offset_in_time(p, c, o, at);
+  const Vector3d guessed = c.scale_start * (frame_of(c, x) * measured), place = relative * guessed;
   const Matrix3d C = at.state.motion.q_nb.toRotationMatrix();
   const Vector3d moved = C * lever_of(c, at), acceleration = acceleration_of(c, at);
   const Derived velocity = velocity_of(p, c, at);
@@ -42,10 +42,10 @@ ObservedRows observe_place(const Problem& p, const Channel& c, const Observation
   out.derivative.middleCols<3>(At::position).setIdentity();
   if (c.lever >= 0) out.derivative.middleCols<3>(c.lever) += C;
   out.derivative.middleCols<2>(c.tilt) += (skew<double>(place) * right_jacobian(-tilt_of(c, x))).leftCols<2>();
-  if (c.scale >= 0) out.derivative.col(c.scale) -= metres;
+  if (c.scale >= 0) out.derivative.col(c.scale) -= guessed;
   set_delay(p, c, o, velocity.value + offset * acceleration, out.derivative);
   if (c.slow >= 0) out.residual -= x.segment<3>(c.slow), out.derivative.middleCols<3>(c.slow).setIdentity();
-  out.variance = position_sigma(c.aid, o.row).cwiseAbs2() * scale * scale;
+  out.variance = (relative * c.scale_start * position_sigma(c.aid, o.row)).cwiseAbs2();
   std::ranges::fill(out.source, c.first_noise);
   return out;
 }

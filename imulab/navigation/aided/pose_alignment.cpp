@@ -189,7 +189,10 @@ common_motion::Alignment aligned_turns(const Stream& imu, const AidRecord& r, bo
       inverse.clear();
     }
     if (!inverse.empty())
-      throw Unsupported(names.other + ": its quaternions turn from the frame to the tracked body; expected them from the body to the frame");
+      throw Unsupported(
+          names.other +
+          ": its quaternions turn from the frame to the tracked body, or have w in another place; expected x, y, z, w of the turn from the "
+          "body to the frame");
     throw;
   }
 }

@@ -1,6 +1,26 @@
-"""Coefficients of a calibration file against those of a simulated IMU."""
+"""What the acceptance runs of this folder share: checks, and a calibration file against the simulated IMU."""
+
+import sys
 
 import numpy as np
+
+failed = []
+
+
+def check(right, text):
+    print(("   " if right else "!! ") + text, flush=True)
+    if not right:
+        failed.append(text)
+
+
+def finish():
+    print(f"{len(failed)} checks failed")
+    sys.exit(1 if failed else 0)
+
+
+def reasons_of(calibration):
+    quality = calibration["quality"]
+    return "; ".join([quality["verdict"], *quality["because"]])
 
 
 def truth_of(unit):
