@@ -15,6 +15,7 @@
 #include <array>
 #include <bit>
 #include <filesystem>
+#define H5_USE_110_API 1  // one signature in all versions
 #include <hdf5.h>
 #include <optional>
 #include <string>

@@ -23,12 +23,14 @@ parser.add_argument("--only", default="")
 options = parser.parse_args()
 
 AID = '[[aid]]\nkind = "pose"\nfile = "poses.txt"\nposition_sigma_m = 0.001\nattitude_sigma_deg = 0.05\n'
+DELAYS = {"accelerometers 20 ms late": 0.02, "gyros 40 ms late": -0.04}  # s
 
 
 def run(seed, folder, fault=None, frame="free", aid=AID, axis=None):
     random = np.random.default_rng([seed, options.seed])
     motion = s.Motion(random, options.seconds, axis=axis)
     unit, tracker = s.Imu(random, "mems", 200.0, first=True), s.Tracker(random, frame=frame)
+    unit.delay = DELAYS.get(fault, 0)
     stamps, rate, force = unit.read(random, motion, options.seconds)
     s.write(folder / "imu.csv", stamps, rate, force)
     at, places, quaternions = tracker.read(random, motion, options.seconds)
@@ -82,7 +84,7 @@ def clean(frame):
 
 
 def faulty():
-    for fault in ("left-handed", "inverse", "jump", "millimetres", "another motion", "loose"):
+    for fault in ("left-handed", "inverse", "jump", "millimetres", "another motion", "loose", *DELAYS):
         wrong, worst, said = 0, 0, []
         for seed in range(max(3, options.sessions // 20)):
             with tempfile.TemporaryDirectory() as name:

@@ -203,9 +203,22 @@ BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Fi
     if (options.progress) options.progress((i + 1.) / most_steps);
   }
   out.residuals = fit.residuals();
+  // Noise of the motion makes the squares seem steeper than they are, and the steps too short, until the curvature without it is taken.
   out.constants = fit.covariance();
-  constexpr double most_change = 0.2;  // of a direction that the motion does not show the steps stay long
-  out.converged = out.converged || out.constants.change <= most_change;
+  constexpr int most_moves = 5;
+  constexpr double most_change = 0.2;
+  const auto shown = [&] {
+    for (std::size_t k = 1; k < imus.size(); ++k)
+      if (!not_shown(out.mounting(k, imus)).empty()) return false;
+    return true;
+  };
+  const auto change = [&] { return (out.constants.step.array() / out.constants.covariance.diagonal().array().sqrt()).abs().maxCoeff(); };
+  for (int i = 0; i < most_moves && shown() && change() > most_change; ++i) {
+    fit.move(out.constants.step / std::max(1., change()));
+    fit.step(false);
+    out.constants = fit.covariance();
+  }
+  out.converged = !shown() || change() <= most_change;
   return out;
 }
 

@@ -265,6 +265,8 @@ void MotionFit::take_step(const BorderedBand::Solution& change, bool with_consta
   }
 }
 
+void MotionFit::move(const Eigen::VectorXd& constants) { take_step({Eigen::VectorXd::Zero(motion_.size()), constants}, true); }
+
 double MotionFit::take_noise() {
   double most = 0;
   for (std::size_t sensor = 0; sensor < sums_.size(); ++sensor) {
@@ -349,6 +351,7 @@ ConstantsCovariance MotionFit::covariance() {
   out.covariance =
       Cholesky(Eigen::MatrixXd(root * (Eigen::MatrixXd(left.asDiagonal()) + lost.asDiagonal() * of_prior * lost.asDiagonal()) * root.transpose()))
           .inverse();
+  out.step = out.covariance * (equations_->information() * change.border);
 
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(constants_, constants_);
   double parts = 0;
@@ -365,7 +368,6 @@ ConstantsCovariance MotionFit::covariance() {
   out.scatter = scatter / expected, out.seconds = static_cast<int>(parts);
   out.enlargement = (scatter > bound * expected).select(scatter / expected, 1.).sqrt();
   out.covariance = out.enlargement.asDiagonal() * out.covariance * out.enlargement.asDiagonal();
-  out.change = (change.border.array() / out.covariance.diagonal().array().sqrt()).abs().maxCoeff();
   return out;
 }
 

@@ -50,7 +50,7 @@ struct ConstantsCovariance {
   Eigen::VectorXd enlargement;  ///< factor of each standard uncertainty
   Eigen::VectorXd scatter;      ///< chi-square of each constant by the seconds over what the noise explains: 1 is expected
   int seconds = 0;              ///< of the motion
-  double change = 0;            ///< of the constants by another step, in standard uncertainties
+  Eigen::VectorXd step;         ///< of the constants, that the slope of the squares asks for by this covariance before it is enlarged
 };
 
 class MotionFit {
@@ -60,6 +60,7 @@ class MotionFit {
 
   /// One step; the constants are held where `with_constants` is false. Returns the largest change of a constant in standard uncertainties.
   double step(bool with_constants);
+  void move(const Eigen::VectorXd& constants);  ///< adds this to them
   /// Sets the noise of each sensor to that of its residuals after the latest step, corrected for the degrees of freedom; returns the largest relative
   /// change.
   double take_noise();

@@ -160,7 +160,15 @@ std::vector<MotionResiduals> residuals_of(const SmootherPass& smoothed) {
   return out;
 }
 
+void judge_gyro_delay(AidedNavigation& out) {
+  constexpr double certain = 5, least = 2e-3;  // sigmas; s: of a delay that matters
+  for (const AidedConstant& c : out.constants)
+    if (c.name == "imu.gyro_delay" && std::abs(c.value) > std::max(least, certain * c.sigma))
+      out.findings.add<Code::triads_delayed>(-1e3 * c.value, 1e3 * c.sigma);
+}
+
 void judge(AidedNavigation& out) {
+  judge_gyro_delay(out);
   judge_positions(out);
   judge_heading(out);
   if (out.innovation_rms > 1.5) out.findings.add<Code::large_innovations>(out.innovation_rms);

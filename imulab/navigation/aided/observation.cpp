@@ -151,6 +151,7 @@ ObservedRows observe_rest(const Problem& p, const Channel& c, const Observation&
   out.residual << -at.state.motion.velocity, -at.rate_eb;
   out.derivative.block<3, 3>(0, At::velocity).setIdentity();
   out.derivative.bottomRows<3>() = rate_derivative(p, at);
+  if (p.gyro_delay >= 0) out.derivative.col(p.gyro_delay).setZero();  // changes of the rate are noise
   out.variance.head<3>() = velocity_sigma(c.aid, o.row).cwiseAbs2();
   out.variance.tail<3>() = p.gyro_noise.cwiseAbs2() / (2 * std::max(p.half_instant, p.interval)) + Vector3d::Constant(std::pow(2e-4, 2));
   for (std::size_t k = 0; k < 6; ++k) out.source[k] = k < 3 ? c.first_noise : c.second_noise;
@@ -210,7 +211,7 @@ Instant instant_at(const Problem& p, std::size_t end, const FullState& state) {
   double length = 0, length_before = 0;
   for (std::size_t i = end > margin ? end - margin : 0; i < std::min(end + margin, p.samples.size()); ++i) {
     if (i == end) before = sum.angle, length_before = length;
-    const TimedIncrement& read = p.samples[i];
+    const TimedIncrement read = delayed_sample(p, i, state.x).sample;
     const Increment sample = corrected(p, read, state.x);
     sum.angle += sample.angle, sum.velocity += sample.velocity, length += read.interval;
     raw.angle += read.increment.angle, raw.velocity += read.increment.velocity;

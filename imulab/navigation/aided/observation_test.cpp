@@ -90,7 +90,7 @@ TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
     least = std::min(least, over_bound.eigenvalues().minCoeff()), most = std::max(most, over_bound.eigenvalues().maxCoeff());
   }
   EXPECT_GT(least, 0.99);  // the transition sums samples over 0.05 s
-  EXPECT_LT(most, 4);      // the aids leave little other uncertainty
+  EXPECT_LT(most, 5);      // the aids leave little other uncertainty, the delay of the gyros among it
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ MatrixXd rate_derivative(const Problem& p, const Instant& at) {
     if (p.gyro_matrix >= 0) out.middleCols<3>(p.gyro_matrix + 3 * j) = at.raw_rate[j] * Matrix3d::Identity();
     if (p.g_sensitivity >= 0) out.middleCols<3>(p.g_sensitivity + 3 * j) = at.raw_force[j] * Matrix3d::Identity();
   }
+  if (p.gyro_delay >= 0) out.col(p.gyro_delay) = at.turning;
   if (p.terms) {
     Eigen::Matrix<double, 6, Eigen::Dynamic> changes(6, p.terms->sigma.size());
     p.terms->at(p.time[at.sample], p.samples[at.sample], changes);

@@ -4,6 +4,8 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth.hpp"
 #include "imulab/error.hpp"
+#include "imulab/model/finding_table.hpp"
+#include "imulab/navigation/aided/aided.hpp"
 #include "imulab/navigation/aided/foreseen.hpp"
 #include "imulab/navigation/aided/setup.hpp"
 #include "imulab/navigation/aided/start.hpp"
@@ -13,6 +15,7 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::aided {
@@ -93,7 +96,8 @@ TEST_P(PoseLaw, HasTheDerivativesOfItsResiduals) {
   const Eigen::MatrixXd derivative = at(state).derivative;
   for (Eigen::Index k = 0; k < p.size; ++k) {
     constexpr double h = 1e-5;
-    if (k >= p.accel_offset && k < p.earth_rate && k != p.gyro_matrix) continue;  // their effect over 3 ms is that of the rate, tested by the first
+    if (k >= p.accel_offset && k < p.earth_rate && k != p.gyro_matrix && k != p.gyro_delay)
+      continue;  // their effect over 3 ms is that of the rate, tested by the first
     const Eigen::VectorXd difference = (at(changed(state, k, -h)).residual - at(changed(state, k, h)).residual) / (2 * h);
     EXPECT_LT((difference - derivative.col(k)).norm(), 0.02 * difference.norm() + 2e-3) << k << "\n" << difference << "\n" << derivative.col(k);
   }
@@ -132,6 +136,40 @@ TEST(Poses, TheirFrameDoesNotPointNorth) {
   Aid north = t.markers();
   north.frame = AidFrame::north;
   EXPECT_LT(t.problem(north).earth_rate, 0);
+}
+
+TEST(GyroDelay, MovesTheMotionAsLaterReadingsDo) {
+  const Tracked t;
+  const Problem p = t.problem(t.markers());
+  const FullState state{t.motion.states[0], prior_of(p).mean};
+  const auto reached = [&](double by) { return integrate(p, 0, 500, changed(state, p.gyro_delay, by), false).end; };
+  constexpr double h = 1e-4;
+  const Eigen::Matrix<double, 9, 1> difference = (minus(reached(h), reached(0)) / h),
+                                    column = integrate(p, 0, 500, state, true).transition.motion.col(p.gyro_delay);
+  ASSERT_GT(difference.head<3>().norm(), 0.5) << "the rate has changed";
+  EXPECT_LT((difference - column).norm(), 0.01 * column.norm());  // a sample turns by 0.02 rad, which the column takes as small
+}
+
+// Markers see the attitude of the gyros and the places of the accelerometers.
+TEST(GyroDelay, IsFoundByPoses) {
+  Tracked t;
+  constexpr std::size_t samples = 3;
+  for (auto& axis : t.readings.gyro) axis.insert(axis.begin(), samples, axis.front()), axis.resize(t.readings.size());
+  const AidedNavigation n = navigate_under(sensor_priors({}, {}), t.session, t.readings, {t.markers()}, {});
+  const auto delay = std::ranges::find(n.constants, "imu.gyro_delay", &AidedConstant::name);
+  ASSERT_NE(delay, n.constants.end());
+  EXPECT_NEAR(delay->value, 0.03, 4 * delay->sigma);
+  EXPECT_LT(delay->sigma, 1e-3);
+  EXPECT_TRUE(n.findings.has(Code::triads_delayed));
+}
+
+TEST(GyroDelay, IsNotShownByNoiseAtRest) {
+  const Tracked t;
+  const Problem p = t.problem(t.markers());
+  const Channel rest{.name = "zero_velocity", .aid = {.kind = AidKind::zero_velocity}};
+  const Instant now = instant_at(p, 999, {t.motion.states[999], prior_of(p).mean});
+  ASSERT_GT(now.turning.norm(), 1);
+  EXPECT_TRUE(aid_law(AidKind::zero_velocity).observe(p, rest, {.stamp = now.time}, now).derivative.col(p.gyro_delay).isZero(0));
 }
 
 std::string problem_of(const Tracked& t, const Aid& aid) {

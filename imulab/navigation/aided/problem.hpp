@@ -4,6 +4,8 @@
 // + dx for every other state. The sensors' constants are errors of the calibrated output,
 //
 //   w = (I + Mg) w_hat + bg + G f_hat,   f = (I + Ma) f_hat + ba
+//
+// with w_hat a delay of the gyros later than f_hat.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -90,6 +92,7 @@ struct Problem {
   std::vector<NoiseSource> sources;
   std::vector<StateBlock> blocks;  // all states except the first nine
   Eigen::Index gyro_offset = 9, accel_offset = 12, gyro_matrix = -1, accel_matrix = -1, g_sensitivity = -1;
+  Eigen::Index gyro_delay = -1;                        // of the gyros against the accelerometers [s]
   Eigen::Index gyro_flicker = -1, accel_flicker = -1;  // in addition to the offsets
   Eigen::Index earth_rate = -1;                        // of the Earth's rate in the level axes of poses, whose north is unknown
   const OutputTerms* terms = nullptr;                  // their states begin at terms_first
@@ -133,7 +136,15 @@ NavigationState at_place(const Vector3d& place);
 /// Returns the first nine elements of the error state that takes `from` to `to`.
 Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from);
 
-/// Returns the sample after removal of the sensors' errors in `x`.
+/// Returns sample i with the angle of the gyros' delay in `x` later, as if their readings were constant in an interval; `rate_slope`: the change of
+/// the mean rate with the delay [rad/s^2].
+struct DelayedSample {
+  TimedIncrement sample;
+  Vector3d rate_slope = Vector3d::Zero();
+};
+DelayedSample delayed_sample(const Problem& problem, std::size_t i, const Eigen::VectorXd& x);
+
+/// Returns a delayed sample after removal of the other errors of the sensors in `x`.
 Increment corrected(const Problem& problem, const TimedIncrement& sample, const Eigen::VectorXd& x);
 
 /// Returns the delay of an aid's stamps at `stamp` [s].

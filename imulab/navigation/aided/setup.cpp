@@ -27,6 +27,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // One-sigma defaults for undeclared properties of an aid.
+constexpr double gyro_delay_sigma = 0.01;              // s: triads with other filters, or stamps of their own
 constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
 constexpr double delay_sigma = 0.2;                    // s: for an aid on the recording's clock
 constexpr double clock_sigma = 300e-6;                 // rate error of a logger's clock relative to the aid's
@@ -95,6 +96,7 @@ void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
     p.gyro_matrix = add_block(p, constants("gyro.matrix", priors.gyro_matrix));
     p.accel_matrix = add_block(p, constants("accel.matrix", priors.accel_matrix));
     p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", priors.g_sensitivity));
+    p.gyro_delay = add_block(p, constant("imu.gyro_delay", gyro_delay_sigma));
   }
   p.sensors_end = p.size;
   if (priors.covariance.size() == 0) return;

@@ -33,8 +33,9 @@ class ErrorGrowth {
   explicit ErrorGrowth(const Problem& problem) : p_(problem) {}
 
   /// Adds a sample; `C` is C_nb at its middle.
-  void add(std::size_t number, const Matrix3d& C, const TimedIncrement& raw, const Increment& sample, const NavigationState& state,
+  void add(std::size_t number, const Matrix3d& C, const DelayedSample& delayed, const Increment& sample, const NavigationState& state,
            const LocalEarth& earth) {
+    const TimedIncrement& raw = delayed.sample;
     constexpr double longest = 0.0501;  // s
     if (steps_.empty() || steps_.back().time + raw.interval > longest) {
       steps_.push_back({.turn = 2 * earth.rate + earth.transport_rate(state.velocity)});
@@ -42,6 +43,7 @@ class ErrorGrowth {
     }
     Step& s = steps_.back();
     s.time += raw.interval, s.pushed += C * sample.velocity, s.C += raw.interval * C;
+    s.C_rate_slope += raw.interval * (C * delayed.rate_slope);
     for (std::size_t j = 0; j < 3; ++j) {
       s.C_angle[j] += raw.increment.angle[static_cast<Eigen::Index>(j)] * C;
       s.C_velocity[j] += raw.increment.velocity[static_cast<Eigen::Index>(j)] * C;
@@ -73,7 +75,7 @@ class ErrorGrowth {
   struct Step {
     Vector3d turn;  // at the begin
     double time = 0;
-    Vector3d pushed = Vector3d::Zero();
+    Vector3d pushed = Vector3d::Zero(), C_rate_slope = pushed;
     Matrix3d C = Matrix3d::Zero();
     std::array<Matrix3d, 3> C_angle{C, C, C}, C_velocity{C, C, C};
     Eigen::Matrix<double, 6, Eigen::Dynamic> terms = {};
@@ -105,6 +107,7 @@ class ErrorGrowth {
         add(p_.gyro_matrix + 3 * j, by_turn, s->C_angle[at]), add(p_.g_sensitivity + 3 * j, by_turn, s->C_velocity[at]);
         add(p_.accel_matrix + 3 * j, by_v, s->C_velocity[at]);
       }
+      if (p_.gyro_delay >= 0) t.motion.col(p_.gyro_delay) += by_turn * s->C_rate_slope;
       if (p_.terms) t.motion.middleCols(p_.terms_first, s->terms.cols()) += by_turn * s->terms.topRows<3>() + by_v * s->terms.bottomRows<3>();
       phi -= by_tilt + dt * crossed(by_turn, s->turn - earth.rate);
       v = by_v + dt / 2 * r - dt * (crossed(by_v, s->turn) + times(by_turn, T));
@@ -154,13 +157,14 @@ Integrated integrate(const Problem& p, std::size_t begin, std::size_t end, const
   Vector3d slow = integration::slow_acceleration(earth, state.velocity);
   double left = 0;  // s: remaining validity of that Earth
   std::optional<Increment> previous;
-  if (begin > 0) previous = corrected(p, p.samples[begin - 1], start.x);
+  if (begin > 0) previous = corrected(p, delayed_sample(p, begin - 1, start.x).sample, start.x);
   for (std::size_t i = begin; i < end; ++i) {
-    const TimedIncrement raw = p.samples[i];
+    const DelayedSample delayed = delayed_sample(p, i, start.x);
+    const TimedIncrement& raw = delayed.sample;
     const Increment sample = corrected(p, raw, start.x);
     if (with_transition) {
       const Matrix3d C = state.q_nb.toRotationMatrix();
-      growth.add(i, C + C * skew<double>(sample.angle / 2), raw, sample, state, first);
+      growth.add(i, C + C * skew<double>(sample.angle / 2), delayed, sample, state, first);
     }
     if (left < raw.interval / 2)
       earth = with_rate(integration::earth_ahead(state, std::max(raw.interval, served) / 2, earth, options)), left = served;
