@@ -206,7 +206,7 @@ BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Fi
   // Noise of the motion makes the squares seem steeper than they are, and the steps too short, until the curvature without it is taken.
   out.constants = fit.covariance();
   constexpr int most_moves = 5;
-  constexpr double most_change = 0.2;
+  constexpr double most_change = 0.5;
   const auto shown = [&] {
     for (std::size_t k = 1; k < imus.size(); ++k)
       if (!not_shown(out.mounting(k, imus)).empty()) return false;
