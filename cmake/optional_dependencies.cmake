@@ -1,6 +1,6 @@
 # Libraries that not every user needs: used if they are found, unless IMULAB_WITH_... is OFF. A program that is linked with a static library of imulab
 # needs those that this one was built with (IMULAB_BUILT_WITH). The build gets rows of cmake/build.cpp.in in IMULAB_BUILD_OPTIONS, and for each part X,
-# which is imulab, files or read (the program imulab-read): IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's;
+# which is imulab, files, read (the program imulab-read) or loaded (only its header is used: it is loaded while imulab runs): IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's;
 # IMULAB_X_MODULES and IMULAB_X_LIBRARIES, for pkg-config.
 macro(imulab_optional part name module package what) # module: pkg-config's, or the linker's option for bzip2, which has none in Debian 12
   set(needed REQUIRED)
@@ -36,7 +36,7 @@ imulab_optional(imulab TBB tbb libtbb-dev "work on several threads")
 imulab_optional(files LZ4 liblz4 liblz4-dev "bags compressed with LZ4")
 imulab_optional(files ZSTD libzstd libzstd-dev "bags compressed with Zstandard")
 imulab_optional(files BZIP2 -lbz2 libbz2-dev "bags compressed with bzip2")
-imulab_optional(files ARCHIVE libarchive libarchive-dev "archives other than zip, and texts compressed otherwise than by gzip")
+imulab_optional(loaded ARCHIVE libarchive libarchive-dev "archives other than zip, and texts compressed otherwise than by gzip")
 imulab_optional(files SQLITE sqlite3 libsqlite3-dev "ROS 2 bags in SQLite, fleet stores")
 imulab_optional(read HDF5 hdf5 libhdf5-dev "recordings in HDF5")
 imulab_optional(read MATIO matio libmatio-dev "recordings in MATLAB files")

@@ -58,6 +58,7 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME imulab)
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS libarchive13) # it is loaded with the first archive
 set(CPACK_DEBIAN_COMMAND_PACKAGE_SUGGESTS libpq5) # a fleet store on a PostgreSQL server
 set(CPACK_DEBIAN_COMMAND_DESCRIPTION "calibrates inertial measurement units, with the uncertainty of every coefficient")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libimulab-dev)

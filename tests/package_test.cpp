@@ -105,6 +105,22 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
   EXPECT_THAT(prediction, HasSubstr("gyro.matrix.zz"));
   EXPECT_THAT(prediction, HasSubstr("% from orthogonality\n"));
   EXPECT_EQ(run_shell(folder, "build/compensate nowhere.json").exit_code, 1);
+
+  // The node of ROS 2, with a stand-in for what it uses of that.
+  run(folder, "export PKG_CONFIG_PATH=\"$PWD/moved/$(cd moved && echo lib*/pkgconfig)\" && g++ -std=c++20 -Wall -Wextra -Werror -I'" IMULAB_SOURCE
+              "/tests/ros2' '" IMULAB_SOURCE "/examples/ros2/src/compensate_node.cpp' $(pkg-config --cflags --libs imulab-files) -o node");
+  const std::string node = "./node -p calibration:=calibration.json";
+  const auto published = numbers(run(folder, "head -100 samples | " + node + " | grep -v '#'")),
+             in_bulk = numbers(run(folder, "head -101 expected.csv"));
+  ASSERT_EQ(published.size(), 100u);
+  for (std::size_t i = 0; i < published.size(); ++i)
+    for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(published[i].at(k), in_bulk[i].at(k), 1e-6);
+  const std::string variances = run(folder, "moved/bin/imulab export calibration.json --to ros 2>/dev/null | grep linear");
+  EXPECT_NEAR(published[0].at(8), std::stod(variances.substr(variances.rfind(", 0.0, ") + 7)), 0.05 * published[0].at(8)) << variances;
+  EXPECT_THAT(run(folder, "printf '0 nan 0 0 0 0 9.8\\n1 0 0 0 0 0 9.8\\n' | " + node), HasSubstr("1 of 2 messages left out: not finite"));
+  const CommandResult no_file = run_shell(folder, "./node -p calibration:=nowhere.json < /dev/null");
+  EXPECT_EQ(no_file.exit_code, 1);
+  EXPECT_THAT(no_file.errors, HasSubstr("nowhere.json: cannot be opened"));
 }
 
 TEST(Package, TheTutorialShowsTheExamples) {

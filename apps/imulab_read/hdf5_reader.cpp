@@ -22,6 +22,9 @@
 #include <utility>
 #include <vector>
 
+/// In place of HDF5's own driver of files on the network, which would bring the libraries of that into the program.
+extern "C" hid_t H5FD_ros3_init() { return H5I_INVALID_HID; }
+
 namespace imulab::recording_io {
 namespace {
 

@@ -21,6 +21,7 @@
 #ifdef IMULAB_WITH_ARCHIVE
 #include <archive.h>
 #include <archive_entry.h>
+#include <dlfcn.h>
 #endif
 
 namespace imulab::recording_io {
@@ -82,39 +83,91 @@ struct PackedMember {
   std::optional<std::uint64_t> bytes;  ///< when it is unpacked, where the archive says so
 };
 
-#ifdef IMULAB_WITH_ARCHIVE
-
 /// One pass over the members.
 class Unpacking {
  public:
-  explicit Unpacking(const fs::path& path) : path_(path.string()), gunzip_(path), archive_(archive_read_new(), archive_read_free) {
+  Unpacking() = default;
+  virtual ~Unpacking() = default;
+  Unpacking(const Unpacking&) = delete;
+  Unpacking& operator=(const Unpacking&) = delete;
+
+  virtual std::optional<PackedMember> next() = 0;
+  virtual bool is_file() const { return true; }
+  virtual bool is_encrypted() const { return false; }
+  /// Of the member; 0 at its end.
+  virtual std::size_t read(char* to, std::size_t size, const std::string& place) = 0;
+};
+
+#ifdef IMULAB_WITH_ARCHIVE
+
+/// The functions of libarchive. It is loaded with the first archive, if it is installed: the libraries that it needs take longer to load than many a
+/// verb to run.
+struct Libarchive {
+#define IMULAB_OF_LIBARCHIVE(each)                                                                                                                  \
+  each(archive_read_new) each(archive_read_free) each(archive_read_support_filter_bzip2) each(archive_read_support_filter_lz4)                      \
+      each(archive_read_support_filter_xz) each(archive_read_support_filter_zstd) each(archive_read_support_format_7zip)                            \
+          each(archive_read_support_format_raw) each(archive_read_support_format_tar) each(archive_read_support_format_zip) each(archive_read_open) \
+              each(archive_read_open_filename) each(archive_read_next_header) each(archive_read_data) each(archive_format)                          \
+                  each(archive_error_string) each(archive_set_error) each(archive_entry_pathname) each(archive_entry_size_is_set)                   \
+                      each(archive_entry_size) each(archive_entry_filetype) each(archive_entry_is_encrypted)
+#define IMULAB_DECLARE(name) decltype(&::name) name = nullptr;
+  IMULAB_OF_LIBARCHIVE(IMULAB_DECLARE)
+
+  /// Null if it is not installed.
+  static const Libarchive* installed() {
+    static const std::optional<Libarchive> found = load();
+    return found ? &*found : nullptr;
+  }
+
+ private:
+  static std::optional<Libarchive> load() {
+    Libarchive out;
+#ifdef __EMSCRIPTEN__
+#define IMULAB_FIND(name) out.name = &::name;
+#else
+    void* const library = dlopen("libarchive.so.13", RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) return std::nullopt;
+#define IMULAB_FIND(name)                                                \
+  out.name = reinterpret_cast<decltype(&::name)>(dlsym(library, #name)); \
+  if (out.name == nullptr) return std::nullopt;
+#endif
+    IMULAB_OF_LIBARCHIVE(IMULAB_FIND)
+    return out;
+  }
+};
+
+class ByLibarchive : public Unpacking {
+ public:
+  ByLibarchive(const Libarchive& library, const fs::path& path)
+      : library_(library), path_(path.string()), gunzip_(path), archive_(library.archive_read_new(), library.archive_read_free) {
     using Support = int (*)(struct archive*);
     // No filter or format that starts a program.
     for (const Support support :
-         {archive_read_support_filter_bzip2, archive_read_support_filter_lz4, archive_read_support_filter_xz, archive_read_support_filter_zstd,
-          archive_read_support_format_7zip, archive_read_support_format_raw, archive_read_support_format_tar, archive_read_support_format_zip})
+         {library_.archive_read_support_filter_bzip2, library_.archive_read_support_filter_lz4, library_.archive_read_support_filter_xz,
+          library_.archive_read_support_filter_zstd, library_.archive_read_support_format_7zip, library_.archive_read_support_format_raw,
+          library_.archive_read_support_format_tar, library_.archive_read_support_format_zip})
       support(archive_.get());
-    const int opened = gunzip_.gunzips() ? archive_read_open(archive_.get(), this, nullptr, next_piece, nullptr)
-                                         : archive_read_open_filename(archive_.get(), path.c_str(), piece_bytes);
+    const int opened = gunzip_.gunzips() ? library_.archive_read_open(archive_.get(), this, nullptr, next_piece, nullptr)
+                                         : library_.archive_read_open_filename(archive_.get(), path.c_str(), piece_bytes);
     if (opened != ARCHIVE_OK) fail_packed(path_, why());
   }
 
-  std::optional<PackedMember> next() {
-    const int found = archive_read_next_header(archive_.get(), &entry_);
+  std::optional<PackedMember> next() override {
+    const int found = library_.archive_read_next_header(archive_.get(), &entry_);
     if (found == ARCHIVE_EOF) return std::nullopt;
     if (found != ARCHIVE_OK && found != ARCHIVE_WARN) fail_packed(path_, why());  // a warning is about names and owners
     PackedMember member;
-    if (archive_format(archive_.get()) == ARCHIVE_FORMAT_RAW) return member;
-    if (const char* const name = archive_entry_pathname(entry_)) member.name = name;
-    if (archive_entry_size_is_set(entry_) != 0) member.bytes = static_cast<std::uint64_t>(std::max<la_int64_t>(0, archive_entry_size(entry_)));
+    if (library_.archive_format(archive_.get()) == ARCHIVE_FORMAT_RAW) return member;
+    if (const char* const name = library_.archive_entry_pathname(entry_)) member.name = name;
+    if (library_.archive_entry_size_is_set(entry_) != 0)
+      member.bytes = static_cast<std::uint64_t>(std::max<la_int64_t>(0, library_.archive_entry_size(entry_)));
     return member;
   }
-  bool is_file() const { return archive_entry_filetype(entry_) == AE_IFREG; }
-  bool is_encrypted() const { return archive_entry_is_encrypted(entry_) != 0; }
+  bool is_file() const override { return library_.archive_entry_filetype(entry_) == AE_IFREG; }
+  bool is_encrypted() const override { return library_.archive_entry_is_encrypted(entry_) != 0; }
 
-  /// Of the member; 0 at its end.
-  std::size_t read(char* to, std::size_t size, const std::string& place) {
-    const la_ssize_t got = archive_read_data(archive_.get(), to, size);
+  std::size_t read(char* to, std::size_t size, const std::string& place) override {
+    const la_ssize_t got = library_.archive_read_data(archive_.get(), to, size);
     if (got < 0) fail_packed(place, why());
     return static_cast<std::size_t>(got);
   }
@@ -122,38 +175,39 @@ class Unpacking {
  private:
   std::string why() const {
     if (!gunzip_.why().empty()) return gunzip_.why();
-    const char* const text = archive_error_string(archive_.get());
+    const char* const text = library_.archive_error_string(archive_.get());
     return text != nullptr ? text : "its format is not known";
   }
 
   static la_ssize_t next_piece(struct archive* archive, void* self, const void** piece) {
-    auto& own = *static_cast<Unpacking*>(self);
+    auto& own = *static_cast<ByLibarchive*>(self);
     const auto got = own.gunzip_.read(own.piece_.data(), own.piece_.size());
     *piece = own.piece_.data();
     if (got) return static_cast<la_ssize_t>(*got);
-    archive_set_error(archive, EINVAL, "%s", own.gunzip_.why().c_str());
+    own.library_.archive_set_error(archive, EINVAL, "%s", own.gunzip_.why().c_str());
     return -1;
   }
 
+  const Libarchive& library_;
   std::string path_, piece_ = std::string(piece_bytes, '\0');
   Gunzip gunzip_;
   std::unique_ptr<struct archive, int (*)(struct archive*)> archive_;
   struct archive_entry* entry_ = nullptr;
 };
 
-#else
+#endif
 
-/// Without libarchive: gzip and zip.
-class Unpacking {
+class GzipOrZip : public Unpacking {
  public:
-  explicit Unpacking(const fs::path& path) : path_(path.string()), gunzip_(path), file_(path) {
+  explicit GzipOrZip(const fs::path& path) : path_(path.string()), gunzip_(path), file_(path) {
     if (gunzip_.gunzips()) return;
     if (!file_.text().starts_with("PK"))
-      throw Error(path_ +
-                  ": is compressed or an archive; expected it unpacked: this imulab was built without libarchive, and reads .gz and .zip alone");
+      throw Error(
+          path_ +
+          ": is compressed or an archive; expected it unpacked, or libarchive installed (Debian: libarchive13): without, .gz and .zip are read");
     members_ = zip_members(file_.text(), path_);
   }
-  std::optional<PackedMember> next() {
+  std::optional<PackedMember> next() override {
     if (gunzip_.gunzips()) return std::exchange(at_, 1) == 0 ? std::optional(PackedMember{}) : std::nullopt;
     if (at_ == members_.size()) return std::nullopt;
     const ZipMember& member = members_[at_++];
@@ -161,9 +215,7 @@ class Unpacking {
     left_ = member.bytes;
     return PackedMember{member.name, member.bytes};
   }
-  bool is_file() const { return true; }
-  bool is_encrypted() const { return false; }
-  std::size_t read(char* to, std::size_t size, const std::string& place) {
+  std::size_t read(char* to, std::size_t size, const std::string& place) override {
     if (!zipped_) {
       const auto got = gunzip_.read(to, size);
       if (!got) fail_packed(place, gunzip_.why());
@@ -185,7 +237,12 @@ class Unpacking {
   std::unique_ptr<ZipReader> zipped_;
 };
 
+std::unique_ptr<Unpacking> unpacking(const fs::path& path) {
+#ifdef IMULAB_WITH_ARCHIVE
+  if (const Libarchive* const library = Libarchive::installed()) return std::make_unique<ByLibarchive>(*library, path);
 #endif
+  return std::make_unique<GzipOrZip>(path);
+}
 
 struct UnpackedText {
   std::string text;
@@ -220,9 +277,9 @@ bool is_wanted(const Unpacking& from, const PackedMember& member) {
 /// A member's text as a table: from another pass, or `head` where it is enough.
 TextTable open_packed(const fs::path& path, const std::string& name, const fs::path& place, const UnpackedText& head, std::uint64_t most) {
   if (head.whole || most <= described_bytes) return TextTable(head.whole ? place : fs::path(place.string() + " (its beginning)"), head.text);
-  Unpacking from(path);
-  while (const auto member = from.next())
-    if (is_wanted(from, *member) && name_of(*member, path) == name) return TextTable(place, unpacked_text(from, place.string(), most).text);
+  const std::unique_ptr<Unpacking> from = unpacking(path);
+  while (const auto member = from->next())
+    if (is_wanted(*from, *member) && name_of(*member, path) == name) return TextTable(place, unpacked_text(*from, place.string(), most).text);
   fail_packed(place.string(), "it is no longer there");
 }
 
@@ -236,13 +293,13 @@ bool is_packed(std::string_view head) {
 std::vector<TextMember> texts_of_archive(const fs::path& path) {
   constexpr std::uint64_t usual_ratio = 5;  // of numbers as text, for an estimate of the rows
   std::vector<TextMember> members;
-  Unpacking from(path);
-  while (const auto packed = from.next()) {
-    if (!is_wanted(from, *packed)) continue;
+  const std::unique_ptr<Unpacking> from = unpacking(path);
+  while (const auto packed = from->next()) {
+    if (!is_wanted(*from, *packed)) continue;
     const std::string name = name_of(*packed, path);
     const fs::path place = path / fs::path(name).relative_path();
-    if (from.is_encrypted()) throw Error(place.string() + ": is encrypted; expected an archive without a password");
-    const auto head = std::make_shared<const UnpackedText>(unpacked_text(from, place.string(), described_bytes));
+    if (from->is_encrypted()) throw Error(place.string() + ": is encrypted; expected an archive without a password");
+    const auto head = std::make_shared<const UnpackedText>(unpacked_text(*from, place.string(), described_bytes));
     if (packed->name.empty() && !may_be_text(head->text))
       throw Error(
           fmt::format("{}: is compressed, and what is in it is no text; expected a text in it, or the file unpacked, since bags and other "
