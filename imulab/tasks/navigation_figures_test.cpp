@@ -30,7 +30,7 @@ NavigatedSession session_that_drifts(const std::string& name, double rate) {
   NavigatedSession s{.session = name, .navigated = {}, .errors = NavigationErrors{}};
   constexpr double begin = 1.7e9;  // a clock from 1970
   s.navigated.solution.time = {begin, begin + 600};
-  for (int i = 0; i <= 6; ++i) s.errors->history.push_back({begin + 100. * i, {rate * 100 * i, 0, -i}, {rate, 0, 0}, {0, 0, 1e-3}});
+  for (int i = 0; i <= 6; ++i) s.errors->history.push_back({begin + 100. * i, {rate * 100 * i, 0, -1. * i}, {rate, 0, 0}, {0, 0, 1e-3}});
   s.errors->rate = rate;
   return s;
 }
