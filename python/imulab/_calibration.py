@@ -18,7 +18,7 @@ from ._results import Answer
 from ._text import PathLike, optional_package, options, path, warn
 
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import]
+    import pandas  # type: ignore
 
     from ._recording import Recording
     from ._results import Noise

@@ -13,7 +13,7 @@ from ._results import Result
 from ._text import PathLike, optional_package, path, warn
 
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import]
+    import pandas  # type: ignore
 
 
 class FleetStatistics(Result):

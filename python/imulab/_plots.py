@@ -112,7 +112,8 @@ def _horizontal(part: Mapping[str, Any]) -> FloatArray:
     if "pe" not in part:
         return np.asarray(part["ph"]["sigma"], dtype=float)
     east, north = (np.asarray(part[axis]["sigma"], dtype=float) for axis in ("pe", "pn"))
-    return np.sqrt(east**2 + north**2)
+    out: FloatArray = np.sqrt(east**2 + north**2)
+    return out
 
 
 def grades(histories: Mapping[str, Mapping[str, Any]]) -> Any:

@@ -13,7 +13,7 @@ from ._imulab import Error
 from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import]
+    import pandas  # type: ignore
 
 
 class Recording:

@@ -16,7 +16,7 @@ from ._session import Session
 from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:
-    import pandas  # type: ignore[import]
+    import pandas  # type: ignore
 
 
 class Answer:
