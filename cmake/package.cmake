@@ -20,7 +20,8 @@ install(FILES ${IMULAB_HELP}/_imulab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/si
 install(FILES ${IMULAB_HELP}/imulab.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab RENAME copyright)
 install(FILES CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab)
-foreach(package libeigen3-dev libboost-math-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs libdeflate-dev libhdf5-dev libmatio-dev libaec-dev) # their code is in the programs
+file(GLOB boost RELATIVE /usr/share/doc /usr/share/doc/libboost1.*-dev) # the package without a version has no license of Boost
+foreach(package ${boost} libeigen3-dev pybind11-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs libdeflate-dev libhdf5-dev libmatio-dev libaec-dev) # their code is in the programs
   install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab/licenses RENAME ${package} OPTIONAL)
 endforeach()
 

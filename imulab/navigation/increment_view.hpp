@@ -16,6 +16,8 @@ class IncrementView {
   explicit IncrementView(const Recording& recording);
 
   std::size_t size() const { return size_; }
+  /// True if the angles are the recording's own, false if they are rates over the intervals of the stamps.
+  bool angles_recorded() const { return recording_ != nullptr && recording_->gyro_increment; }
   TimedIncrement operator[](std::size_t i) const;
 
  private:

@@ -27,9 +27,9 @@ class CompensateNode : public rclcpp::Node {
       : Node("imulab_compensate"),
         file_(declare_parameter<std::string>("calibration", "calibration.json")),
         calibration_(imulab::read_calibration(file_)),
-        compensator_(calibration_.model) {  // of readings in SI: a calibration of counts is refused
+        compensator_(calibration_.model, {.leave_lever_arms = true}) {  // of readings in SI: a calibration of counts is refused
     set_noise(declare_parameter<double>("rate_hz", 0));
-    publisher_ = create_publisher<Imu>("imu/data", rclcpp::SensorDataQoS());
+    publisher_ = create_publisher<Imu>("imu/data", rclcpp::QoS(10));
     diagnostics_ = create_publisher<DiagnosticArray>("/diagnostics", rclcpp::QoS(10));
     raw_ = create_subscription<Imu>("imu/data_raw", rclcpp::SensorDataQoS(), [this](const Imu::SharedPtr message) { compensate(*message); });
     if (compensator_.needs_temperature())

@@ -206,19 +206,27 @@ BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Fi
   // Noise of the motion makes the squares seem steeper than they are, and the steps too short, until the curvature without it is taken.
   out.constants = fit.covariance();
   constexpr int most_moves = 5;
-  constexpr double most_change = 0.5;
-  const auto shown = [&] {
-    for (std::size_t k = 1; k < imus.size(); ++k)
-      if (!not_shown(out.mounting(k, imus)).empty()) return false;
-    return true;
+  constexpr double most_change = 0.5, most_unshown_change = 0.2;
+  bool all_shown = true;
+  const auto step = [&] {  // of the IMUs whose mounting the motion shows; the others' has no end
+    Eigen::VectorXd out_step = Eigen::VectorXd::Zero(out.constants.step.size());
+    all_shown = true;
+    for (std::size_t k = 1; k < imus.size(); ++k) {
+      const bool shown = not_shown(out.mounting(k, imus)).empty();
+      const Eigen::Index first = MotionFit::mount_column(k) - own_columns, size = +own_columns + +mount_columns;
+      if (shown) out_step.segment(first, size) = out.constants.step.segment(first, size);
+      all_shown = all_shown && shown;
+    }
+    return out_step;
   };
-  const auto change = [&] { return (out.constants.step.array() / out.constants.covariance.diagonal().array().sqrt()).abs().maxCoeff(); };
-  for (int i = 0; i < most_moves && shown() && change() > most_change; ++i) {
-    fit.move(out.constants.step / std::max(1., change()));
-    fit.step(false);
+  const auto change = [&] { return (step().array() / out.constants.covariance.diagonal().array().sqrt()).abs().maxCoeff(); };
+  for (int i = 0; i < most_moves && change() > most_change; ++i) {
+    fit.move(step() / std::max(1., change()));
+    fit.step(false), fit.step(true);
     out.constants = fit.covariance();
   }
-  out.converged = !shown() || change() <= most_change;
+  const bool steady = change() <= most_change;
+  out.converged = steady && (all_shown || out.converged || out.constants.change <= most_unshown_change);
   return out;
 }
 

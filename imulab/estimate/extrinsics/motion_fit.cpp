@@ -368,6 +368,7 @@ ConstantsCovariance MotionFit::covariance() {
   out.scatter = scatter / expected, out.seconds = static_cast<int>(parts);
   out.enlargement = (scatter > bound * expected).select(scatter / expected, 1.).sqrt();
   out.covariance = out.enlargement.asDiagonal() * out.covariance * out.enlargement.asDiagonal();
+  out.change = (change.border.array() / out.covariance.diagonal().array().sqrt()).abs().maxCoeff();
   return out;
 }
 

@@ -243,7 +243,7 @@ ErrorBudget aided_budget(const motion::NominalMotion& motion, const ErrorSources
   const SensorPriors priors = priors_of(sources);
   const bool matrices = !priors.gyro_matrix.isZero(0) || !priors.accel_matrix.isZero(0) || !priors.g_sensitivity.isZero(0);
   const Recording readings = ideal_readings(motion);
-  Problem p = make_problem(readings, priors, aids, session, {.matrices = matrices, .outages = {}});
+  Problem p = make_problem(readings, priors, aids, session, {.matrices = matrices, .gyro_delay_sigma = 0, .outages = {}});
   set_sizes(p);
   const AidLoss lost = withhold_lost(p, loss);
   const FilterStart start = start_of(p, motion, sources, priors);

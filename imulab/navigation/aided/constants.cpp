@@ -34,7 +34,7 @@ constexpr std::array quantities{
     ConstantQuantity{"*.mounting.*", degree, straight},
     ConstantQuantity{"*.body.*", degree, "turns about two axes"},
     ConstantQuantity{"*.tilt.*", degree, "turns about level axes"},
-    ConstantQuantity{"imu.gyro_delay", second, turns},
+    ConstantQuantity{"*imu.gyro_delay", second, turns},
     ConstantQuantity{"*.delay", second, speed},
     ConstantQuantity{"*.delay.drift", ppm, speed},
     ConstantQuantity{"pose*.scale", metre, "accelerations"},

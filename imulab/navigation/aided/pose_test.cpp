@@ -163,6 +163,23 @@ TEST(GyroDelay, IsFoundByPoses) {
   EXPECT_TRUE(n.findings.has(Code::triads_delayed));
 }
 
+// Angles are the unit's own, whatever its stamps: a rate over their intervals would follow the jitter.
+TEST(GyroDelay, ShiftsAnglesThatJitteredStampsLeaveAsTheyAre) {
+  Tracked t;
+  t.readings.gyro_increment = t.readings.accel_increment = true;  // means over the nominal interval
+  const Recording even = t.readings;
+  for (std::size_t i = 1; i < t.readings.size(); i += 2) t.readings.time_ns[i] += 4'000'000;
+  const Problem p = t.problem(t.markers());
+  Eigen::VectorXd x = prior_of(p).mean;
+  x[p.gyro_delay] = 0.025;  // two and a half samples
+  for (const std::size_t i : {500u, 501u}) {
+    const auto angle = [&](std::size_t at) { return Vector3d(0.01 * Vector3d(even.gyro[0][at], even.gyro[1][at], even.gyro[2][at])); };
+    const DelayedSample later = delayed_sample(p, i, x);
+    EXPECT_LT((later.sample.increment.angle - (angle(i + 2) + angle(i + 3)) / 2).norm(), 1e-12);
+    EXPECT_LT((later.angle_slope - (angle(i + 3) - angle(i + 2)) / 0.01).norm(), 1e-9);
+  }
+}
+
 TEST(GyroDelay, IsNotShownByNoiseAtRest) {
   const Tracked t;
   const Problem p = t.problem(t.markers());

@@ -57,15 +57,15 @@ Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationSta
 DelayedSample delayed_sample(const Problem& p, std::size_t i, const Eigen::VectorXd& x) {
   DelayedSample out{p.samples[i]};
   if (p.gyro_delay < 0) return out;
-  const auto rate = [&](double place) {
+  const double length = out.sample.interval;
+  const auto angle = [&](double place) {
     const TimedIncrement there = p.samples[static_cast<std::size_t>(std::clamp(place, 0., static_cast<double>(p.samples.size() - 1)))];
-    return Vector3d(there.increment.angle / there.interval);
+    return Vector3d((p.samples.angles_recorded() ? 1 : length / there.interval) * there.increment.angle);
   };
   const double later = x[p.gyro_delay] / p.interval, whole = std::floor(later), first = static_cast<double>(i) + whole;
-  const Vector3d before = whole == 0 ? Vector3d(out.sample.increment.angle / out.sample.interval) : rate(first);
-  const Vector3d change = rate(first + 1) - before;
-  if (later != 0) out.sample.increment.angle = out.sample.interval * (before + (later - whole) * change);
-  out.rate_slope = change / p.interval;
+  const Vector3d before = whole == 0 ? out.sample.increment.angle : angle(first), change = angle(first + 1) - before;
+  if (later != 0) out.sample.increment.angle = before + (later - whole) * change;
+  out.angle_slope = change / p.interval;
   return out;
 }
 

@@ -136,11 +136,11 @@ NavigationState at_place(const Vector3d& place);
 /// Returns the first nine elements of the error state that takes `from` to `to`.
 Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from);
 
-/// Returns sample i with the angle of the gyros' delay in `x` later, as if their readings were constant in an interval; `rate_slope`: the change of
-/// the mean rate with the delay [rad/s^2].
+/// Returns sample i with the angle of the gyros' delay in `x` later, as if their readings were constant in an interval; `angle_slope`: the change of
+/// the angle with the delay [rad/s].
 struct DelayedSample {
   TimedIncrement sample;
-  Vector3d rate_slope = Vector3d::Zero();
+  Vector3d angle_slope = Vector3d::Zero();
 };
 DelayedSample delayed_sample(const Problem& problem, std::size_t i, const Eigen::VectorXd& x);
 

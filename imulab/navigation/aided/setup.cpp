@@ -27,7 +27,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 // One-sigma defaults for undeclared properties of an aid.
-constexpr double gyro_delay_sigma = 0.01;              // s: triads with other filters, or stamps of their own
 constexpr double lever_sigma = 1, scale_sigma = 0.02;  // m, relative
 constexpr double delay_sigma = 0.2;                    // s: for an aid on the recording's clock
 constexpr double clock_sigma = 300e-6;                 // rate error of a logger's clock relative to the aid's
@@ -75,7 +74,7 @@ Index add_markov(Problem& p, const std::string& name, Index size, double sigma, 
       {.name = name, .size = size, .prior = VectorXd::Constant(size, sigma), .time = time, .sigma = sigma, .walk = {}, .noise = add_source(p, name)});
 }
 
-void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
+void add_sensors(Problem& p, const SensorPriors& priors, const SetupOptions& options) {
   p.size = At::sensors;
   p.gyro_source = add_source(p, "gyro"), p.accel_source = add_source(p, "accel");
   const FilterFlicker gyro(priors.gyro_flicker), accel(priors.accel_flicker);
@@ -92,12 +91,12 @@ void add_sensors(Problem& p, const SensorPriors& priors, bool matrices) {
   p.gyro_flicker = process("gyro", gyro), p.accel_flicker = process("accel", accel);
   p.gyro_white = priors.gyro_noise.unaryExpr([&](double N) { return std::hypot(N, gyro.white); });
   p.accel_white = priors.accel_noise.unaryExpr([&](double N) { return std::hypot(N, accel.white); });
-  if (matrices) {
+  if (options.matrices) {
     p.gyro_matrix = add_block(p, constants("gyro.matrix", priors.gyro_matrix));
     p.accel_matrix = add_block(p, constants("accel.matrix", priors.accel_matrix));
     p.g_sensitivity = add_block(p, constants("gyro.g_sensitivity", priors.g_sensitivity));
-    p.gyro_delay = add_block(p, constant("imu.gyro_delay", gyro_delay_sigma));
   }
+  if (options.gyro_delay_sigma > 0) p.gyro_delay = add_block(p, constant("imu.gyro_delay", options.gyro_delay_sigma));
   p.sensors_end = p.size;
   if (priors.covariance.size() == 0) return;
   std::vector<Index> states;
@@ -355,7 +354,7 @@ Problem make_problem(const Recording& recording, const SensorPriors& priors, con
   p.begin = recording.time_s(0) - recording.interval(0, false), p.interval = recording.interval_s;
   p.gravity = session.site.given_gravity;
   p.gyro_noise = priors.gyro_noise, p.accel_noise = priors.accel_noise;
-  add_sensors(p, priors, options.matrices);
+  add_sensors(p, priors, options);
   if (std::ranges::any_of(aids, [](const Aid& aid) { return has_attitude(aid.kind); })) set_level_axes(p, aids, session.site);
   for (const Aid& aid : aids) {
     const std::string kind(aid_law(aid.kind).name);

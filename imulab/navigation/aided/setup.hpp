@@ -40,6 +40,7 @@ SensorPriors sensor_priors(const Calibration& calibration, const ImuDeclaration&
 
 struct SetupOptions {
   bool matrices = true;                              // scales, misalignments and g-sensitivity are states under their priors
+  double gyro_delay_sigma = 0.01;                    // s: triads with other filters, or stamps of their own; 0: no state
   double vehicle_interval = 1, rest_interval = 0.5;  // s: between two rows of a constraint; motion on springs decorrelates within this time
   std::vector<Outage> outages = {};                  // for all aids with a file, in addition to the aids' own outages
 };

@@ -43,7 +43,7 @@ class ErrorGrowth {
     }
     Step& s = steps_.back();
     s.time += raw.interval, s.pushed += C * sample.velocity, s.C += raw.interval * C;
-    s.C_rate_slope += raw.interval * (C * delayed.rate_slope);
+    s.C_angle_slope += C * delayed.angle_slope;
     for (std::size_t j = 0; j < 3; ++j) {
       s.C_angle[j] += raw.increment.angle[static_cast<Eigen::Index>(j)] * C;
       s.C_velocity[j] += raw.increment.velocity[static_cast<Eigen::Index>(j)] * C;
@@ -75,7 +75,7 @@ class ErrorGrowth {
   struct Step {
     Vector3d turn;  // at the begin
     double time = 0;
-    Vector3d pushed = Vector3d::Zero(), C_rate_slope = pushed;
+    Vector3d pushed = Vector3d::Zero(), C_angle_slope = pushed;
     Matrix3d C = Matrix3d::Zero();
     std::array<Matrix3d, 3> C_angle{C, C, C}, C_velocity{C, C, C};
     Eigen::Matrix<double, 6, Eigen::Dynamic> terms = {};
@@ -107,7 +107,7 @@ class ErrorGrowth {
         add(p_.gyro_matrix + 3 * j, by_turn, s->C_angle[at]), add(p_.g_sensitivity + 3 * j, by_turn, s->C_velocity[at]);
         add(p_.accel_matrix + 3 * j, by_v, s->C_velocity[at]);
       }
-      if (p_.gyro_delay >= 0) t.motion.col(p_.gyro_delay) += by_turn * s->C_rate_slope;
+      if (p_.gyro_delay >= 0) t.motion.col(p_.gyro_delay) += by_turn * s->C_angle_slope;
       if (p_.terms) t.motion.middleCols(p_.terms_first, s->terms.cols()) += by_turn * s->terms.topRows<3>() + by_v * s->terms.bottomRows<3>();
       phi -= by_tilt + dt * crossed(by_turn, s->turn - earth.rate);
       v = by_v + dt / 2 * r - dt * (crossed(by_v, s->turn) + times(by_turn, T));

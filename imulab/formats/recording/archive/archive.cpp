@@ -202,9 +202,8 @@ class GzipOrZip : public Unpacking {
   explicit GzipOrZip(const fs::path& path) : path_(path.string()), gunzip_(path), file_(path) {
     if (gunzip_.gunzips()) return;
     if (!file_.text().starts_with("PK"))
-      throw Error(
-          path_ +
-          ": is compressed or an archive; expected it unpacked, or libarchive installed (Debian: libarchive13): without, .gz and .zip are read");
+      throw Error(path_ +
+                  ": is compressed or an archive, for which libarchive is missing (Debian: libarchive13); expected .gz, .zip, or it unpacked");
     members_ = zip_members(file_.text(), path_);
   }
   std::optional<PackedMember> next() override {
