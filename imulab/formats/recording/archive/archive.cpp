@@ -110,7 +110,7 @@ struct Libarchive {
               each(archive_read_open_filename) each(archive_read_next_header) each(archive_read_data) each(archive_format)                          \
                   each(archive_error_string) each(archive_set_error) each(archive_entry_pathname) each(archive_entry_size_is_set)                   \
                       each(archive_entry_size) each(archive_entry_filetype) each(archive_entry_is_encrypted)
-#define IMULAB_DECLARE(name) decltype(&::name) name = nullptr;
+#define IMULAB_DECLARE(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses): it is a declarator
   IMULAB_OF_LIBARCHIVE(IMULAB_DECLARE)
 
   /// Null if it is not installed.
