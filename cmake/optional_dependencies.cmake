@@ -1,7 +1,7 @@
 # Libraries that not every user needs: used if they are found, unless IMULAB_WITH_... is OFF. A program that is linked with a static library of imulab
-# needs those that this one was built with (IMULAB_BUILT_WITH). The build gets rows of cmake/build.cpp.in in IMULAB_BUILD_OPTIONS, and for each part X,
-# which is imulab, files, read (the program imulab-read) or loaded (only its header is used: it is loaded while imulab runs): IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's;
-# IMULAB_X_MODULES and IMULAB_X_LIBRARIES, for pkg-config.
+# needs those that this one was built with (IMULAB_BUILT_WITH). The build gets rows of cmake/build.cpp.in in IMULAB_BUILD_OPTIONS, and for each part X:
+# IMULAB_X_WITH, names; IMULAB_X_OPTIONAL, targets to link; IMULAB_X_PACKAGES, Debian's; IMULAB_X_MODULES and IMULAB_X_LIBRARIES, for pkg-config. X is
+# imulab, files, read (the program imulab-read), or loaded: while imulab runs, if it is installed, so that only its headers are needed here.
 macro(imulab_optional part name module package what) # module: pkg-config's, or the linker's option for bzip2, which has none in Debian 12
   set(needed REQUIRED)
   set(found false)

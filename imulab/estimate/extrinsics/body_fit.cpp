@@ -158,6 +158,43 @@ void BodyFit::judge_mounting(const Mounting& m, Findings& findings) {
     findings.add<Code::accels_late>(Subject{m.to}, 1e3 * m.accel_delay, m.from, 1e3 * u);
 }
 
+namespace {
+
+/// The step that is left, of the IMUs whose mounting the motion shows: the others' has no end.
+struct StepLeft {
+  Eigen::VectorXd step;
+  double change = 0;  ///< in standard uncertainties
+  bool all_shown = true;
+};
+StepLeft step_left(const std::vector<BodyImu>& imus, const BodyFit& body) {
+  const ConstantsCovariance& constants = body.constants;
+  StepLeft out{.step = Eigen::VectorXd::Zero(constants.step.size())};
+  for (std::size_t k = 1; k < imus.size(); ++k) {
+    const Eigen::Index first = MotionFit::mount_column(k) - own_columns, size = +own_columns + +mount_columns;
+    const bool shown = not_shown(body.mounting(k, imus)).empty();
+    if (shown) out.step.segment(first, size) = constants.step.segment(first, size);
+    out.all_shown = out.all_shown && shown;
+  }
+  out.change = (out.step.array() / constants.covariance.diagonal().array().sqrt()).abs().maxCoeff();
+  return out;
+}
+
+/// Noise of the motion makes the squares seem steeper than they are, so the fit's steps end too early: these take the curvature without it.
+void finish_fit(const std::vector<BodyImu>& imus, BodyFit& body) {
+  constexpr int most_steps = 5;
+  constexpr double most_change = 0.5, most_unshown_change = 0.2;
+  StepLeft left = step_left(imus, body);
+  for (int i = 0; i < most_steps && left.change > most_change; ++i) {
+    body.fit->move(left.step / std::max(1., left.change));
+    body.fit->step(false), body.fit->step(true);
+    body.constants = body.fit->covariance();
+    left = step_left(imus, body);
+  }
+  body.converged = left.change <= most_change && (left.all_shown || body.converged || body.constants.change <= most_unshown_change);
+}
+
+}  // namespace
+
 BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Findings& findings) {
   expect_different_names(imus);
   BodyFit out{.fit = {}, .covariance_before = {}, .constants = {}, .residuals = {}, .agreement = {}};
@@ -203,30 +240,8 @@ BodyFit fit_body(const std::vector<BodyImu>& imus, const FitOptions& options, Fi
     if (options.progress) options.progress((i + 1.) / most_steps);
   }
   out.residuals = fit.residuals();
-  // Noise of the motion makes the squares seem steeper than they are, and the steps too short, until the curvature without it is taken.
   out.constants = fit.covariance();
-  constexpr int most_moves = 5;
-  constexpr double most_change = 0.5, most_unshown_change = 0.2;
-  bool all_shown = true;
-  const auto step = [&] {  // of the IMUs whose mounting the motion shows; the others' has no end
-    Eigen::VectorXd out_step = Eigen::VectorXd::Zero(out.constants.step.size());
-    all_shown = true;
-    for (std::size_t k = 1; k < imus.size(); ++k) {
-      const bool shown = not_shown(out.mounting(k, imus)).empty();
-      const Eigen::Index first = MotionFit::mount_column(k) - own_columns, size = +own_columns + +mount_columns;
-      if (shown) out_step.segment(first, size) = out.constants.step.segment(first, size);
-      all_shown = all_shown && shown;
-    }
-    return out_step;
-  };
-  const auto change = [&] { return (step().array() / out.constants.covariance.diagonal().array().sqrt()).abs().maxCoeff(); };
-  for (int i = 0; i < most_moves && change() > most_change; ++i) {
-    fit.move(step() / std::max(1., change()));
-    fit.step(false), fit.step(true);
-    out.constants = fit.covariance();
-  }
-  const bool steady = change() <= most_change;
-  out.converged = steady && (all_shown || out.converged || out.constants.change <= most_unshown_change);
+  finish_fit(imus, out);
   return out;
 }
 

@@ -71,7 +71,7 @@ struct Hovering {
 // A common rotation of both triads and of the lever arm is an attitude that no aid can distinguish: information about it would be false.
 TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
   const Hovering h;
-  const Problem p = make_problem(h.readings, sensor_priors({}, {}), {h.receiver()}, {});
+  const Problem p = make_problem(h.readings, sensor_priors({}, {}), {h.receiver()}, {}, {.gyro_delay_sigma = 0});
   const FilterStart start = start_near(p, h.motion.states.front());
   const AboutTrajectory truth{.at = [&](std::size_t samples) { return h.motion.states[samples]; }, .x = start.mean.x, .weights = {}};
   Eigen::MatrixXd rotation = Eigen::MatrixXd::Zero(p.size, 3);  // of the states, by a rotation about each body axis
@@ -90,7 +90,7 @@ TEST(Observation, TheAttitudeIsAsUncertainAsACommonRotationOfTheTriads) {
     least = std::min(least, over_bound.eigenvalues().minCoeff()), most = std::max(most, over_bound.eigenvalues().maxCoeff());
   }
   EXPECT_GT(least, 0.99);  // the transition sums samples over 0.05 s
-  EXPECT_LT(most, 5);      // the aids leave little other uncertainty, the delay of the gyros among it
+  EXPECT_LT(most, 4);      // the aids leave little other uncertainty
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 //
 //   w = (I + Mg) w_hat + bg + G f_hat,   f = (I + Ma) f_hat + ba
 //
-// with w_hat a delay of the gyros later than f_hat.
+// with w_hat read later than f_hat by the gyros' delay.
 #pragma once
 
 #include "imulab/aid.hpp"
@@ -136,12 +136,12 @@ NavigationState at_place(const Vector3d& place);
 /// Returns the first nine elements of the error state that takes `from` to `to`.
 Eigen::Matrix<double, 9, 1> minus(const NavigationState& to, const NavigationState& from);
 
-/// Returns sample i with the angle of the gyros' delay in `x` later, as if their readings were constant in an interval; `angle_slope`: the change of
-/// the angle with the delay [rad/s].
+/// A sample whose angle is later than its velocity.
 struct DelayedSample {
   TimedIncrement sample;
-  Vector3d angle_slope = Vector3d::Zero();
+  Vector3d angle_slope = Vector3d::Zero();  // change of the angle by the delay [rad/s]
 };
+/// Returns sample i with the angle later by the gyros' delay in `x`, as if their rate were constant in each interval.
 DelayedSample delayed_sample(const Problem& problem, std::size_t i, const Eigen::VectorXd& x);
 
 /// Returns a delayed sample after removal of the other errors of the sensors in `x`.
