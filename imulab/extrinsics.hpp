@@ -87,4 +87,10 @@ struct Extrinsics {
 /// one is mirrored.
 Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress = {});
 
+/// Improves the calibrations of two or more IMUs by a motion that all of them felt, also if they are of the same records: each coefficient stays as
+/// it is or becomes more certain, whatever the correlation. The calibrations' errors must be independent but for that of g, so not those of one table.
+/// Each result says so in a note; where the calibrations contradict each other, all are doubtful and keep their values. Throws Error for one without a
+/// calibration that is good, and Unsupported if the motion is not in common; also as estimate_extrinsics does.
+std::vector<Calibration> calibrate_jointly(std::vector<BodyImu> imus, const std::function<void(double)>& progress = {});
+
 }  // namespace imulab

@@ -121,6 +121,8 @@ struct TimeSource {
   std::int64_t zero = 0;           ///< value to be subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
   TimeScale scale = TimeScale::own;  ///< gps or utc: seconds since 1970, since 1980 (GPS epoch), or of the week
+  /// What was subtracted from a column of seconds; ticks and samples count from nowhere.
+  std::int64_t zero_ns() const { return unit == "tick" || unit == "sample" ? 0 : zero; }
   bool operator==(const TimeSource&) const = default;
 };
 

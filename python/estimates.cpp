@@ -31,7 +31,7 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
     task.curves = true;
     task.progress = report;
     const auto data = std::make_shared<const SessionRecordings>(recordings_of(*session, given, o.recording, task.reference.has_value()));
-    const auto answer = calibration_answer(data, o, task, !given);
+    const auto answer = calibration_answer(calibrated_imu(data, o, task, !given));
     return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.findings.warnings());
   });
 }

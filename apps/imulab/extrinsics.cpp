@@ -31,9 +31,12 @@ void add(std::vector<GivenImu>& all, const Session& session, const RecordingSour
          const ExtrinsicsOptions& o) {
   RecordingReading reading = read_recording(session, source);
   for (const std::string& warning : reading.warnings) warn(name + ": " + warning);
-  GivenImu& given = all.emplace_back(GivenImu{{.name = name, .recording = std::move(reading.recording)}, path, source});
-  given.imu.grade = o.grade.value_or(session.imu.grade.value_or("mems"));
-  if (source.time.unit != "tick" && source.time.unit != "sample") given.imu.clock_zero_ns = source.time.zero;
+  all.push_back({{.name = name,
+                  .recording = std::move(reading.recording),
+                  .grade = o.grade.value_or(session.imu.grade.value_or("mems")),
+                  .clock_zero_ns = source.time.zero_ns()},
+                 path,
+                 source});
 }
 
 /// The IMUs of a session, a recording each; or of a log, one or one for each of its topics.

@@ -24,7 +24,7 @@
 #include "imulab/tasks/trajectory.hpp"
 #include "imulab/tasks/verify.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -86,9 +86,8 @@ struct OneOfSeveral {
   std::string name() const { return imu.empty() ? fmt::format("{}", fmt::join(topics, " and ")) : imu; }
 };
 
-/// Calibrates one IMU, and writes its files. `imu`: of a session's recordings those of this IMU, if they are named.
-AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTask task, const std::vector<std::string>& paths,
-                                       const std::string& imu = "") {
+/// Reads and calibrates one IMU. `imu`: of a session's recordings those of this IMU, if they are named.
+CalibratedImu calibrated(const CalibrateOptions& o, CalibrationTask task, const std::vector<std::string>& paths, const std::string& imu = "") {
   Session session = open_sessions(paths, {o.declarations, o.topics});
   if (!imu.empty()) {
     std::erase_if(session.recordings, [&](const RecordingSource& source) { return source.imu != imu && source.imu != o.reference.value_or(imu); });
@@ -100,13 +99,19 @@ AnswerOf<CalibrationResult> calibrated(const CalibrateOptions& o, CalibrationTas
     return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording, task.reference.has_value()));
   });
   warn_each(data->warnings);
-  auto answer = with_progress("calibrating", [&](const auto& report) {
+  return with_progress("calibrating", [&](const auto& report) {
     task.progress = report;
-    return calibration_answer(data, o, task, true);
+    return calibrated_imu(data, o, task, true);
   });
+}
+
+/// Writes an IMU's files, and shows its result. Returns its verdict.
+Verdict write_and_show(CalibratedImu imu, const CalibrateOptions& o) {
+  const auto answer = calibration_answer(std::move(imu));
   if (!o.output.empty()) write_whole(o.output, answer.json());
   if (!o.curves.empty()) write_whole(o.curves, curves_csv(*answer.data));
-  return answer;
+  show(answer, o, "\n" + written_text(o.output) + "\n");
+  return answer.conclusion.verdict;
 }
 
 /// "c-1.json" of c.json.
@@ -126,40 +131,60 @@ std::vector<OneOfSeveral> imus_of_session(const std::string& path) {
   return out.size() > 1 ? out : std::vector<OneOfSeveral>{};
 }
 
-/// Each IMU of one log or session: a calibration each, and one page.
-void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, const std::string& log, const std::vector<OneOfSeveral>& imus) {
+/// Each IMU of one log or session: a calibration each, jointly where they are on one body, and one page.
+void calibrate_each(const CalibrateOptions& o, CalibrationTask task, const std::string& log, const std::vector<OneOfSeveral>& imus) {
   const std::string_view choice = imus.front().imu.empty() ? "--topic" : "--recording";
   if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected {}", log, imus.size(), choice));
   note(fmt::format("{}: has {} IMUs; {} takes one alone", log, imus.size(), choice));
-  std::vector<NamedCalibration> all;
-  std::vector<std::string> missing, unlike;
+  struct Attempt {
+    CalibrateOptions options;
+    std::optional<CalibratedImu> done;
+    std::string problem = {};
+  };
+  std::vector<Attempt> attempts;
   bool failed = false, short_of = false;
   for (std::size_t k = 0; k < imus.size(); ++k) {
-    const std::string name = imus[k].name();
-    CalibrateOptions own = o;
+    Attempt& attempt = attempts.emplace_back(Attempt{o, {}});
+    CalibrateOptions& own = attempt.options;
     own.topics = imus[k].topics, own.report.clear(), own.output = numbered(o.output, k), own.curves = numbered(o.curves, k);
     for (const auto& [option, file] : {std::pair{"--output", own.output}, {"--curves", own.curves}})
       if (!file.empty()) expect_free(option, file), will_write(option, file);
+    try {
+      attempt.done = calibrated(own, task, {log}, imus[k].imu);
+    } catch (const Unsupported& e) {
+      attempt.problem = e.what(), short_of = true;
+    } catch (const Error& e) {
+      attempt.problem = e.what(), failed = true;
+    }
+  }
+  std::vector<std::pair<std::string, CalibratedImu*>> several;
+  for (std::size_t k = 0; k < imus.size(); ++k)
+    if (attempts[k].done) several.emplace_back(imus[k].name(), &*attempts[k].done);
+  const bool jointly = with_progress("estimating jointly", [&](const auto& report) {
+    task.progress = report;
+    return estimate_jointly(several, task);
+  });
+
+  std::vector<NamedCalibration> all;
+  std::vector<std::string> missing, unlike;
+  for (std::size_t k = 0; k < imus.size(); ++k) {
+    Attempt& attempt = attempts[k];
+    const std::string name = imus[k].name();
     print(fmt::format("{}IMU {} of {}: {}\n\n", k == 0 ? "" : "\n", k, imus.size(), one_line(name)));
+    if (attempt.done) all.push_back({name, attempt.done->result.calibration});
+    if (!attempt.done) missing.push_back(name), complain(attempt.problem);
     bool good = false;
     try {
-      const auto answer = calibrated(own, task, {log}, imus[k].imu);
-      good = is_favorable(answer.conclusion.verdict);
-      all.push_back({name, answer.data->calibration});
-      show(answer, own, "\n" + written_text(own.output) + "\n");
+      good = attempt.done && is_favorable(write_and_show(std::move(*attempt.done), attempt.options));
     } catch (const Unsupported& e) {
       complain(e.what());
-      short_of = true, good = false;
-    } catch (const Error& e) {
-      complain(e.what());
-      failed = true;
+      short_of = true;
     }
-    if (all.size() + missing.size() == k) missing.push_back(name);
     if (!good) unlike.push_back(name);
   }
   if (!o.report.empty()) write_whole(o.report, imus_page(log, all, missing));
-  print("\n" + text::wrapped("", unlike.empty() ? fmt::format("{} IMUs: all good", imus.size())
-                                                : fmt::format("{} IMUs; not good: {}", imus.size(), fmt::join(unlike, ", "))));
+  const std::string those = unlike.empty() ? "all good" : fmt::format("not good: {}", fmt::join(unlike, ", "));
+  print("\n" + text::wrapped("", fmt::format("{} IMUs{}: {}", imus.size(), jointly ? ", estimated jointly" : "", those)));
   if (failed) throw Error(fmt::format("not every IMU of {} could be calibrated", log));
   if (short_of) throw Unsupported(fmt::format("not every IMU of {} has the calibration that was asked for", log));
 }
@@ -178,10 +203,10 @@ void run(const CalibrateOptions& o) {
     if (o.reference && std::erase_if(imus, [&](const OneOfSeveral& each) { return each.name() == *o.reference; }) == 0)
       throw OptionError("reference", fmt::format("{}: {} has no IMU of this name; expected imu = \"{}\" in a [[recording]] of a session",
                                                  *o.reference, paths.front(), *o.reference));
-    if (o.reference && imus.size() == 1) return show(calibrated(o, task, paths, imus.front().imu), o, "\n" + written_text(o.output) + "\n");
+    if (o.reference && imus.size() == 1) return static_cast<void>(write_and_show(calibrated(o, task, paths, imus.front().imu), o));
     if (!imus.empty()) return calibrate_each(o, task, paths.front(), imus);
   }
-  show(calibrated(o, task, paths), o, "\n" + written_text(o.output) + "\n");
+  write_and_show(calibrated(o, task, paths), o);
 }
 
 // imulab compare CALIBRATION CALIBRATION|TRUTH...

@@ -41,9 +41,6 @@ std::optional<std::int64_t> origin_of(const ClockSpan& recording, const ClockSpa
   return std::nullopt;
 }
 
-/// What was subtracted from a column of seconds; ticks and samples count from nowhere.
-std::int64_t zero_of(const TimeSource& time) { return time.unit == "tick" || time.unit == "sample" ? 0 : time.zero; }
-
 void shift(std::vector<std::int64_t>& stamps, std::int64_t by) {
   for (std::int64_t& stamp : stamps) stamp -= by;
 }
@@ -62,7 +59,7 @@ ClockSpan span_of(const std::vector<std::int64_t>& stamps) { return {stamps.fron
 Aid on_recording_clock(Aid aid, const Recording& recording, const RecordingSource& source, std::vector<std::string>& notes) {
   std::vector<std::int64_t>& stamps = aid.record.time;
   if (stamps.empty() || recording.size() == 0) return aid;
-  const std::int64_t zero = zero_of(source.time);
+  const std::int64_t zero = source.time.zero_ns();
   const ClockSpan own = span_of(recording.time_ns), counted{own.begin + zero, own.end + zero};
   if (aid.scale == TimeScale::recording) {
     if (!overlap(own, span_of(stamps))) fail_apart(aid, own, span_of(stamps));

@@ -3,6 +3,7 @@
 #include "imulab/coefficient.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/extrinsics.hpp"
 #include "imulab/files.hpp"
 #include "imulab/fleet.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
@@ -213,6 +214,11 @@ void expect_gravity(const Session& session, const Method& method) {
 
 namespace {
 
+void assess_requirements(Calibration& c, const CalibrationTask& task) {
+  c.quality.requirements.clear();
+  for (const Requirement& requirement : task.requirements) c.quality.requirements.push_back(assess(c, requirement));
+}
+
 /// The aids of every recording with their records; those without a file that go with all are there once.
 std::vector<Aid> aids_of_all(const SessionRecordings& data, std::vector<std::string>& warnings) {
   std::vector<Aid> out;
@@ -245,36 +251,68 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   }
   Quality& quality = result.calibration.quality;
   quality.findings.prepend(Severity::warning, warnings);
-  for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
+  assess_requirements(result.calibration, task);
   return result;
 }
 
-AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o,
-                                               const CalibrationTask& task, bool from_files) {
-  const auto made = std::make_shared<CalibrationResult>();
+CalibratedImu calibrated_imu(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o, const CalibrationTask& task,
+                             bool from_files) {
+  CalibratedImu out{data, {}};
   try {
-    *made = calibrate(*data, task);
+    out.result = calibrate(*data, task);
   } catch (const TermsError& e) {
     throw OptionError("terms", e.what());
   }
-  Calibration& calibration = made->calibration;
-  if (from_files) add_provenance(calibration, data->session, data->recordings);
-  calibration.options = options_used(o);
-  const std::vector<std::string> own = calibration.quality.findings.warnings();
-  calibration.quality.findings.prepend(Severity::warning, data->warnings);
-  const std::shared_ptr<const CalibrationResult> result = made;
+  if (from_files) add_provenance(out.result.calibration, data->session, data->recordings);
+  out.result.calibration.options = options_used(o);
+  return out;
+}
+
+AnswerOf<CalibrationResult> calibration_answer(CalibratedImu imu) {
+  std::vector<std::string> own = imu.result.calibration.quality.findings.warnings();
+  imu.result.calibration.quality.findings.prepend(Severity::warning, imu.data->warnings);
+  const auto result = std::make_shared<const CalibrationResult>(std::move(imu.result));
   return {{.json = [result] { return calibration_text(result->calibration); },
            .table =
                [result](bool details) {
                  const Calibration& c = result->calibration;
                  return calibration_summary(c) + (details ? "\n" + calibration_details(c, result->coarse ? &*result->coarse : nullptr) : "");
                },
-           .page = [result, data] { return calibration_page(*result, *data); },
-           .warnings = own,
+           .page = [result, data = imu.data] { return calibration_page(*result, *data); },
+           .warnings = std::move(own),
            .shortcomings = shortcomings(*result),
            .conclusion = conclusion_of(result->calibration),
            .printed = [result] { return calibration_document(result->calibration); }},
           result};
+}
+
+bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& all, const CalibrationTask& task) {
+  std::vector<BodyImu> imus;
+  std::vector<CalibrationResult*> results;
+  for (const auto& [name, imu] : all) {
+    const Calibration& c = imu->result.calibration;
+    if (method(task.method).takes_aids || c.frame != BodyFrame::accelerometers) return false;  // errors of the aids or the rig are in common
+    if (c.quality.verdict != Verdict::good || imu->data->recordings.size() != 1) continue;
+    imus.push_back({.name = name,
+                    .recording = imu->data->recordings.front(),
+                    .calibration = c,
+                    .grade = imu->data->session.imu.grade.value_or("mems"),
+                    .clock_zero_ns = imu->data->session.source_of(imu->data->recordings.front().name).time.zero_ns()});
+    results.push_back(&imu->result);
+  }
+  if (imus.size() < 2) return false;
+  std::string problem;
+  try {
+    const std::vector<Calibration> jointly = calibrate_jointly(imus, task.progress);
+    for (std::size_t k = 0; k < jointly.size(); ++k) results[k]->calibration = jointly[k], assess_requirements(results[k]->calibration, task);
+    return true;
+  } catch (const Unsupported& e) {
+    problem = e.what();
+  } catch (const Error& e) {
+    problem = e.what();
+  }
+  for (CalibrationResult* result : results) result->calibration.quality.findings.add<Code::not_joint>(problem);
+  return false;
 }
 
 std::string shortcomings(const CalibrationResult& result) {

@@ -7,9 +7,11 @@
 #include "imulab/tasks/verb.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -70,10 +72,21 @@ void expect_gravity(const Session& session, const Method& method);
 /// not know (TermsError for its terms), and as the method does.
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
 
-/// Calibrates for an answer: the calibration also has its options and, in front of its own warnings, those of reading; `from_files` adds the files'
-/// hashes. The answer's warnings are those of the calibration alone. Throws OptionError for terms that the method does not know.
-AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o,
-                                               const CalibrationTask& task, bool from_files);
+/// Recordings of an IMU, and its result.
+struct CalibratedImu {
+  std::shared_ptr<const SessionRecordings> data;
+  CalibrationResult result;
+};
+/// Calibrates for an answer: the calibration also has its options; `from_files` adds the files' hashes. Throws OptionError for terms that the method
+/// does not know.
+CalibratedImu calibrated_imu(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o, const CalibrationTask& task,
+                             bool from_files);
+/// The warnings of reading are in front of the calibration's own, which are those of the answer.
+AnswerOf<CalibrationResult> calibration_answer(CalibratedImu imu);
+
+/// Improves good results of several IMUs, by name, by the motion that they have in common; a note says so, or what is in the way. Returns whether they
+/// have been. The results of methods with aids or a rig, whose errors the IMUs share, and of several recordings of an IMU stay as they are.
+bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& imus, const CalibrationTask& task);
 
 /// Why the result does not meet the request: not converged, coefficients not determined, requirements not reached. Empty: it is.
 std::string shortcomings(const CalibrationResult& result);

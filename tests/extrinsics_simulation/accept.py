@@ -12,13 +12,14 @@ import numpy as np
 
 import judging
 import simulate as s
+import together
 from judging import check
 
 parser = argparse.ArgumentParser()
 parser.add_argument("imulab", type=lambda name: pathlib.Path(name).resolve())
 parser.add_argument("--bodies", type=int, default=40)
 parser.add_argument("--seed", type=int, default=1)
-parser.add_argument("--only", default="", choices=("", "extrinsics", "reference"))
+parser.add_argument("--only", default="", choices=("", "extrinsics", "reference", "joint"))
 options = parser.parse_args()
 
 
@@ -151,6 +152,30 @@ def by_reference(drive):
           f"u of the gyro scale z {1e6 * np.median(scales):.0f} ppm")
 
 
+def jointly(grade, size):
+    """Two units of a grade, with effects of this size in their priors, by hand: alone and jointly."""
+    sessions, effects = max(4, options.bodies // 2), {name: size for name in together.units.SIZES if size}
+    units = [unit for seed in range(sessions) for unit in together.studied(options.imulab, 1000 * options.seed + seed, grade, effects)[0]]
+    both = [u for u in units if u and u[0][2]["verdict"] == u[1][2]["verdict"] == "good" and any(f["code"] == "joint-estimate" for f in u[1][2]["findings"])]
+    name = f"jointly, {grade}, effects of {size:g} sigma"
+    check(len(both) >= 0.9 * len(units), f"{name}: {len(both)} of {len(units)} units good alone and jointly")
+    if not both:
+        return
+    per, largest, ratios = [[], []], [0, 0], []
+    for unit in both:
+        for k, (rows, chi2, _) in enumerate(unit):
+            per[k].append(chi2 / len(rows))
+            largest[k] = max(largest[k], *(abs(e) / u for e, u in rows.values()))
+        alone, joint = unit[0][0], unit[1][0]
+        ratios += [joint[n][1] / alone[n][1] for n in joint if n.split(".")[1] == "matrix"]
+    check(np.mean(per[1]) < max(1, np.mean(per[0])) + 0.1, f"{name}: chi-square per coefficient {np.mean(per[0]):.2f} alone, {np.mean(per[1]):.2f} jointly; "
+          f"largest {largest[0]:.1f} and {largest[1]:.1f} u; u of scales and misalignments {np.median(ratios):.2f} of that alone, {min(ratios):.2f} to {max(ratios):.2f}")
+    check(max(ratios) < 1 + 1e-6, f"{name}: none less certain than alone")
+
+
+if options.only in ("", "joint"):
+    for grade, size in (("mems", 0), ("mems", 1), ("tactical", 0), ("tactical", 1)):
+        jointly(grade, size)
 if options.only in ("", "extrinsics"):
     for grade in ("mems", "tactical"):
         clean(grade)

@@ -18,8 +18,13 @@ namespace {
 
 double squared(double x) { return x * x; }
 
-/// How a calibration's errors change its output, for each triad: d(M raw + W) = dM M^-1 (output - W) + dW; and the g-sensitivity. Offsets are any,
-/// or those of the calibration or the grade if they are `known`.
+/// The first column of a matrix that a coefficient is an element of; -1: of none.
+int first_column(const Coefficient& c) {
+  return c.term == Term::g_sensitivity ? +g_sensitivity : c.term != Term::matrix ? -1 : c.triad == Triad::gyro ? +gyro_matrix : +accel_matrix;
+}
+int offset_column(const Coefficient& c) { return (c.triad == Triad::gyro ? gyro_offset : accel_offset) + c.row; }
+
+/// Of the errors before the motion. Offsets are any, or those of the calibration or the grade if they are `known`.
 Prior covariance_of_errors(const BodyImu& imu, bool known) {
   const Grade& sizes = grade(imu.grade);
   Prior p = Prior::Zero();
@@ -37,26 +42,13 @@ Prior covariance_of_errors(const BodyImu& imu, bool known) {
   p.diagonal().array() += squared(fixed);  // a size may be zero
   if (!imu.calibration) return p;
   const Calibration& c = *imu.calibration;
-  Eigen::MatrixXd to_errors = Eigen::MatrixXd::Zero(own_columns, static_cast<Eigen::Index>(c.estimated.size()));
+  const Eigen::MatrixXd to_errors = errors_by_coefficients(c, known);
   Prior kept = Prior::Identity();
-  for (std::size_t k = 0; k < c.estimated.size(); ++k) {
-    const Coefficient& coefficient = imulab::coefficient(c.estimated[k]);
-    const int first = coefficient.term == Term::g_sensitivity                                 ? g_sensitivity
-                      : coefficient.term == Term::matrix && coefficient.triad == Triad::gyro  ? gyro_matrix
-                      : coefficient.term == Term::matrix && coefficient.triad == Triad::accel ? accel_matrix
-                                                                                              : -1;
-    const int offset_row = (coefficient.triad == Triad::gyro ? gyro_offset : accel_offset) + coefficient.row;
-    if (known && coefficient.term == Term::offset) to_errors(offset_row, static_cast<Eigen::Index>(k)) = 1, kept(offset_row, offset_row) = 0;
-    if (first < 0) continue;
-    const int row = coefficient.row, column = coefficient.column;
-    const TriadModel& triad = coefficient.triad == Triad::accel ? c.model.accel : c.model.gyro;
-    Matrix3d back = Matrix3d::Identity();
-    if (coefficient.term == Term::matrix) {
-      if (const auto inverse = regular_inverse(triad.matrix)) back = *inverse;
-    }
-    for (int j = 0; j < 3; ++j) to_errors(first + 3 * row + j, static_cast<Eigen::Index>(k)) = back(column, j);
-    if (known && coefficient.term == Term::matrix) to_errors(offset_row, static_cast<Eigen::Index>(k)) = -(back * triad.offset)[column];
-    for (int j = 0; j < 3; ++j) kept(first + 3 * row + j, first + 3 * row + j) = 0;
+  for (const CoefficientIndex index : c.estimated) {
+    const Coefficient& coefficient = imulab::coefficient(index);
+    const int first = first_column(coefficient);
+    if (known && coefficient.term == Term::offset) kept.diagonal()[offset_column(coefficient)] = 0;
+    if (first >= 0) kept.diagonal().segment<3>(first + 3 * coefficient.row).setZero();
   }
   p = kept * p * kept;
   p += to_errors * c.covariance * to_errors.transpose();
@@ -107,6 +99,25 @@ std::string along(const Vector3d& direction) {
 }
 
 }  // namespace
+
+Eigen::MatrixXd errors_by_coefficients(const Calibration& c, bool offsets) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(own_columns, std::ssize(c.estimated));
+  for (std::size_t k = 0; k < c.estimated.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const Coefficient& coefficient = imulab::coefficient(c.estimated[k]);
+    const int first = first_column(coefficient), offset_row = offset_column(coefficient);
+    if (offsets && coefficient.term == Term::offset) out(offset_row, at) = 1;
+    if (first < 0) continue;
+    const TriadModel& triad = triad_model(c.model, coefficient.triad);
+    Matrix3d back = Matrix3d::Identity();
+    if (coefficient.term == Term::matrix) {
+      if (const auto inverse = regular_inverse(triad.matrix)) back = *inverse;
+      if (offsets) out(offset_row, at) = -(back * triad.offset)[coefficient.column];
+    }
+    for (int j = 0; j < 3; ++j) out(first + 3 * coefficient.row + j, at) = back(coefficient.column, j);
+  }
+  return out;
+}
 
 std::vector<std::string> not_shown(const Mounting& m) {
   constexpr double most_arm = 0.1, most_turn = 10 * unit::deg, most_offset = 0.1;  // m, rad, s

@@ -13,6 +13,10 @@
 
 namespace imulab::extrinsics {
 
+/// How errors of a calibration's coefficients change its output, a row for each of an IMU's columns: d(M raw + W) = dM M^-1 (output - W) + dW for each
+/// triad, and the g-sensitivity. The offsets' rows are zero without `offsets`.
+Eigen::MatrixXd errors_by_coefficients(const Calibration& calibration, bool offsets);
+
 /// What is hardly more certain than before the motion.
 std::vector<std::string> not_shown(const Mounting& mounting);
 

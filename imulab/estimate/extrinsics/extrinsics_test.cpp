@@ -1,9 +1,12 @@
 #include "imulab/extrinsics.hpp"
 
+#include "imulab/coefficient.hpp"
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/finding_code.hpp"
+#include "imulab/model/frame_axes.hpp"
 #include "imulab/units.hpp"
 
 #include <Eigen/Geometry>
@@ -207,6 +210,88 @@ TEST(Extrinsics, ACompliantMountIsDoubted) {
   constexpr std::size_t late = 8;  // samples: the mount bends 40 ms after the motion
   for (std::size_t i = late; i < b.recording.gyro[0].size(); ++i) b.recording.gyro[0][i] += 0.05 * b.recording.gyro[1][i - late];
   EXPECT_EQ(estimate_extrinsics({imu("a", {}), b}).verdict, Verdict::doubtful);
+}
+
+/// The readings have no errors but offsets; the calibration is off by a draw of its covariance, which also ties the offsets to the scales.
+BodyImu calibrated(BodyImu imu, double sigma, std::uint64_t seed) {
+  Calibration& c = imu.calibration.emplace();
+  c.model.gyro.raw_unit = "rad/s", c.model.accel.raw_unit = "m/s^2";
+  c.estimated = select_each({"gyro.matrix", "accel.matrix", "gyro.offset", "accel.offset"});
+  std::erase_if(c.estimated, zero_by_frame);
+  const auto n = std::ssize(c.estimated);
+  Eigen::MatrixXd factor = sigma * Eigen::MatrixXd::Identity(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (coefficient(c.estimated[static_cast<std::size_t>(i)]).term == Term::offset) factor.row(i).setConstant(0.2 * sigma);
+  c.covariance = factor * factor.transpose() + 1e-4 * sigma * sigma * Eigen::MatrixXd::Identity(n, n);
+  Eigen::VectorXd draw(n);
+  RandomStream(seed, imu.name).normals(0, {draw.data(), static_cast<std::size_t>(n)});
+  const Eigen::VectorXd errors = Cholesky(c.covariance).lower() * draw;
+  for (std::size_t k = 0; k < c.estimated.size(); ++k)
+    set_coefficient(c.model, c.estimated[k], coefficient_value(c.model, c.estimated[k]) + errors[static_cast<Eigen::Index>(k)]);
+  c.quality.verdict = Verdict::good;
+  return imu;
+}
+
+/// Of all but the offsets, which the readings have, too.
+Eigen::VectorXd errors_of(const Calibration& c) {
+  Eigen::VectorXd out = coefficient_values(c.model, c.estimated);
+  for (std::size_t k = 0; k < c.estimated.size(); ++k) out[static_cast<Eigen::Index>(k)] -= is_scale(coefficient(c.estimated[k])) ? 1 : 0;
+  return out;
+}
+double per_coefficient(const Calibration& c) { return squared_norm_in(c.covariance, errors_of(c)) / static_cast<double>(c.estimated.size()); }
+
+TEST(JointCalibration, IsMoreCertainAndItsUncertaintiesHold) {
+  double alone = 0, jointly = 0, squares = 0, squares_alone = 0;
+  constexpr int bodies = 3;
+  for (std::uint64_t seed = 1; seed <= bodies; ++seed) {
+    const std::vector<BodyImu> imus{calibrated(imu("a", {}), 2e-3, seed), calibrated(imu("b", second), 2e-3, seed),
+                                    calibrated(imu("c", third), 2e-3, seed)};
+    const std::vector<Calibration> found = calibrate_jointly(imus);
+    for (std::size_t k = 0; k < imus.size(); ++k) {
+      const Calibration& before = *imus[k].calibration;
+      EXPECT_EQ(found[k].quality.verdict, Verdict::good);
+      EXPECT_TRUE(found[k].quality.findings.has(Code::joint_estimate));
+      EXPECT_GE((before.covariance.diagonal() - found[k].covariance.diagonal()).minCoeff(), 0) << "at least as certain as alone";
+      alone += per_coefficient(before), jointly += per_coefficient(found[k]);
+      squares_alone += errors_of(before).squaredNorm(), squares += errors_of(found[k]).squaredNorm();
+      EXPECT_LT(std::sqrt(found[k].covariance(0, 0) / before.covariance(0, 0)), 0.7) << "1/sqrt(3) for three alike, of which the motion tells all";
+    }
+  }
+  constexpr double imus = 3 * bodies, chance = 0.35;  // 3 sigmas of 21 coefficients of 9 IMUs, which have errors in common after the motion
+  EXPECT_NEAR(alone / imus, 1, chance);
+  EXPECT_LT(jointly / imus, 1 + chance);
+  EXPECT_GT(jointly / imus, 0.4) << "directions that the motion's noise seems to show count as not shown";
+  EXPECT_LT(squares, 0.6 * squares_alone);
+}
+
+TEST(JointCalibration, TheBetterOneHelpsTheOther) {
+  const std::vector<BodyImu> imus{calibrated(imu("a", {}), 1e-4, 1), calibrated(imu("b", second), 1e-2, 1)};
+  const std::vector<Calibration> found = calibrate_jointly(imus);
+  const auto of_gyros = [](const Calibration& c) { return errors_of(c).head<9>().norm(); };
+  EXPECT_LT(of_gyros(found[1]), 0.2 * of_gyros(*imus[1].calibration));
+  EXPECT_LT(std::sqrt(found[1].covariance(0, 0)), 5e-4);
+  EXPECT_LT(per_coefficient(found[1]), 2);
+  EXPECT_NEAR(std::sqrt(found[0].covariance(0, 0)), 1e-4, 2e-6);
+}
+
+TEST(JointCalibration, AContradictionIsDoubted) {
+  std::vector<BodyImu> imus{calibrated(imu("a", {}), 1e-3, 1), calibrated(imu("b", second), 1e-3, 1)};
+  imus[1].calibration->model.gyro.matrix(0, 0) += 0.02;
+  const std::vector<Calibration> found = calibrate_jointly(imus);
+  for (std::size_t k = 0; k < imus.size(); ++k) {
+    EXPECT_EQ(found[k].quality.verdict, Verdict::doubtful);
+    EXPECT_EQ(errors_of(found[k]), errors_of(*imus[k].calibration));
+  }
+}
+
+TEST(JointCalibration, NeedsGoodCalibrationsAndOneBody) {
+  Sway other;
+  other.pace = 1.3;
+  BodyImu a = calibrated(imu("a", {}), 1e-3, 1), b = calibrated(imu("b", second), 1e-3, 1);
+  EXPECT_THROW(calibrate_jointly({a, calibrated(imu("b", second, other), 1e-3, 1)}), Unsupported);
+  b.calibration->quality.verdict = Verdict::doubtful;
+  EXPECT_THROW(calibrate_jointly({a, b}), Error);
+  EXPECT_THROW(calibrate_jointly({a, imu("b", second)}), Error);
 }
 
 }  // namespace

@@ -347,11 +347,11 @@ ConstantsCovariance MotionFit::covariance() {
   const Eigen::VectorXd left = shares.values.unaryExpr([](double share) { return share > most_noise ? 0. : 1 - std::max(share, 0.); });
   const Eigen::VectorXd lost = left.unaryExpr([](double x) { return x > 0 ? 0. : 1.; });
   const Eigen::MatrixXd root = l.lower() * shares.vectors, of_prior = shares.vectors.transpose() * whitened(prior) * shares.vectors;
+  const auto covariance_of = [&](const Eigen::MatrixXd& kept) { return Cholesky(Eigen::MatrixXd(root * kept * root.transpose())).inverse(); };
   ConstantsCovariance out;
-  out.covariance =
-      Cholesky(Eigen::MatrixXd(root * (Eigen::MatrixXd(left.asDiagonal()) + lost.asDiagonal() * of_prior * lost.asDiagonal()) * root.transpose()))
-          .inverse();
-  out.step = out.covariance * (equations_->information() * change.border);
+  out.covariance = covariance_of(Eigen::MatrixXd(left.asDiagonal()) + lost.asDiagonal() * of_prior * lost.asDiagonal());
+  const Eigen::VectorXd curvature = (1 - shares.values.array()).min(1).max(of_prior.diagonal().array());
+  out.step = covariance_of(curvature.asDiagonal()) * (equations_->information() * change.border);
 
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(constants_, constants_);
   double parts = 0;

@@ -51,7 +51,7 @@ struct ConstantsCovariance {
   Eigen::VectorXd scatter;      ///< chi-square of each constant by the seconds over what the noise explains: 1 is expected
   int seconds = 0;              ///< of the motion
   double change = 0;            ///< of the constants by another step, in standard uncertainties
-  Eigen::VectorXd step;         ///< of the constants, that the slope of the squares asks for by this covariance before it is enlarged
+  Eigen::VectorXd step;         ///< of the constants, that the slope of the squares asks for with the curvature that is not of noise
 };
 
 class MotionFit {

@@ -60,8 +60,7 @@ Pair pair_of(const CalibrationInput& input, const ReferenceImu& reference) {
   for (const Recording& recording : input.recordings) {
     const RecordingSource source = input.session.source_of(recording.name);
     if (imus.contains(source.imu)) throw Error(fmt::format("{}: has two recordings of IMU {}; expected one of each", recording.name, source.imu));
-    BodyImu& imu = imus[source.imu] = {.name = source.imu, .recording = recording};
-    if (source.time.unit != "tick" && source.time.unit != "sample") imu.clock_zero_ns = source.time.zero;
+    imus[source.imu] = {.name = source.imu, .recording = recording, .clock_zero_ns = source.time.zero_ns()};
   }
   const auto found = imus.find(reference.imu);
   if (found == imus.end() || imus.size() != 2) {
