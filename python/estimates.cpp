@@ -1,5 +1,6 @@
-// calibrate, compare, predict, plan, noise, simulate.
+// calibrate, compare, extrinsics, predict, plan, noise, simulate.
 #include "imulab/tasks/compare.hpp"
+#include "imulab/tasks/extrinsics.hpp"
 #include "imulab/tasks/noise.hpp"
 #include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/predict.hpp"
@@ -34,6 +35,38 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
     const auto answer = calibration_answer(calibrated_imu(data, o, task, !given));
     return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.findings.warnings());
   });
+}
+
+using Calibrated = std::shared_ptr<CalibrationObject>;
+
+/// Calibrations with their names, which keep their recordings, after the motion that they have in common.
+std::vector<Calibrated> calibrated_jointly(const std::vector<std::pair<std::string, Calibrated>>& given, const py::object& progress) {
+  std::vector<CalibratedImu> imus;
+  for (const auto& [name, each] : given) {
+    if (!each->data) throw Error(name + ": has no recordings; expected a calibration from calibrate(), not from a file");
+    imus.push_back({each->data, *each->result});
+  }
+  run(progress, [&](const std::function<void(double)>& report) {
+    std::vector<std::pair<std::string, CalibratedImu*>> named;
+    for (std::size_t k = 0; k < imus.size(); ++k) named.emplace_back(given[k].first, &imus[k]);
+    return estimate_jointly(named, report);
+  });
+  std::vector<Calibrated> out;
+  for (CalibratedImu& imu : imus)
+    out.push_back(std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<const CalibrationResult>(std::move(imu.result)), imu.data}));
+  return out;
+}
+
+/// `imus`: names, recordings, and calibrations or none.
+Outcome extrinsics(const std::vector<std::tuple<std::string, std::shared_ptr<Recording>, Calibrated>>& imus, const py::dict& keywords,
+                   const py::object& progress) {
+  const auto o = options_from<ExtrinsicsOptions>(keywords);
+  std::vector<BodyImu> body;
+  for (const auto& [name, recording, calibration] : imus) {
+    body.push_back({.name = name, .recording = *recording, .grade = o.grade.value_or("mems")});
+    if (calibration) body.back().calibration = calibration->calibration();
+  }
+  return {run(progress, [=](const std::function<void(double)>& report) { return extrinsics_answer(body, report); })};
 }
 
 Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given, const py::dict& keywords) {
@@ -127,7 +160,9 @@ void bind_estimates(py::module_& module) {
   });
   module.def("choose_recording", [](const Session& session, const std::string& name) { return choose_recording(session, name).file; });
   module.def("calibrate", &calibrated);
+  module.def("calibrate_jointly", &calibrated_jointly);
   module.def("compare", &compared);
+  module.def("extrinsics", &extrinsics);
   module.def("predict", &predicted);
   module.def("part_of_prediction", &part_of_prediction);
   module.def("plan", &planned);

@@ -9,6 +9,7 @@
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/compare.hpp"
 #include "imulab/tasks/export.hpp"
+#include "imulab/tasks/extrinsics.hpp"
 #include "imulab/tasks/navigate.hpp"
 #include "imulab/tasks/noise.hpp"
 #include "imulab/tasks/plan.hpp"
@@ -126,7 +127,7 @@ void bind_options(py::module_& module) {
     add_table<CalibrateOptions>(tables), add_table<CompareOptions>(tables), add_table<VerifyOptions>(tables), add_table<SimulateOptions>(tables);
     add_table<PredictOptions>(tables), add_table<PlanOptions>(tables), add_table<NoiseVerbOptions>(tables);
     add_table<TrajectoryOptions>(tables), add_table<NavigateVerbOptions>(tables), add_table<BudgetVerbOptions>(tables);
-    add_table<ExportVerbOptions>(tables);
+    add_table<ExportVerbOptions>(tables), add_table<ExtrinsicsOptions>(tables);
     return tables;
   });
 }

@@ -132,7 +132,7 @@ std::vector<OneOfSeveral> imus_of_session(const std::string& path) {
 }
 
 /// Each IMU of one log or session: a calibration each, jointly where they are on one body, and one page.
-void calibrate_each(const CalibrateOptions& o, CalibrationTask task, const std::string& log, const std::vector<OneOfSeveral>& imus) {
+void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, const std::string& log, const std::vector<OneOfSeveral>& imus) {
   const std::string_view choice = imus.front().imu.empty() ? "--topic" : "--recording";
   if (o.json || o.output == "-") throw Error(fmt::format("{}: has {} IMUs, and --json and -o - are for one; expected {}", log, imus.size(), choice));
   note(fmt::format("{}: has {} IMUs; {} takes one alone", log, imus.size(), choice));
@@ -160,10 +160,7 @@ void calibrate_each(const CalibrateOptions& o, CalibrationTask task, const std::
   std::vector<std::pair<std::string, CalibratedImu*>> several;
   for (std::size_t k = 0; k < imus.size(); ++k)
     if (attempts[k].done) several.emplace_back(imus[k].name(), &*attempts[k].done);
-  const bool jointly = with_progress("estimating jointly", [&](const auto& report) {
-    task.progress = report;
-    return estimate_jointly(several, task);
-  });
+  const bool jointly = with_progress("estimating jointly", [&](const auto& report) { return estimate_jointly(several, report); });
 
   std::vector<NamedCalibration> all;
   std::vector<std::string> missing, unlike;

@@ -144,8 +144,10 @@ void set_rotation(const Matrix3d& of_rates, const Matrix3d& of_forces, const Nam
       throw Unsupported(fmt::format("the {} of {} and {} are mirror images; expected right-handed axes: one of their axes has the wrong sign",
                                     quantity, names.first, names.other));
   if (!with_forces && rates.second < clear)
-    throw Unsupported(fmt::format("{} and {} turn about one axis alone, which does not show how their axes lie; expected turns about two",
-                                  names.first, names.other));
+    throw Unsupported(
+        fmt::format("{} and {} turn about one axis alone, which does not show how their axes lie; expected turns about two, or "
+                    "positions in frame = \"level\"",
+                    names.first, names.other));
   const double apart = rotation_log(rates.rotation.transpose() * forces.rotation).norm();
   if (rates.second > clear && forces.second > clear && apart > most_apart)
     throw Unsupported(

@@ -214,11 +214,6 @@ void expect_gravity(const Session& session, const Method& method) {
 
 namespace {
 
-void assess_requirements(Calibration& c, const CalibrationTask& task) {
-  c.quality.requirements.clear();
-  for (const Requirement& requirement : task.requirements) c.quality.requirements.push_back(assess(c, requirement));
-}
-
 /// The aids of every recording with their records; those without a file that go with all are there once.
 std::vector<Aid> aids_of_all(const SessionRecordings& data, std::vector<std::string>& warnings) {
   std::vector<Aid> out;
@@ -251,7 +246,7 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   }
   Quality& quality = result.calibration.quality;
   quality.findings.prepend(Severity::warning, warnings);
-  assess_requirements(result.calibration, task);
+  for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
   return result;
 }
 
@@ -286,12 +281,12 @@ AnswerOf<CalibrationResult> calibration_answer(CalibratedImu imu) {
           result};
 }
 
-bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& all, const CalibrationTask& task) {
+bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& all, const std::function<void(double)>& progress) {
   std::vector<BodyImu> imus;
   std::vector<CalibrationResult*> results;
   for (const auto& [name, imu] : all) {
     const Calibration& c = imu->result.calibration;
-    if (method(task.method).takes_aids || c.frame != BodyFrame::accelerometers) return false;  // errors of the aids or the rig are in common
+    if (method(c.method).takes_aids || c.frame != BodyFrame::accelerometers) return false;  // errors of the aids or the rig are in common
     if (c.quality.verdict != Verdict::good || imu->data->recordings.size() != 1) continue;
     imus.push_back({.name = name,
                     .recording = imu->data->recordings.front(),
@@ -303,8 +298,11 @@ bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>&
   if (imus.size() < 2) return false;
   std::string problem;
   try {
-    const std::vector<Calibration> jointly = calibrate_jointly(imus, task.progress);
-    for (std::size_t k = 0; k < jointly.size(); ++k) results[k]->calibration = jointly[k], assess_requirements(results[k]->calibration, task);
+    const std::vector<Calibration> jointly = calibrate_jointly(imus, progress);
+    for (std::size_t k = 0; k < jointly.size(); ++k) {
+      Calibration& c = results[k]->calibration = jointly[k];
+      for (RequirementResult& r : c.quality.requirements) r = assess(c, parse_requirements(r.text).front());
+    }
     return true;
   } catch (const Unsupported& e) {
     problem = e.what();

@@ -15,11 +15,15 @@ Verb& declare(Verb& command, ExtrinsicsOptions& o) {
   verb.option("RECORDING", o.recordings, "a log with several IMUs, a log each, or a session with a recording each; all of one motion")
       .takes_several(1)
       .required()
-      .reads();
-  verb.option("--calibration FILE", o.calibrations, "a calibration an IMU, in their order; none: as its grade (repeat)").repeats().reads();
+      .reads()
+      .of_command();
+  verb.option("--calibration FILE", o.calibrations, "a calibration an IMU, in their order; none: as its grade (repeat)")
+      .repeats()
+      .reads()
+      .of_command();
   verb.option("--grade NAME", o.grade, "grade of the IMUs without a calibration (default: the session's, else mems)");
-  verb.option("--set KEY=VALUE", o.declarations, "what a recording does not say, as inspect asks for it (repeat)").repeats();
-  verb.option("-o,--output FILE", o.output, "extrinsics.json to write; - for standard output").writes();
+  verb.option("--set KEY=VALUE", o.declarations, "what a recording does not say, as inspect asks for it (repeat)").repeats().of_command();
+  verb.option("-o,--output FILE", o.output, "extrinsics.json to write; - for standard output").writes().of_command();
   report_option(verb, o.report);
   json_option(verb, o.json);
   verb.option("-v,--verbose", o.verbose, "also print residuals, notes and why a recording is read as it is").of_command();

@@ -18,11 +18,12 @@ from ._fleet import Fleet as Fleet, FleetStatistics as FleetStatistics
 from ._imulab import Error as Error, Unsupported as Unsupported
 from ._live import Live as Live
 from ._recording import Recording as Recording
-from ._results import Budget as Budget, Comparison as Comparison, Inspection as Inspection, Navigation as Navigation, Noise as Noise, Plan as Plan
-from ._results import Prediction as Prediction, Result as Result, Solution as Solution, Verification as Verification, VerifiedFile as VerifiedFile
+from ._results import Budget as Budget, Comparison as Comparison, Extrinsics as Extrinsics, Inspection as Inspection, Mounting as Mounting
+from ._results import Navigation as Navigation, Noise as Noise, Plan as Plan, Prediction as Prediction, Result as Result, Solution as Solution, Verification as Verification, VerifiedFile as VerifiedFile
 from ._session import Session as Session, Site as Site, procedure as procedure, read_session as read_session
 from ._text import DataWarning as DataWarning
 from ._verbs import Flight as Flight, Simulation as Simulation, allan_deviation as allan_deviation, budget as budget, calibrate as calibrate
+from ._verbs import calibrate_jointly as calibrate_jointly, extrinsics as extrinsics
 from ._verbs import compare as compare, compensate as compensate, export_targets as export_targets, inspect as inspect, methods as methods
 from ._verbs import navigate as navigate, noise as noise, plan as plan, predict as predict, read_recording as read_recording
 from ._verbs import simulate as simulate, trajectory as trajectory, verify as verify

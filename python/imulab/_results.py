@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from . import _arrays, _imulab, _plots, _tables
 from ._arrays import FloatArray
 from ._imulab import Unsupported
@@ -202,6 +204,38 @@ class Plan(Prediction):
     def _tables(self) -> list[str]:
         turns = [(n, t["axis"], t["angle_deg"], t["rest_s"]) for n, t in enumerate(self["turns"], 1)]
         return [_tables.table(("turn", "axis", "angle, deg", "rest after it, s"), turns), *super()._tables()]
+
+
+class Mounting(NamedTuple):
+    """Where an IMU is relative to another one. `matrix` (4 x 4) takes points from the axes of the first to its own."""
+
+    first: str
+    name: str
+    matrix: FloatArray
+    lever_arm: FloatArray
+    clock_offset: float
+    covariance: FloatArray
+    not_shown: list[str]
+
+
+class Extrinsics(Result):
+    """Rotation, lever arm and clock offset between IMUs on one body."""
+
+    @cached_property
+    def mountings(self) -> list[Mounting]:
+        """Each IMU but the first, relative to it: m, s. Rows of the covariance: rotation [rad, its own axes], lever arm, clock offset, drift, delay."""
+        covariance, out = np.array(self["covariance"]), []
+        for k, m in enumerate(self["mountings"]):
+            rows = slice(9 * k, 9 * k + 9)
+            arrays = [_arrays.fixed(np.array(a)) for a in (m["matrix"], m["lever_arm_m"], covariance[rows, rows])]
+            out.append(Mounting(m["from"], m["to"], arrays[0], arrays[1], m["clock_offset_s"], arrays[2], m["not_shown"]))
+        return out
+
+    def _tables(self) -> list[str]:
+        rows = [(m["from"], m["to"], *m["lever_arm_m"], *m["standard_uncertainty"]["lever_arm_m"], max(m["standard_uncertainty"]["rotation_deg"]),
+                 m["clock_offset_s"]) for m in self["mountings"]]
+        lever_arm = [f"{what} {axis}, m" for what in ("lever arm", "u") for axis in "xyz"]
+        return [_tables.table(("from", "to", *lever_arm, "u of rotation, deg", "clock offset, s"), rows)]
 
 
 class Noise(Result):

@@ -17,7 +17,7 @@ from ._calibration import Calibration
 from ._fleet import Fleet
 from ._imulab import Error
 from ._recording import Recording
-from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Solution, Verification
+from ._results import Budget, Comparison, Extrinsics, Inspection, Navigation, Noise, Plan, Prediction, Solution, Verification
 from ._session import Session, Site, Table, read_session
 from ._text import PathLike, options as _options, path, warn
 
@@ -186,6 +186,43 @@ def compare(*calibrations: Calibration, **options: Any) -> Comparison:
     if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
         raise TypeError("expected two or more calibrations")
     return Comparison(_told(_imulab.compare([(c.name, c._answer) for c in calibrations], options)))
+
+
+def _named(names: Sequence[str], count: int) -> list[str]:
+    """Those names, or imu0, imu1, ..."""
+    if isinstance(names, str) or (names and len(names) != count):
+        raise TypeError(f"names: expected a list of {count}")
+    return list(names) or [f"imu{k}" for k in range(count)]
+
+
+def calibrate_jointly(*calibrations: Calibration, names: Sequence[str] = (), progress: Progress | None = None) -> list[Calibration]:
+    """Calibrations of IMUs on one body, each made from its recording of one motion: at least as certain as alone. A finding says so, or what is in the way."""
+    if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
+        raise TypeError("expected two or more calibrations")
+    named = _named(names, len(calibrations))
+    found = _imulab.calibrate_jointly([(name, c._answer) for name, c in zip(named, calibrations)], _callback(progress))
+    return [Calibration(each, name) for each, name in zip(found, named)]
+
+
+@_options("extrinsics")
+def extrinsics(
+    *imus: Recording,
+    calibrations: Sequence[Calibration | None] = (),
+    names: Sequence[str] = (),
+    progress: Progress | None = None,
+    **options: Any,
+) -> Extrinsics:
+    """Rotation, lever arm and clock offset between IMUs on one body, from a recording each of one motion; relative to the first.
+
+    calibrations: of the IMUs, in their order; None: as its grade. names: of the IMUs (default: imu0, imu1, ...).
+    """
+    if len(imus) < 2 or not all(isinstance(r, Recording) for r in imus):
+        raise TypeError("expected two or more recordings")
+    if calibrations and len(calibrations) != len(imus):
+        raise TypeError(f"calibrations: expected {len(imus)}, in the order of the recordings; None: without one")
+    answers = [None if c is None else c._answer for c in calibrations] or [None] * len(imus)
+    given = [(name, r._recording, answer) for name, r, answer in zip(_named(names, len(imus)), imus, answers)]
+    return Extrinsics(_told(_imulab.extrinsics(given, options, _callback(progress))))
 
 
 @_options("verify")

@@ -10,7 +10,7 @@ import imulab
 import pytest
 from imulab import _imulab
 
-VERBS = ["calibrate", "compare", "verify", "simulate", "predict", "plan", "noise", "trajectory", "navigate", "budget"]
+VERBS = ["calibrate", "compare", "verify", "simulate", "predict", "plan", "noise", "trajectory", "navigate", "budget", "extrinsics"]
 
 
 @pytest.mark.parametrize("verb", VERBS)

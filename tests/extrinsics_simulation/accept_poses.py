@@ -26,9 +26,9 @@ AID = '[[aid]]\nkind = "pose"\nfile = "poses.txt"\nposition_sigma_m = 0.001\natt
 DELAYS = {"accelerometers 20 ms late": 0.02, "gyros 40 ms late": -0.04}  # s
 
 
-def run(seed, folder, fault=None, frame="free", aid=AID, axis=None):
+def run(seed, folder, fault=None, frame="free", aid=AID):
     random = np.random.default_rng([seed, options.seed])
-    motion = s.Motion(random, options.seconds, axis=axis)
+    motion = s.Motion(random, options.seconds, plane=fault == "a robot on a floor")
     unit, tracker = s.Imu(random, "mems", 200.0, first=True), s.Tracker(random, frame=frame)
     unit.delay = DELAYS.get(fault, 0)
     stamps, rate, force = unit.read(random, motion, options.seconds)
@@ -84,11 +84,11 @@ def clean(frame):
 
 
 def faulty():
-    for fault in ("left-handed", "inverse", "jump", "millimetres", "another motion", "loose", *DELAYS):
+    for fault in ("left-handed", "inverse", "jump", "millimetres", "another motion", "loose", "a robot on a floor", *DELAYS):
         wrong, worst, said = 0, 0, []
         for seed in range(max(3, options.sessions // 20)):
             with tempfile.TemporaryDirectory() as name:
-                calibration, result, unit = run(seed, pathlib.Path(name), fault)
+                calibration, result, unit = run(seed, pathlib.Path(name), fault, "level" if fault == "a robot on a floor" else "free")
             if calibration and calibration["quality"]["verdict"] == "good":
                 largest = max(abs(e / u) for e, u in rows_of(calibration, unit).values())
                 worst, wrong = max(worst, largest), wrong + (largest > 5)

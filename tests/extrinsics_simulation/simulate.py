@@ -36,18 +36,20 @@ class Sines:
 class Motion:
     """Rates and forces at the first IMU's origin, at equal steps."""
 
-    def __init__(self, random, seconds, rate=1.5, way=0.15, axis=None, drive=False):
+    def __init__(self, random, seconds, rate=1.5, way=0.15, axis=None, drive=False, plane=False):
         self.t = np.arange(-1, seconds + 1, STEP)
         rates, path = Sines(random, rate, 0.2, 3), Sines(random, way, 0.2, 2)
         if drive:  # turns about the vertical, a road that tilts the vehicle, and speed
             rates, path = Sines(random, 0.3, 0.02, 0.1), Sines(random, 5, 0.02, 0.15)
             rates.amplitude[:2] *= 0.1
+        if plane:  # a robot on a floor
+            rates.amplitude[:2] = path.amplitude[2] = 0
         self.place, self.attitude = path.at(self.t), np.empty((len(self.t), 3, 3))
         self.rate, self.rate_slope, acceleration = rates.at(self.t), rates.at(self.t, 1), path.at(self.t, 2)
         if axis is not None:  # turns about one axis alone
             axis = np.array(axis) / np.linalg.norm(axis)
             self.rate, self.rate_slope = self.rate @ np.outer(axis, axis), self.rate_slope @ np.outer(axis, axis)
-        attitude, self.force = rotation(random.normal(size=3)), np.empty_like(self.rate)  # attitude: from body to level axes
+        attitude, self.force = rotation(random.normal(size=3) * (not plane)), np.empty_like(self.rate)  # attitude: from body to level axes
         for i in range(len(self.t)):
             self.attitude[i] = attitude
             self.force[i] = attitude.T @ (acceleration[i] - GRAVITY)
