@@ -1,6 +1,6 @@
 // Aids in ROS bags: sensor_msgs/NavSatFix (height above the ellipsoid), geometry_msgs/TwistStamped and TwistWithCovarianceStamped, and poses:
-// geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry. A receiver's twist is in east-north-up axes (REP
-// 103); that of wheels has the forward speed in x.
+// geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped, tf2_msgs/TFMessage and nav_msgs/Odometry. A receiver's twist is in
+// east-north-up axes (REP 103); that of wheels has the forward speed in x.
 #include "imulab/error.hpp"
 #include "imulab/formats/aid/format.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace imulab::aid_io {
 namespace {
@@ -24,6 +25,7 @@ struct AidMessage {
   MessageType type;
   bool (*is_of)(AidKind kind);
   void (*put)(AidKind kind, const std::vector<double>& v, AidRow& row);
+  bool is_list = false;  ///< of messages, each of a frame
 };
 
 void put_fix(AidKind, const std::vector<double>& v, AidRow& row) {
@@ -73,6 +75,8 @@ const std::vector<AidMessage>& aid_messages() {
       {{"geometry_msgs/TwistWithCovarianceStamped", 42, {}}, is_of_velocity, put_twist_with_covariance},
       {{"geometry_msgs/PoseStamped", 7, {}}, has_attitude, put_pose},
       {{"geometry_msgs/TransformStamped", 7, {}, bag::Between::frame_name}, has_attitude, put_pose},
+      {{"tf2_msgs/TFMessage", 7, {}, bag::Between::frame_name}, has_attitude, put_pose, true},
+      {{"tf/tfMessage", 7, {}, bag::Between::frame_name}, has_attitude, put_pose, true},
       {{"geometry_msgs/PoseWithCovarianceStamped", 7 + 36, {}}, has_attitude, put_pose_with_covariance},
       {{"nav_msgs/Odometry", 7 + 36, {}, bag::Between::frame_name}, has_attitude, put_pose_with_covariance},
   };
@@ -80,6 +84,7 @@ const std::vector<AidMessage>& aid_messages() {
 }
 
 const AidMessage* aid_message_of(const bag::Topic& topic, AidKind kind) {
+  if (topic.name.ends_with("tf_static")) return nullptr;
   std::string name = topic.type;
   if (const auto msg = name.find("/msg/"); msg != std::string::npos) name.erase(msg, 4);
   if (topic.encoding != "ros1" && topic.encoding != "cdr") return nullptr;
@@ -94,7 +99,7 @@ const bag::Topic& choose_aid_topic(const std::vector<bag::Topic>& topics, const 
   for (const bag::Topic& topic : topics) {
     if (aid_message_of(topic, request.kind) == nullptr) continue;
     names += (names.empty() ? "" : ", ") + topic.name;
-    if (request.topic.empty() || topic.name == request.topic) found.push_back(&topic);
+    if (request.topic.empty() || topic.name == request.topic.substr(0, request.topic.find(':'))) found.push_back(&topic);
   }
   if (found.size() == 1) return *found.front();
   if (!found.empty())
@@ -108,6 +113,18 @@ const bag::Topic& choose_aid_topic(const std::vector<bag::Topic>& topics, const 
                           names.empty() ? "" : ": " + names));
 }
 
+/// The rows of the frame that the request names after its topic, TOPIC:FRAME; without a name, of the only one.
+std::vector<AidRow> rows_of_frame(std::map<std::string, std::vector<AidRow>> frames, const AidRequest& request, const bag::Topic& topic) {
+  const std::size_t colon = request.topic.find(':');
+  const auto found = colon != std::string::npos ? frames.find(request.topic.substr(colon + 1)) : frames.size() == 1 ? frames.begin() : frames.end();
+  if (found != frames.end()) return std::move(found->second);
+  if (frames.empty()) return {};
+  std::vector<std::string_view> names;
+  for (const auto& [name, rows] : frames) names.push_back(name);
+  throw Error(fmt::format("{}: {} has the transforms of {} frames; expected file = \"{}:{}:FRAME\" with one of {}", input_name(request.file),
+                          topic.name, frames.size(), request.file.filename().string(), topic.name, text::listed(names)));
+}
+
 AidRows read_bag_aid(const AidRequest& request) {
   AidRows out{.file = input_name(request.file), .row = "message", .scale = TimeScale::utc};
   const std::unique_ptr<bag::Bag> opened = bag::open_bag(request.file);
@@ -115,20 +132,28 @@ AidRows read_bag_aid(const AidRequest& request) {
   const AidMessage& message = *aid_message_of(topic, request.kind);
   std::size_t without_fix = 0, number = 0;
   std::vector<double> values(message.type.numbers);
+  std::map<std::string, std::vector<AidRow>> frames;
+  const bag::Encoding encoding = topic.message_encoding();
   opened->each_message(topic, [&](std::int64_t, std::string_view bytes) {
-    AidRow row;
-    row.line = ++number;
+    ++number;
     try {
-      const bag::MessagePlaces places = bag::message_places(topic.message_encoding(), message.type, bytes);
-      row.time = places.stamp_ns;
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = bag::load<double>(bytes.data() + places.of(i), places.big);
-      if (message.type.between == bag::Between::fix_status && static_cast<signed char>(bytes[places.status]) < 0) return void(++without_fix);
+      for (const bag::MessagePlaces& places :
+           message.is_list ? bag::places_of_list(encoding, message.type, bytes) : std::vector{bag::message_places(encoding, message.type, bytes)}) {
+        if (message.type.between == bag::Between::fix_status && static_cast<signed char>(bytes[places.status]) < 0) return void(++without_fix);
+        AidRow row;
+        row.line = number, row.time = places.stamp_ns;
+        for (std::size_t i = 0; i < values.size(); ++i) values[i] = bag::load<double>(bytes.data() + places.of(i), places.big);
+        message.put(request.kind, values, row);
+        frames[message.is_list ? std::string(places.frame) : std::string()].push_back(row);
+      }
     } catch (const bag::Damaged& e) {
       throw Error(fmt::format("{}: {}: message {}: {}", out.file, topic.name, number, e.what()));
     }
-    message.put(request.kind, values, row);
-    out.rows.push_back(row);
   });
+  if (message.is_list)
+    out.rows = rows_of_frame(std::move(frames), request, topic);
+  else if (!frames.empty())
+    out.rows = std::move(frames.begin()->second);
   out.warnings = opened->warnings();
   if (without_fix > 0) out.warnings.push_back(fmt::format("{}: {}: {} messages without a fix are left out", out.file, topic.name, without_fix));
   return out;

@@ -238,6 +238,24 @@ TEST(BagAids, Poses) {
   EXPECT_NEAR(odometry.record.position_sigma[0].y(), 0.2, 1e-12);
   EXPECT_NEAR(odometry.record.value_sigma[0], 0.01, 1e-12);
   EXPECT_THAT(read_aid_text(aid_bag("geometry_msgs/msg/PoseStamped", {"/pose"}, head + pose), AidKind::attitude).record.place, IsEmpty());
+  // Transforms: their number, then each as above; the first stamp is on a multiple of four, the second on one of eight.
+  const auto transform = [&](const std::string& name, const std::string& numbers, std::size_t before) {
+    std::string out = head.substr(4) + packed(static_cast<std::uint32_t>(name.size() + 1)) + name + '\0';
+    while ((before + out.size()) % 8 != 0) out += '\0';
+    return out + numbers;
+  };
+  std::string list = packed(std::uint32_t{2});
+  list += transform("base_link", pose, list.size());
+  list += transform("wheel", packed(9.0, 9.0, 9.0, 0.0, 0.0, 0.0, 1.0), list.size());
+  const std::string tf = aid_bag("tf2_msgs/msg/TFMessage", {"/tf", "/tf_static"}, head.substr(0, 4) + list);
+  expect_pose(read_aid_text(tf, AidKind::pose, "/tf:base_link").record);
+  EXPECT_EQ(read_aid_text(tf, AidKind::pose, "/tf:wheel").record.place[0], Eigen::Vector3d(9, 9, 9));
+  for (const char* topic : {"", "/tf", "/tf:arm"})
+    EXPECT_THAT(aid_text_error(tf, AidKind::pose, topic), HasSubstr("2 frames; expected file = \"aid:/tf:FRAME\" with one of base_link")) << topic;
+  const std::string cut = aid_bag("tf2_msgs/msg/TFMessage", {"/tf"}, (head.substr(0, 4) + list).substr(0, list.size() - 8));
+  EXPECT_THAT(aid_text_error(cut, AidKind::pose), HasSubstr("message 1: it is too short for tf2_msgs/TFMessage"));
+  const std::string endless = aid_bag("tf2_msgs/msg/TFMessage", {"/tf"}, head.substr(0, 4) + packed(std::uint32_t{0xFFFFFFFF}));
+  EXPECT_THAT(aid_text_error(endless, AidKind::pose), HasSubstr("too short"));
   EXPECT_THAT(aid_text_error(aid_bag("geometry_msgs/msg/PoseStamped", {"/pose"}, head + pose)), HasSubstr("has no topic of kind gnss"));
 }
 

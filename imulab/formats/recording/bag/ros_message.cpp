@@ -45,15 +45,26 @@ MessagePlaces places_after(std::size_t origin, std::size_t at, bool aligned, boo
                                        : std::int64_t{load<std::uint32_t>(message.data() + at, big)};
   const std::size_t status = after(at + 12, name);
   std::size_t numbers = status;
+  std::string_view frame;
   if (type.between == Between::fix_status) numbers += aligned ? 3 + (numbers - origin + 1) % 2 : 3;  // int8, then uint16 on an even place
   if (type.between == Between::frame_name) {
     if (aligned) numbers = origin + (numbers - origin + 3) / 4 * 4;
     after(numbers, 4);
-    numbers = after(numbers + 4, load<std::uint32_t>(message.data() + numbers, big));
+    const auto length = load<std::uint32_t>(message.data() + numbers, big);
+    frame = message.substr(numbers + 4, length);
+    numbers = after(numbers + 4, length);
+    frame = frame.substr(0, frame.find('\0'));  // ROS 2 counts it, too
   }
   if (aligned) numbers = origin + (numbers - origin + 7) / 8 * 8;
   after(numbers, sizeof(double) * type.numbers);
-  return {seconds * 1'000'000'000 + nanoseconds, numbers, status, big};
+  return {seconds * 1'000'000'000 + nanoseconds, numbers, status, big, frame};
+}
+
+/// Whether numbers begin with the most significant byte. The encapsulation: 0, then 0 for that or 1 for the least, then options.
+bool is_big(const MessageType& type, std::string_view message) {
+  if (message.size() < 4) too_short(type);
+  if (message[0] != 0 || (message[1] != 0 && message[1] != 1)) throw Damaged("it is in an unknown encoding of CDR; expected CDR_BE or CDR_LE");
+  return message[1] == 0;
 }
 
 }  // namespace
@@ -78,10 +89,21 @@ bool is_imu(std::string_view name) {
 
 MessagePlaces message_places(Encoding encoding, const MessageType& type, std::string_view message) {
   if (encoding == Encoding::ros1) return places_after(0, 4, false, false, type, message);  // after the sequence number
-  if (message.size() < 4) too_short(type);
-  // The encapsulation: 0, then 0 for the most significant byte first or 1 for the least, then options.
-  if (message[0] != 0 || (message[1] != 0 && message[1] != 1)) throw Damaged("it is in an unknown encoding of CDR; expected CDR_BE or CDR_LE");
-  return places_after(4, 4, true, message[1] == 0, type, message);
+  return places_after(4, 4, true, is_big(type, message), type, message);
+}
+
+std::vector<MessagePlaces> places_of_list(Encoding encoding, const MessageType& type, std::string_view message) {
+  const bool aligned = encoding == Encoding::cdr, big = aligned && is_big(type, message);
+  const std::size_t origin = aligned ? 4 : 0, sequence = aligned ? 0 : 4;  // ROS 1 has a number before the stamp
+  std::size_t at = origin + 4;
+  if (at > message.size()) too_short(type);
+  std::vector<MessagePlaces> out;
+  for (auto left = load<std::uint32_t>(message.data() + origin, big); left > 0; --left) {
+    if (sequence > message.size() - at) too_short(type);
+    out.push_back(places_after(origin, at + sequence, aligned, big, type, message));
+    at = out.back().of(type.numbers);  // a multiple of eight after the origin
+  }
+  return out;
 }
 
 MessageColumns::MessageColumns(Encoding encoding, const MessageType& type, std::vector<std::size_t> columns, std::size_t expected)

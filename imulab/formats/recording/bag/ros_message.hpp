@@ -43,12 +43,16 @@ struct MessagePlaces {
   std::size_t numbers = 0;    ///< the first one's byte
   std::size_t status = 0;     ///< the byte behind the header
   bool big = false;           ///< numbers begin with the most significant byte
+  std::string_view frame{};   ///< of Between::frame_name: the frame of what moves, in the message
 
   std::size_t of(std::size_t index) const { return numbers + sizeof(double) * index; }
 };
 
 /// Throws Damaged where the message is too short for its type, or in an encoding of CDR that is not read.
 MessagePlaces message_places(Encoding encoding, const MessageType& type, std::string_view message);
+
+/// Those of each message in a list of them, which is all that a message of `type` has: the transforms of a tf2_msgs/TFMessage.
+std::vector<MessagePlaces> places_of_list(Encoding encoding, const MessageType& type, std::string_view message);
 
 /// Columns of messages that come one after the other.
 class MessageColumns {
