@@ -87,6 +87,11 @@ struct Extrinsics {
 /// one is mirrored.
 Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress = {});
 
+/// What this motion of one IMU would show of another one like it, 0.1 m away along each axis and turned about none of them alone: the uncertainties are those that estimate_extrinsics
+/// would state, and the findings have a note of it. Errors are as large as expected of the grade; a calibration only converts the readings. Throws as
+/// estimate_extrinsics does.
+Extrinsics predict_extrinsics(const BodyImu& imu);
+
 /// Improves the calibrations of two or more IMUs by a motion that all of them felt, also if they are of the same records: each coefficient stays as
 /// it is or becomes more certain, whatever the correlation. The calibrations' errors must be independent but for that of g, so not those of one table.
 /// Each result says so in a note; where the calibrations contradict each other, all are doubtful and keep their values. Throws Error for one without a

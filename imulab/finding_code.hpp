@@ -42,7 +42,7 @@ enum class Code : std::uint16_t {
   positions_not_joined, far_from_site, stamps_moved, position_level, aid_level, all_withheld, no_position_aid, same_receiver, aid_off, constant_off,
   imu_noise_off, calibrated_on_same, shown_by_no_motion, no_coefficient_shown, drive_contradicts, force_at_rest, turn_missed,
   // IMUs on one body
-  motion_part, imu_not_calibrated, effects_not_estimated, rates_unlike, clock_ambiguous, mounting_not_shown, accels_late, joint_estimate, not_joint, imus_contradict,
+  motion_part, imu_not_calibrated, effects_not_estimated, rates_unlike, clock_ambiguous, mounting_not_shown, accels_late, mounting_predicted, joint_estimate, not_joint, imus_contradict,
   // What a recording holds
   evidence, axes_found, up_at_first_rest, rests_found, turns_explained, open_question, turns_unexplained, file_problem,
   // Priors of a fleet, imports, simulations

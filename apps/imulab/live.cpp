@@ -24,7 +24,7 @@ namespace imulab::command {
 
 namespace {
 
-constexpr const char* by_hand = "handheld";
+constexpr const char *by_hand = "handheld", *of_motion = "extrinsics";
 
 /// A picture that is drawn anew, or a line for each event.
 class Display {
@@ -114,6 +114,7 @@ void run_by_hand(const LiveOptions& options) {
 }
 
 void run_live(const LiveOptions& options) {
+  if (options.method == of_motion) return run_live_extrinsics(options);
   const Method& chosen = errors_at("--method", [&]() -> const Method& { return method(options.method); });
   if (chosen.takes_aids && options.rest) throw Error("--rest: belongs to a calibration by hand");
   if (chosen.takes_aids) return run_live_drive(options);
@@ -131,7 +132,11 @@ void add_live(Verb& app) {
   std::vector<std::string> names{by_hand};
   for (const Method& m : methods())
     if (m.takes_aids) names.emplace_back(m.name);
-  verb.option("--method METHOD", o->method, "handheld: by hand; drive: from a drive whose aids' files grow").one_of(names).show_default();
+  names.emplace_back(of_motion);
+  verb.option("--method METHOD", o->method,
+              "handheld: by hand; drive: from a drive whose aids' files grow; extrinsics: of several IMUs, while one is moved")
+      .one_of(names)
+      .show_default();
   verb.option("--require LIMITS", o->require,
               "stop when these limits are met; absent: by hand " + usual_live_requirement("m/s^2") + ", of a drive at the end of the stream");
   verb.option("--rest SECONDS", o->rest, "duration of each rest by hand; absent: 4").in_range(1, 600);

@@ -103,6 +103,8 @@ std::exception_ptr follow(RecordingStream& stream, Progress& progress, const Sho
   return {};
 }
 
+/// Of extrinsics, while moving one IMU of the body.
+void run_live_extrinsics(const LiveOptions& options);
 /// Of a method with aids, while driving.
 void run_live_drive(const LiveOptions& options);
 

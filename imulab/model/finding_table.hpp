@@ -272,6 +272,7 @@ inline constexpr auto finding_table = [] {
       {clock_ambiguous, "clock-ambiguous", doubt, "the clocks of {} and {} agree at two offsets, {:.3f} s and {:.3f} s"},
       {mounting_not_shown, "mounting-not-shown", warning, "{}: the motion does not show the {}", "turn the body quickly about another axis"},
       {accels_late, "accels-late", warning, "{}: the accelerometers are {:.2g} ms later against its gyros than those of {}, u = {:.2g} ms"},
+      {mounting_predicted, "mounting-predicted", note, "predicted from the motion of {}, of another IMU like it, 0.1 m away along each axis"},
       {joint_estimate, "joint-estimate", note, "with the motion in common with {}, standard uncertainties are {:.2f} to {:.2f} of those alone"},
       {not_joint, "not-joint", note, "not estimated jointly with the others: {}"},
       {imus_contradict, "imus-contradict", doubt,

@@ -1,6 +1,7 @@
 #include "imulab/results/extrinsics.hpp"
 
 #include "imulab/core/rotation.hpp"
+#include "imulab/finding_code.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -102,20 +103,22 @@ Conclusion conclusion_of(const Extrinsics& extrinsics) {
   const std::string of = extrinsics.imus.size() == 2 ? excerpt(extrinsics.imus[1]) : fmt::format("{} IMUs", extrinsics.imus.size() - 1);
   const std::vector<std::string> reasons = extrinsics.findings.reasons();
   const std::string because = reasons.empty() ? "" : fmt::format("; because {}", fmt::join(reasons, "; "));
-  return {extrinsics.verdict,
-          fmt::format("{} relative to {}: rotation to {} deg, lever arm to {} mm, clock to {} ms (1 sigma){}", of, excerpt(extrinsics.imus.front()),
-                      text::two_digits(rotation / unit::deg), text::two_digits(arm / mm), text::two_digits(clock / ms), because)};
+  const bool predicted = extrinsics.findings.has(Code::mounting_predicted);
+  return {extrinsics.verdict, fmt::format("{}{} relative to {}: rotation to {} deg, lever arm to {} mm, clock to {} ms (1 sigma){}",
+                                          predicted ? "predicted for " : "", of, excerpt(extrinsics.imus.front()),
+                                          text::two_digits(rotation / unit::deg), text::two_digits(arm / mm), text::two_digits(clock / ms), because)};
 }
 
 namespace {
 
+std::string uncertainty_text(std::string_view name, const Vector3d& sigma) {
+  return fmt::format("  {:<24} {:>11} {:>11} {:>11}", name, text::two_digits(sigma[0]), text::two_digits(sigma[1]), text::two_digits(sigma[2]));
+}
+
 std::string row_text(std::string_view name, const Vector3d& value, const Vector3d& sigma, std::string_view unit_name) {
-  std::string values = fmt::format("  {:<24}", name), sigmas = fmt::format("  {:<24}", "u");
-  for (int i = 0; i < 3; ++i) {
-    values += fmt::format(" {:>11}", text::to_digits_of(sigma[i], value[i]));
-    sigmas += fmt::format(" {:>11}", text::two_digits(sigma[i]));
-  }
-  return fmt::format("{}  {}\n{}\n", values, unit_name, sigmas);
+  std::string values = fmt::format("  {:<24}", name);
+  for (int i = 0; i < 3; ++i) values += fmt::format(" {:>11}", text::to_digits_of(sigma[i], value[i]));
+  return fmt::format("{}  {}\n{}\n", values, unit_name, uncertainty_text("u", sigma));
 }
 
 std::string row_text(std::string_view name, double value, double sigma, std::string_view unit_name) {
@@ -129,6 +132,11 @@ std::string extrinsics_text(const Extrinsics& extrinsics, bool details) {
   for (std::size_t k = 0; k < extrinsics.from_first.size(); ++k) {
     const Mounting& m = extrinsics.from_first[k];
     out += fmt::format("{}\n  {:<24} {:>11} {:>11} {:>11}\n", excerpt(m.to) + " relative to " + excerpt(m.from), "", "x", "y", "z");
+    if (extrinsics.findings.has(Code::mounting_predicted)) {
+      out += uncertainty_text("u of the rotation", m.uncertainties(Mounting::rotation_row) / unit::deg) + "  deg\n";
+      out += uncertainty_text("u of the lever arm", m.uncertainties(Mounting::lever_arm_row) / mm) + "  mm\n";
+      continue;
+    }
     out += row_text("rotation vector", rotation_log(m.rotation) / unit::deg, m.uncertainties(Mounting::rotation_row) / unit::deg, "deg");
     out += row_text("lever arm", m.lever_arm / mm, m.uncertainties(Mounting::lever_arm_row) / mm, "mm");
     out += row_text("clock offset", m.clock_offset / ms, m.uncertainty(Mounting::clock_offset_row) / ms, "ms");

@@ -12,7 +12,9 @@ namespace imulab {
 
 Verb& declare(Verb& command, ExtrinsicsOptions& o) {
   Verb& verb = command.verb("extrinsics", "Find rotation, lever arm and clock offset between the IMUs of one body");
-  verb.option("RECORDING", o.recordings, "a log with several IMUs, a log each, or a session with a recording each; all of one motion")
+  verb.option(
+          "RECORDING", o.recordings,
+          "a log with several IMUs, a log each, or a session with a recording each; all of one motion. Of one IMU: predicts what its motion shows")
       .takes_several(1)
       .required()
       .reads()
@@ -33,7 +35,7 @@ Verb& declare(Verb& command, ExtrinsicsOptions& o) {
 }
 
 AnswerOf<Extrinsics> extrinsics_answer(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress) {
-  const auto found = std::make_shared<const Extrinsics>(estimate_extrinsics(imus, progress));
+  const auto found = std::make_shared<const Extrinsics>(imus.size() == 1 ? predict_extrinsics(imus.front()) : estimate_extrinsics(imus, progress));
   std::vector<std::string> missing;
   for (const Mounting& m : found->from_first)
     if (!m.not_shown.empty()) missing.push_back(fmt::format("{}: {}", m.to, fmt::join(m.not_shown, ", ")));

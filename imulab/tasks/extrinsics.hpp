@@ -18,6 +18,7 @@ struct ExtrinsicsOptions : ShowOptions {
 /// The verb `extrinsics`, which sets these.
 Verb& declare(Verb& command, ExtrinsicsOptions& o);
 
+/// Of one IMU, a prediction.
 AnswerOf<Extrinsics> extrinsics_answer(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress);
 
 }  // namespace imulab

@@ -1,8 +1,11 @@
 #include "imulab/extrinsics.hpp"
 
+#include "imulab/compensate.hpp"
+#include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/error.hpp"
 #include "imulab/estimate/extrinsics/body_fit.hpp"
+#include "imulab/grade.hpp"
 #include "imulab/model/finding_table.hpp"
 
 #include <fmt/format.h>
@@ -79,6 +82,45 @@ Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::func
     BodyFit::judge_mounting(out.from_first.back(), out.findings);
   }
   out.verdict = out.findings.doubtful() ? Verdict::doubtful : Verdict::good;
+  return out;
+}
+
+namespace {
+
+/// The readings of an IMU like it, turned and at a lever arm, with noise of its own: differences of rates, which have noise, only make it look worse.
+Recording readings_at(const Recording& recording, const Matrix3d& rotation, const Vector3d& arm, const Grade& sizes) {
+  Recording out = recording;
+  const RandomStream random(1, "another IMU");
+  const double root_rate = 1 / std::sqrt(recording.interval_s);
+  const auto rate = [&](std::size_t i) { return Vector3d(recording.gyro[0][i], recording.gyro[1][i], recording.gyro[2][i]); };
+  std::uint64_t drawn = 0;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const std::size_t before = i == 0 || recording.follows_gap(i) ? i : i - 1;
+    const std::size_t after = i + 1 == recording.size() || recording.follows_gap(i + 1) ? i : i + 1;
+    const double seconds = recording.time_s(after) - recording.time_s(before);
+    const Vector3d slope = seconds > 0 ? Vector3d((rate(after) - rate(before)) / seconds) : Vector3d::Zero();
+    const Vector3d force(recording.accel[0][i], recording.accel[1][i], recording.accel[2][i]);
+    const Vector3d turned = rotation * rate(i), moved = rotation * (force + slope.cross(arm) + rate(i).cross(rate(i).cross(arm)));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto k = static_cast<Eigen::Index>(axis);
+      out.gyro[axis][i] = turned[k] + sizes.gyro_noise.N * root_rate * random.normal(drawn++);
+      out.accel[axis][i] = moved[k] + sizes.accel_noise.N * root_rate * random.normal(drawn++);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Extrinsics predict_extrinsics(const BodyImu& imu) {
+  BodyImu moved = imu;
+  if (moved.calibration) moved.recording = compensate(moved.calibration->model, imu.recording).recording, moved.calibration.reset();
+  stream_of(moved, 0);  // throws for readings that move no body
+  BodyImu other = moved;
+  other.name = "another IMU";
+  other.recording = readings_at(moved.recording, rotation_exp({0.6, -0.8, 1}), Vector3d::Constant(0.1), grade(imu.grade));
+  Extrinsics out = estimate_extrinsics({moved, other});
+  out.findings.add<Code::mounting_predicted>(Subject{imu.name});
   return out;
 }
 

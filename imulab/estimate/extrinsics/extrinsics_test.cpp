@@ -212,6 +212,22 @@ TEST(Extrinsics, ACompliantMountIsDoubted) {
   EXPECT_EQ(estimate_extrinsics({imu("a", {}), b}).verdict, Verdict::doubtful);
 }
 
+TEST(Extrinsics, OfOneImuAreWhatItsMotionWouldShowOfAnother) {
+  const Mounting found = estimate_extrinsics({imu("a", {}), imu("b", {rotation_exp({0.6, -0.8, 1}), Vector3d::Constant(0.1)})}).between(0, 1);
+  const Extrinsics predicted = predict_extrinsics(imu("a", {}));
+  EXPECT_TRUE(predicted.findings.has(Code::mounting_predicted));
+  const Mounting& m = predicted.from_first.front();
+  // The grade has five times the noise of these readings; scales and misalignments make most of the rest.
+  for (const auto row : {Mounting::rotation_row, Mounting::lever_arm_row}) {
+    EXPECT_GT(m.uncertainty(row), 0.7 * found.uncertainty(row));
+    EXPECT_LT(m.uncertainty(row), 5 * found.uncertainty(row));
+  }
+  Sway about_z;
+  about_z.along = Vector3d::UnitZ() * Vector3d(0.3, 1, 1).transpose();
+  EXPECT_THAT(predict_extrinsics(imu("a", {}, about_z)).from_first.front().not_shown, Contains("lever arm along z"));
+  EXPECT_THROW(predict_extrinsics(imu("a", {}, {}, 3)), Unsupported);
+}
+
 /// The readings have no errors but offsets; the calibration is off by a draw of its covariance, which also ties the offsets to the scales.
 BodyImu calibrated(BodyImu imu, double sigma, std::uint64_t seed) {
   Calibration& c = imu.calibration.emplace();

@@ -105,6 +105,21 @@ void take(const BodyErrors& errors, std::size_t imu, const VectorXd& common, Cal
   if (c.constant_covariance.size() > 0) c.constant_covariance = limited_part(c.constant_covariance, c.covariance);
 }
 
+/// Whether two IMUs are one sensor in other axes. Of noise that both have, the motion takes half away: 0.7 of its size is left.
+bool has_same_noise(const BodyFit& body, const std::vector<BodyImu>& imus) {
+  constexpr double clear = 0.85;
+  int same = 0;
+  for (std::size_t k = 0; k < imus.size(); ++k) {
+    const auto& noise = imus[k].calibration->rest_noise;
+    const BodyResidual& left = body.residuals[k];
+    if (!noise || left.samples == 0) continue;
+    const double root_interval = std::sqrt(body.used / static_cast<double>(left.samples));
+    const auto size_of = [&](const Vector3d& density) { return density.norm() / std::sqrt(3.) / root_interval; };
+    if (left.gyro < clear * size_of(noise->gyro) && left.accel < clear * size_of(noise->accel)) ++same;
+  }
+  return same >= 2;
+}
+
 std::string others_than(std::size_t imu, const std::vector<BodyImu>& imus) {
   std::vector<std::string> names;
   for (std::size_t k = 0; k < imus.size(); ++k)
@@ -127,6 +142,7 @@ std::vector<Calibration> calibrate_jointly(std::vector<BodyImu> imus, const std:
   Findings findings;
   const BodyFit body = fit_body(imus, {.progress = progress}, findings);
   for (std::size_t k = 1; k < imus.size(); ++k) body.judge_agreement(k, imus, body.fit->rates(k), findings);
+  if (has_same_noise(body, imus)) throw Unsupported("their noise is the same: readings of one sensor in different axes");
   if (!body.converged) findings.add<Code::not_converged>();
   if (findings.doubtful()) throw Unsupported(fmt::format("{}", fmt::join(findings.reasons(), "; ")));
 
