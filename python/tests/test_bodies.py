@@ -55,7 +55,7 @@ def test_calibrations_together(by_hand, calibration, tmp_path):
     r = by_hand.recordings[0]
     noise = lambda size: size * random.standard_normal(r.gyro.shape)
     turned = imulab.Recording.from_arrays(r.t, (r.gyro + noise(1e-4)) @ TURN.T, (r.accel + noise(1e-3)) @ TURN.T)
-    other = imulab.calibrate(turned, site=imulab.Site(gravity_mps2=9.80665), imu={"grade": "mems"}, method="handheld")
+    other = imulab.calibrate(turned, site=imulab.Site(gravity_mps2=9.80665), imu={"name": "right", "grade": "mems"}, method="handheld")
     found = imulab.calibrate_jointly(calibration, other, names=["left", "right"])
     for before, after in zip((calibration, other), found):
         assert any(f["code"] in ("joint-estimate", "imus-contradict", "not-joint") for f in after.findings)
