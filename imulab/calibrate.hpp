@@ -78,7 +78,8 @@ struct CalibrationOptions {
   std::stop_token stop = {};  ///< checked between iterations: `calibrate` throws Stopped within about 1 s of a request (stop.hpp)
 };
 
-/// Hybrid method: residual error of the coarse solution, estimated from the data up to each time, and its standard uncertainty.
+/// Hybrid method: residual error of the coarse solution, estimated from the data up to each time, and its standard uncertainty. Method reference:
+/// what an offset in a window of time departs from that of the result.
 struct ConvergenceCurve {
   std::string name = {};  ///< name of the corrected coefficient
   std::vector<double> residual, sigma;

@@ -103,9 +103,11 @@ TEST_F(TwoImus, AreNamedInASession) {
 
 TEST_F(TwoImus, OneIsTheReferenceOfTheOther) {
   write_session();
-  const CommandResult made =
-      run_imulab(folder, "calibrate two.toml --method reference --reference left --calibration tactical -o r.json --report r.html");
+  const CommandResult made = run_imulab(
+      folder, "calibrate two.toml --method reference --reference left --calibration tactical -o r.json --report r.html --curves offsets.csv");
   EXPECT_EQ(made.exit_code, 0) << made.errors;
+  EXPECT_THAT(read_text(folder / "offsets.csv"), HasSubstr("t,gyro.offset.x,gyro.offset.x.sigma"));
+  EXPECT_THAT(read_text(folder / "r.html"), HasSubstr("Offsets over time"));
   const nlohmann::json found = nlohmann::json::parse(read_text(folder / "r.json"));
   EXPECT_EQ(found["imu"], "right");
   EXPECT_EQ(found["options"]["reference"], "left");

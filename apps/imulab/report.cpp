@@ -80,7 +80,7 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
   report.result.calibration = std::move(calibration);
   const Calibration& c = report.result.calibration;
   if (const Method* method = find_method(c.method); method != nullptr && method->takes_curves)
-    report.missing.emplace_back("Convergence curves: the calibration file does not keep them; imulab calibrate --report draws them.");
+    report.missing.emplace_back("Curves over time: the calibration file does not keep them; imulab calibrate --report draws them.");
   if (c.sources.empty() || c.session_file.empty()) {
     report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));
     return report;

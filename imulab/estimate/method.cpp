@@ -96,6 +96,7 @@ constexpr std::array all{
            .equipment = 6,
            .takes_several = true,
            .takes_reference = true,
+           .takes_curves = true,
            .test = "comparison in motion with a reference IMU on the same body",
            .angle_source = "the turns that the reference IMU measured",
            .instrument = Method::Instrument::always,

@@ -258,6 +258,8 @@ std::string convergence_section(const CalibrationResult& result) {
   std::vector<SmallCurve> curves;
   for (const ConvergenceCurve& curve : result.curves) curves.push_back(convergence_curve(result, curve));
   if (curves.empty()) return {};
+  if (result.calibration.method == "reference")
+    return section("offsets", "Offsets over time", "What the offsets of some seconds depart from those of the result, with one sigma.", grid(curves));
   return section("convergence", "Convergence",
                  "What each coefficient is still off by after the data up to that minute, relative to the coarse solution, with one sigma.",
                  grid(curves));

@@ -109,8 +109,10 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
   effects_option(verb, o.effects);
   verb.option("--recording FILE", o.recording, "the recording to use, if the session has several");
   verb.option("--stepwise", o.stepwise, names_of_methods(&Method::takes_stepwise) + ": Dai's three steps in sequence instead of the joint estimate");
-  verb.option("--curves FILE", o.curves,
-              names_of_methods(&Method::takes_curves) + ": a CSV file with the convergence of each coefficient and its standard uncertainty")
+  verb.option(
+          "--curves FILE", o.curves,
+          names_of_methods(&Method::takes_curves) +
+              ": a CSV file with the convergence of each coefficient, or the departures of the offsets over time, each with its standard uncertainty")
       .writes()
       .of_command();
   verb.option("--require LIMITS", o.require,

@@ -1,5 +1,6 @@
 #include "imulab/extrinsics.hpp"
 
+#include "imulab/calibrate.hpp"
 #include "imulab/coefficient.hpp"
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
@@ -226,6 +227,33 @@ TEST(Extrinsics, OfOneImuAreWhatItsMotionWouldShowOfAnother) {
   about_z.along = Vector3d::UnitZ() * Vector3d(0.3, 1, 1).transpose();
   EXPECT_THAT(predict_extrinsics(imu("a", {}, about_z)).from_first.front().not_shown, Contains("lever arm along z"));
   EXPECT_THROW(predict_extrinsics(imu("a", {}, {}, 3)), Unsupported);
+}
+
+TEST(ReferenceMethod, OffsetsThatDriftAreCurvesOverTime) {
+  constexpr double drift = 5e-4;  // rad/s of gyro y, m/s^2 of accelerometer z, each second
+  std::vector<Recording> recordings{imu("a", {}).recording, imu("b", second, {}, 30).recording};
+  for (std::size_t i = 0; i < recordings[1].size(); ++i) {
+    recordings[1].gyro[1][i] += drift * recordings[1].time_s(i);
+    recordings[1].accel[2][i] += 20 * drift * recordings[1].time_s(i);
+  }
+  Session session;
+  session.imu.name = "b", session.imu.grade = "mems";
+  for (const char* name : {"a", "b"}) {
+    RecordingSource& source = session.recordings.emplace_back();
+    source.file = source.imu = name;
+    source.gyro.unit = "rad/s", source.accel.unit = "m/s^2";
+  }
+  CalibrationOptions options;
+  options.reference = ReferenceImu{.imu = "a", .grade = "tactical"};
+  const CalibrationResult found = calibrate("reference", {session, recordings}, options);
+  ASSERT_EQ(found.curves.size(), 6u);
+  ASSERT_GE(found.curve_time.size(), 3u);
+  const double seconds = found.curve_time.back() - found.curve_time.front();
+  for (const ConvergenceCurve& curve : found.curves) {
+    const double change = curve.residual.back() - curve.residual.front(), sigma = std::hypot(curve.sigma.front(), curve.sigma.back());
+    const double expected = curve.name == "gyro.offset.y" ? -drift : curve.name == "accel.offset.z" ? -20 * drift : 0;
+    EXPECT_NEAR(change, expected * seconds, 5 * sigma + 0.02 * drift * seconds) << curve.name;  // of matrices that the drift has changed
+  }
 }
 
 /// The readings have no errors but offsets; the calibration is off by a draw of its covariance, which also ties the offsets to the scales.

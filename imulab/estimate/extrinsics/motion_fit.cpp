@@ -379,17 +379,18 @@ std::vector<BodyResidual> MotionFit::residuals() const {
   return out;
 }
 
-BodyRates MotionFit::rates(std::size_t imu) const {
+BodyRates MotionFit::rates(std::size_t imu, Sensor wanted) const {
   BodyRates out;
   for_each_reading([&](std::size_t k, Sensor sensor, std::size_t span, const Sample& sample) {
-    if (k != imu || sensor != gyros) return;
+    if (k != imu || sensor != wanted) return;
     const ImuState& state = states_[k];
-    const Vector3d first = state.rotation * means_over(state, sample, span, 0).rate;
-    const Vector3d residual = equation_of(k, gyros, span, sample).residual;
+    const Means m = means_over(state, sample, span, sensor == gyros ? 0 : state.delay);
+    const Vector3d first = state.rotation * (sensor == gyros ? m.rate : m.u), read = sensor == gyros ? sample.rate : sample.force;
+    const Vector3d residual = equation_of(k, sensor, span, sample).residual;
     out.time.push_back(0.5 * (sample.begin + sample.end) - state.offset);
     for (int i = 0; i < 3; ++i) {
       const auto axis = static_cast<std::size_t>(i);
-      out.first[axis].push_back(first[i]), out.second[axis].push_back(sample.rate[i]), out.residual[axis].push_back(residual[i]);
+      out.first[axis].push_back(first[i]), out.second[axis].push_back(read[i]), out.residual[axis].push_back(residual[i]);
     }
   });
   return out;

@@ -71,8 +71,9 @@ class MotionFit {
   static int mount_column(std::size_t imu) { return static_cast<int>(own_columns * imu + mount_columns * (imu - 1)) + own_columns; }
   ConstantsCovariance covariance();  ///< at the present state
   std::vector<BodyResidual> residuals() const;
-  /// Rates of the first IMU, as the fit has them, and of another one, in the axes of that.
-  BodyRates rates(std::size_t imu) const;
+  enum Sensor : std::size_t { gyros, accels };
+  /// Rates as the fit has them and as an IMU has measured them, in its axes; or forces.
+  BodyRates rates(std::size_t imu, Sensor sensor = gyros) const;
 
  private:
   struct Place {
@@ -82,7 +83,6 @@ class MotionFit {
   struct Means;
   Place place_at(double t, std::size_t span) const;
   Means means_over(const ImuState& state, const Sample& sample, std::size_t span, double delay) const;
-  enum Sensor : std::size_t { gyros, accels };
   /// Three rows of the equations, linear at the motion.
   struct Equation {
     Eigen::Index first = 0;  ///< row of the motion

@@ -87,6 +87,56 @@ void add_mounting(const Mounting& m, Quality& quality) {
   quality.rig_errors.push_back({"mounting.clock_drift", any_drift, m.clock_drift, m.uncertainty(drift)});
 }
 
+/// Sums of an IMU's residuals in windows of time.
+struct WindowSums {
+  std::vector<Vector3d> sum;
+  std::vector<double> samples;
+};
+WindowSums in_windows(const BodyRates& rates, double begin, double window, std::size_t count) {
+  WindowSums out{std::vector<Vector3d>(count, Vector3d::Zero()), std::vector<double>(count, 0)};
+  for (std::size_t i = 0; i < rates.time.size(); ++i) {
+    const auto at = static_cast<std::size_t>(std::clamp((rates.time[i] - begin) / window, 0., static_cast<double>(count - 1)));
+    out.sum[at] += Vector3d(rates.residual[0][i], rates.residual[1][i], rates.residual[2][i]), ++out.samples[at];
+  }
+  return out;
+}
+
+/// What the offsets of windows depart from those of the result, by the difference of both IMUs' residuals: the motion has its share of each.
+void add_offsets_over_time(const BodyFit& body, const std::vector<BodyImu>& imus, CalibrationResult& result) {
+  const ImuState &first = body.fit->states()[0], &own = body.fit->states()[1];
+  const std::vector<double> times = body.fit->rates(1).time;
+  constexpr double least_s = 5, most_windows = 100;
+  const double begin = times.front(), window = std::max(least_s, (times.back() - begin) / most_windows);
+  const auto count = static_cast<std::size_t>((times.back() - begin) / window) + 1;
+  const std::int64_t between_clocks = imus[0].clock_zero_ns + imus[0].recording.time_ns.front() - imus[1].clock_zero_ns;
+  std::vector<std::size_t> filled;
+  for (const auto sensor : {MotionFit::gyros, MotionFit::accels}) {
+    const bool gyro = sensor == MotionFit::gyros;
+    const WindowSums mine = in_windows(body.fit->rates(1, sensor), begin, window, count),
+                     reference = in_windows(body.fit->rates(0, sensor), begin, window, count);
+    if (gyro) {
+      constexpr double least_samples = 20;
+      for (std::size_t i = 0; i < count; ++i)
+        if (std::min(mine.samples[i], reference.samples[i]) >= least_samples) filled.push_back(i);
+      for (const std::size_t i : filled)
+        result.curve_time.push_back(begin + window * (static_cast<double>(i) + 0.5) + own.offset + 1e-9 * static_cast<double>(between_clocks));
+    }
+    const Matrix3d to_output = (Matrix3d::Identity() + own.matrix(gyro ? gyro_matrix : accel_matrix)) * own.rotation;
+    const Matrix3d& matrix = gyro ? result.calibration.model.gyro.matrix : result.calibration.model.accel.matrix;
+    const double sigma = gyro ? own.gyro_sigma : own.accel_sigma, of_reference = gyro ? first.gyro_sigma : first.accel_sigma;
+    for (int axis = 0; axis < 3; ++axis) {
+      ConvergenceCurve& curve = result.curves.emplace_back();
+      curve.name = fmt::format("{}.offset.{}", gyro ? "gyro" : "accel", "xyz"[axis]);
+      for (const std::size_t i : filled) {
+        const Vector3d change = -matrix * (mine.sum[i] / mine.samples[i] - to_output * (reference.sum[i] / reference.samples[i]));
+        curve.residual.push_back(change[axis]);
+        curve.sigma.push_back(matrix.row(axis).norm() *
+                              std::hypot(sigma / std::sqrt(mine.samples[i]), of_reference / std::sqrt(reference.samples[i])));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 CalibrationResult calibrate_by_reference(const CalibrationInput& input, const CalibrationOptions& options) {
@@ -142,6 +192,7 @@ CalibrationResult calibrate_by_reference(const CalibrationInput& input, const Ca
   body.judge_scatter(mounting, own, Index{own_columns} + Index{mount_columns}, findings);
   BodyFit::judge_mounting(mounting, findings);
   add_mounting(mounting, quality);
+  add_offsets_over_time(body, imus, result);
   if (determined.estimated.empty()) findings.add<Code::no_coefficient_shown>();
   kernel::add_common_doubts(findings, determined, input.session.site);
   kernel::conclude(c, findings);
