@@ -94,8 +94,8 @@ SmallCurve convergence_curve(const CalibrationResult& result, const ConvergenceC
                  .shown = {},
                  .color = color::blue,
                  .first = 0};
-  // The first half, before anything is known, would flatten all that follows.
-  for (std::size_t i = t.size() / 2; i < t.size(); ++i) out.shown.insert(out.shown.end(), {low[i], high[i]});
+  // The first half of a convergence, before anything is known, would flatten all that follows.
+  for (std::size_t i = c.method == "reference" ? 0 : t.size() / 2; i < t.size(); ++i) out.shown.insert(out.shown.end(), {low[i], high[i]});
   return out;
 }
 
