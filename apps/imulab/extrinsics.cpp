@@ -85,6 +85,8 @@ void run(const ExtrinsicsOptions& o) {
   for (const std::string& path : recordings_named(o.recordings)) add_imus(given, path, o);
   make_names_different(given);
   take_calibrations(given, o.calibrations);
+  if (given.size() == 1 && !(o.output.empty() && o.report.empty()))
+    throw Error("--output, --report: belong to several IMUs; of one, extrinsics predicts uncertainties alone");
   std::vector<BodyImu> imus;
   for (GivenImu& each : given) imus.push_back(std::move(each.imu));
   const auto answer = [&] {

@@ -66,7 +66,9 @@ TEST_F(TwoImus, AreFoundInOneLogAndExported) {
 
 TEST_F(TwoImus, OneOfThemTellsWhatItsMotionWouldShow) {
   write_session();
-  const CommandResult found = run_imulab(folder, "extrinsics left.mcap -o p.json");
+  const CommandResult found = run_imulab(folder, "extrinsics left.mcap");
+  folder.write("p.json", run_imulab(folder, "extrinsics left.mcap --json").output);
+  EXPECT_THAT(run_imulab(folder, "extrinsics left.mcap -o q.json").errors, HasSubstr("--output, --report: belong to several IMUs"));
   EXPECT_THAT(on_one_line(found.output),
               AllOf(HasSubstr("predicted for another IMU relative to left: rotation to"), HasSubstr("u of the lever arm")));
   EXPECT_THAT(read_text(folder / "p.json"), HasSubstr("\"code\": \"mounting-predicted\""));
@@ -81,7 +83,7 @@ TEST_F(TwoImus, OneOfThemTellsWhatItsMotionWouldShow) {
   const CommandResult still =
       run_shell(folder, "head -n 300 session/recording.csv | '" + command_path() + "' live - --session session --method extrinsics");
   EXPECT_EQ(still.exit_code, 1);
-  EXPECT_THAT(still.output + still.errors, HasSubstr("not shown by this motion: all; expected 5 s or more of turns"));
+  EXPECT_THAT(still.output + still.errors, HasSubstr("its motion shows no mounting; expected 5 s or more"));
 }
 
 TEST_F(TwoImus, AreNamedInASession) {
@@ -92,7 +94,7 @@ TEST_F(TwoImus, AreNamedInASession) {
   EXPECT_EQ(each.exit_code, 0) << each.errors;
   EXPECT_THAT(each.output, AllOf(HasSubstr("IMU 0 of 2: left"), HasSubstr("2 IMUs: all good")));
   EXPECT_THAT(read_text(folder / "c-1.json"),
-              AllOf(HasSubstr("\"imu\": \"right\""), HasSubstr("not estimated jointly with the others: their noise is the same")));
+              AllOf(HasSubstr("\"imu\": \"right\""), HasSubstr("not estimated jointly with the others: the motion explains their noise")));
   folder.write("right.mcap", mcap_file({{"/right", messages(true, 0.005)}}));
   const CommandResult jointly = run_imulab(folder, "calibrate two.toml --method handheld -o c.json --force -v");
   EXPECT_THAT(on_one_line(jointly.output), AllOf(HasSubstr("with the motion in common with left, standard uncertainties are 0."),

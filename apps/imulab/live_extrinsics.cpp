@@ -1,8 +1,8 @@
 // imulab live - --method extrinsics: what the motion of one IMU has shown so far of where another one on its body is.
 #include "apps/imulab/live_stream.hpp"
 #include "imulab/extrinsics.hpp"
-#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/readings.hpp"
 #include "imulab/results/extrinsics.hpp"
@@ -41,8 +41,8 @@ class LiveMotion {
     try {
       found = predict_extrinsics({.name = name_, .recording = recording, .grade = grade_});
       missing = found->from_first.front().not_shown;
-    } catch (const Unsupported&) {
-      found.reset(), missing = {"all; expected 5 s or more of turns"};
+    } catch (const Unsupported& e) {
+      found.reset(), missing = {e.what()};
     }
   }
   bool reached() const { return false; }

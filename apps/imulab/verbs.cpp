@@ -160,7 +160,7 @@ void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, cons
   std::vector<std::pair<std::string, CalibratedImu*>> several;
   for (std::size_t k = 0; k < imus.size(); ++k)
     if (attempts[k].done) several.emplace_back(imus[k].name(), &*attempts[k].done);
-  const bool jointly = with_progress("estimating jointly", [&](const auto& report) { return estimate_jointly(several, report); });
+  const std::size_t jointly = with_progress("estimating jointly", [&](const auto& report) { return estimate_jointly(several, report); });
 
   std::vector<NamedCalibration> all;
   std::vector<std::string> missing, unlike;
@@ -176,12 +176,18 @@ void calibrate_each(const CalibrateOptions& o, const CalibrationTask& task, cons
     } catch (const Unsupported& e) {
       complain(e.what());
       short_of = true;
+    } catch (const Error& e) {
+      complain(e.what());
+      failed = true;
     }
     if (!good) unlike.push_back(name);
   }
   if (!o.report.empty()) write_whole(o.report, imus_page(log, all, missing));
+  const std::string together = jointly == imus.size() ? ", estimated jointly"
+                               : jointly > 0          ? fmt::format(", {} of them estimated jointly", jointly)
+                                                      : "";
   const std::string those = unlike.empty() ? "all good" : fmt::format("not good: {}", fmt::join(unlike, ", "));
-  print("\n" + text::wrapped("", fmt::format("{} IMUs{}: {}", imus.size(), jointly ? ", estimated jointly" : "", those)));
+  print("\n" + text::wrapped("", fmt::format("{} IMUs{}: {}", imus.size(), together, those)));
   if (failed) throw Error(fmt::format("not every IMU of {} could be calibrated", log));
   if (short_of) throw Unsupported(fmt::format("not every IMU of {} has the calibration that was asked for", log));
 }

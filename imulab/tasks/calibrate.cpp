@@ -283,13 +283,21 @@ AnswerOf<CalibrationResult> calibration_answer(CalibratedImu imu) {
           result};
 }
 
-bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& all, const std::function<void(double)>& progress) {
+std::size_t estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& all, const std::function<void(double)>& progress) {
   std::vector<BodyImu> imus;
   std::vector<CalibrationResult*> results;
   for (const auto& [name, imu] : all) {
     const Calibration& c = imu->result.calibration;
-    if (method(c.method).takes_aids || c.frame != BodyFrame::accelerometers) return false;  // errors of the aids or the rig are in common
-    if (c.quality.verdict != Verdict::good || imu->data->recordings.size() != 1) continue;
+    if (method(c.method).takes_aids || c.frame != BodyFrame::accelerometers) return 0;  // errors of the aids or the rig are in common
+    const std::vector<Recording>& recordings = imu->data->recordings;
+    const std::string unfit = c.quality.verdict != Verdict::good                                          ? "its calibration alone is not good"
+                              : recordings.size() != 1                                                    ? "it has several recordings"
+                              : recordings.front().gyro[0].empty() || recordings.front().accel[0].empty() ? "it lacks gyros or accelerometers"
+                                                                                                          : "";
+    if (!unfit.empty()) {
+      imu->result.calibration.quality.findings.add<Code::not_joint>(unfit);
+      continue;
+    }
     imus.push_back({.name = name,
                     .recording = imu->data->recordings.front(),
                     .calibration = c,
@@ -297,7 +305,6 @@ bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>&
                     .clock_zero_ns = imu->data->session.source_of(imu->data->recordings.front().name).time.zero_ns()});
     results.push_back(&imu->result);
   }
-  if (imus.size() < 2) return false;
   std::string problem;
   try {
     const std::vector<Calibration> jointly = calibrate_jointly(imus, progress);
@@ -305,14 +312,14 @@ bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>&
       Calibration& c = results[k]->calibration = jointly[k];
       for (RequirementResult& r : c.quality.requirements) r = assess(c, parse_requirements(r.text).front());
     }
-    return true;
+    return jointly.front().quality.findings.has(Code::imus_contradict) ? 0 : jointly.size();
   } catch (const Unsupported& e) {
     problem = e.what();
   } catch (const Error& e) {
     problem = e.what();
   }
   for (CalibrationResult* result : results) result->calibration.quality.findings.add<Code::not_joint>(problem);
-  return false;
+  return 0;
 }
 
 std::string shortcomings(const CalibrationResult& result) {

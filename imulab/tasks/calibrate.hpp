@@ -84,9 +84,9 @@ CalibratedImu calibrated_imu(const std::shared_ptr<const SessionRecordings>& dat
 /// The warnings of reading are in front of the calibration's own, which are those of the answer.
 AnswerOf<CalibrationResult> calibration_answer(CalibratedImu imu);
 
-/// Improves good results of several IMUs, by name, by the motion that they have in common; a note says so, or what is in the way. Returns whether
-/// they have been. The results of methods with aids or a rig, whose errors the IMUs share, and of several recordings of an IMU stay as they are.
-bool estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& imus, const std::function<void(double)>& progress = {});
+/// Improves good results of several IMUs, by name, by the motion that they have in common; a note says so, or what is in the way. Returns how many it
+/// improved. The results of methods with aids or a rig, whose errors the IMUs share, and of several recordings of an IMU stay as they are.
+std::size_t estimate_jointly(const std::vector<std::pair<std::string, CalibratedImu*>>& imus, const std::function<void(double)>& progress = {});
 
 /// Why the result does not meet the request: not converged, coefficients not determined, requirements not reached. Empty: it is.
 std::string shortcomings(const CalibrationResult& result);

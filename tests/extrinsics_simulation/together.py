@@ -24,8 +24,8 @@ def mounted(motion, rotation, arm):
     return units.Motion(motion.time, force @ rotation.T, motion.rate @ rotation.T, motion.rest)
 
 
-def write(folder, seed, grade, effects, rests=30):
-    """A session of two units. Returns them."""
+def write(folder, seed, grade, effects, rests=30, clock=1e-4):
+    """A session of two units, the second of which has a faster clock. Returns them."""
     random = np.random.default_rng([seed, 69])
     motion = units.hand_motion(random, rests, 5, RATE_HZ, LATITUDE, GRAVITY)
     axis = random.normal(size=3)
@@ -34,8 +34,9 @@ def write(folder, seed, grade, effects, rests=30):
     for name, moved in (("a", motion), ("b", mounted(motion, turn, ARM))):
         unit = units.drawn_unit(random, grade, effects)
         accel, gyro = units.readings(random, unit, moved, grade, RATE_HZ, GRAVITY)
-        np.savetxt(folder / f"{name}.csv", np.column_stack([moved.time, gyro, accel]), delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="", fmt="%.13g")
+        np.savetxt(folder / f"{name}.csv", np.column_stack([moved.time * (1 + clock * (name == "b")), gyro, accel]), delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="", fmt="%.13g")
         text += units.recording_text(f"{name}.csv", RATE_HZ, f'imu = "{name}"\n')
+        units.in_recorded_seconds(unit, clock * (name == "b"))
         drawn.append(unit)
     (folder / "session.toml").write_text(text)
     return drawn

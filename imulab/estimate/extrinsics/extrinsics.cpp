@@ -119,7 +119,15 @@ Extrinsics predict_extrinsics(const BodyImu& imu) {
   BodyImu other = moved;
   other.name = "another IMU";
   other.recording = readings_at(moved.recording, rotation_exp({0.6, -0.8, 1}), Vector3d::Constant(0.1), grade(imu.grade));
-  Extrinsics out = estimate_extrinsics({moved, other});
+  if (other.name == imu.name) other.name += "'";
+  Extrinsics out;
+  try {
+    out = estimate_extrinsics({moved, other});
+  } catch (const Unsupported&) {
+    throw Unsupported(imu.name + ": its motion shows no mounting; expected 5 s or more with turns of some 30 deg/s");
+  }
+  std::erase_if(out.findings, [](const Finding& f) { return f.severity == Severity::doubt; });  // of what is not measured
+  out.verdict = Verdict::good;
   out.findings.add<Code::mounting_predicted>(Subject{imu.name});
   return out;
 }

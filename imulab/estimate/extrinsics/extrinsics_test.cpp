@@ -51,7 +51,7 @@ struct Sway {
 struct Place {
   Matrix3d rotation = Matrix3d::Identity();
   Vector3d arm = Vector3d::Zero();
-  double offset = 0, delay = 0, rate_hz = 100;
+  double offset = 0, delay = 0, rate_hz = 100, drift = 0;
 };
 
 constexpr double gyro_density = 1e-4, accel_density = 1e-3;
@@ -65,10 +65,10 @@ BodyImu imu(const std::string& name, const Place& place, const Sway& motion = {}
   std::uint64_t drawn = 0;
   for (double stamp = 1; stamp < seconds + 1; stamp += h) {
     const auto mean = [&](const auto& of) {
-      const double end = stamp - place.offset;
+      const double end = (stamp - place.offset) * (1 - place.drift);
       return Vector3d((of(end - h) + 4 * of(end - h / 2) + of(end)) / 6);
     };
-    const Vector3d rate = place.rotation * mean([&](double s) { return motion.rate(s); });
+    const Vector3d rate = (1 - place.drift) * place.rotation * mean([&](double s) { return motion.rate(s); });  // per second of its own clock
     const Vector3d force = place.rotation * mean([&](double s) { return motion.force_at(s - place.delay, place.arm); });
     t.push_back(stamp);
     for (int i = 0; i < 3; ++i) {
@@ -316,6 +316,17 @@ TEST(JointCalibration, TheBetterOneHelpsTheOther) {
   EXPECT_LT(std::sqrt(found[1].covariance(0, 0)), 5e-4);
   EXPECT_LT(per_coefficient(found[1]), 2);
   EXPECT_NEAR(std::sqrt(found[0].covariance(0, 0)), 1e-4, 2e-6);
+}
+
+TEST(JointCalibration, EachCountsSecondsOfItsOwnClock) {
+  Place fast = second;
+  fast.drift = 3e-4;
+  const std::vector<Calibration> found = calibrate_jointly({calibrated(imu("a", {}), 5e-5, 1), calibrated(imu("b", fast), 5e-5, 1)});
+  for (const Calibration& c : found) {
+    EXPECT_EQ(c.quality.verdict, Verdict::good) << testing::PrintToString(c.quality.findings.reasons());
+    EXPECT_LT(per_coefficient(c), 2);
+    EXPECT_LT(errors_of(c).head<9>().cwiseAbs().maxCoeff(), 1.5e-4);
+  }
 }
 
 TEST(JointCalibration, AContradictionIsDoubted) {

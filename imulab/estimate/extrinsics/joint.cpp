@@ -48,31 +48,34 @@ struct BodyErrors {
   VectorXd mean;
   MatrixXd covariance;
 };
-BodyErrors errors_of(const BodyFit& body) {
+BodyErrors errors_of(const BodyFit& body, bool own_seconds) {
   const MatrixXd& enlarged = body.constants.covariance;
   const VectorXd smaller = body.constants.enlargement.cwiseInverse();
   MatrixXd before = MatrixXd::Zero(enlarged.rows(), enlarged.cols()), prior = before;
   VectorXd at = VectorXd::Zero(enlarged.rows());  // the end of the fit
+  VectorXd clocks = at;                           // what an IMU's gyros seem to be off by, where it and its calibration count seconds of its own
   double scatter = 1;                             // of the seconds, beyond the noise
   for (std::size_t k = 0; k < body.fit->states().size(); ++k) {
     const Index own = own_column(k);
     before.block<own_columns, own_columns>(own, own) = body.covariance_before[k];
     prior.block<own_columns, own_columns>(own, own) = Cholesky(body.covariance_before[k]).inverse();
     at.segment<own_columns>(own) = body.fit->states()[k].errors;
+    if (own_seconds)
+      for (int i = 0; i < 3; ++i) clocks[own + gyro_matrix + 4 * i] = -body.fit->states()[k].drift;
     scatter = std::max(scatter, body.constants.enlargement.segment<own_columns>(own).maxCoeff());
   }
   const double counted = 1 / (4 * scatter * scatter);  // of the motion's information
   const MatrixXd motion = Cholesky(smaller.asDiagonal() * enlarged * smaller.asDiagonal()).inverse() - prior;
   const MatrixXd covariance = Cholesky(prior + counted * motion).inverse();
-  // At the end of the fit the slopes of both cancel; that of the motion counts less here.
-  return {before, at + covariance * ((counted - 1) * (prior * at)), covariance};
+  // At the end of the fit the slopes of both cancel; that of the motion counts less here, and the prior is about the clocks' share.
+  return {before, at + covariance * ((counted - 1) * (prior * at) + prior * clocks) - clocks, covariance};
 }
 
 /// How far the calibrations are from agreeing in the motion, in the directions that it shows.
 struct Disagreement {
   double chi2 = 0, directions = 0;
 
-  double chance() const { return chi_square_tail(chi2, directions); }
+  double chance() const { return directions > 0 ? chi_square_tail(chi2, directions) : 1; }
 };
 Disagreement disagreement_of(const BodyErrors& errors, std::size_t imus) {
   std::vector<Index> own;
@@ -105,7 +108,7 @@ void take(const BodyErrors& errors, std::size_t imu, const VectorXd& common, Cal
   if (c.constant_covariance.size() > 0) c.constant_covariance = limited_part(c.constant_covariance, c.covariance);
 }
 
-/// Whether two IMUs are one sensor in other axes. Of noise that both have, the motion takes half away: 0.7 of its size is left.
+/// Whether two IMUs may be one sensor in other axes. Of noise that both have, the motion takes half away: 0.7 of its size is left.
 bool has_same_noise(const BodyFit& body, const std::vector<BodyImu>& imus) {
   constexpr double clear = 0.85;
   int same = 0;
@@ -130,6 +133,12 @@ std::string others_than(std::size_t imu, const std::vector<BodyImu>& imus) {
 }  // namespace
 
 std::vector<Calibration> calibrate_jointly(std::vector<BodyImu> imus, const std::function<void(double)>& progress) {
+  const auto counts_own_seconds = [](const BodyImu& imu) {
+    return !imu.calibration || !imu.calibration->clock || imu.calibration->clock->seconds == "own";
+  };
+  const bool own_seconds = std::ranges::any_of(imus, counts_own_seconds);
+  if (own_seconds && !std::ranges::all_of(imus, counts_own_seconds))
+    throw Unsupported("some calibrations count true seconds, and others those of their recordings");
   std::vector<VectorXd> gravity;
   std::vector<Calibration> out;
   for (BodyImu& imu : imus) {
@@ -142,11 +151,11 @@ std::vector<Calibration> calibrate_jointly(std::vector<BodyImu> imus, const std:
   Findings findings;
   const BodyFit body = fit_body(imus, {.progress = progress}, findings);
   for (std::size_t k = 1; k < imus.size(); ++k) body.judge_agreement(k, imus, body.fit->rates(k), findings);
-  if (has_same_noise(body, imus)) throw Unsupported("their noise is the same: readings of one sensor in different axes");
+  if (has_same_noise(body, imus)) throw Unsupported("the motion explains their noise: one sensor in different axes, or a body that vibrates");
   if (!body.converged) findings.add<Code::not_converged>();
   if (findings.doubtful()) throw Unsupported(fmt::format("{}", fmt::join(findings.reasons(), "; ")));
 
-  const BodyErrors errors = errors_of(body);
+  const BodyErrors errors = errors_of(body, own_seconds);
   const Disagreement apart = disagreement_of(errors, imus.size());
   constexpr double least_chance = 1e-4;
   for (std::size_t k = 0; k < imus.size(); ++k) {

@@ -121,8 +121,9 @@ std::vector<AidRow> rows_of_frame(std::map<std::string, std::vector<AidRow>> fra
   if (frames.empty()) return {};
   std::vector<std::string_view> names;
   for (const auto& [name, rows] : frames) names.push_back(name);
-  throw Error(fmt::format("{}: {} has the transforms of {} frames; expected file = \"{}:{}:FRAME\" with one of {}", input_name(request.file),
-                          topic.name, frames.size(), request.file.filename().string(), topic.name, text::listed(names)));
+  const std::string absent = colon == std::string::npos ? "" : fmt::format("no frame {}; ", excerpt(request.topic.substr(colon + 1)));
+  throw Error(fmt::format("{}: {} has {}the transforms of {} frames; expected file = \"{}:{}:FRAME\" with one of {}", input_name(request.file),
+                          topic.name, absent, frames.size(), request.file.filename().string(), topic.name, text::listed(names)));
 }
 
 AidRows read_bag_aid(const AidRequest& request) {
@@ -130,6 +131,9 @@ AidRows read_bag_aid(const AidRequest& request) {
   const std::unique_ptr<bag::Bag> opened = bag::open_bag(request.file);
   const bag::Topic& topic = choose_aid_topic(opened->topics(), request);
   const AidMessage& message = *aid_message_of(topic, request.kind);
+  if (!message.is_list && request.topic.find(':') != std::string::npos)
+    throw Error(
+        fmt::format("{}: {}: has no list of frames; expected file = \"{}:{}\"", out.file, topic.name, request.file.filename().string(), topic.name));
   std::size_t without_fix = 0, number = 0;
   std::vector<double> values(message.type.numbers);
   std::map<std::string, std::vector<AidRow>> frames;
