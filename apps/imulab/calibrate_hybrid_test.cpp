@@ -52,7 +52,7 @@ TEST(CalibrateHybrid, OtherMethodsHaveNoCurves) {
   const TemporaryFolder folder;
   const CommandResult result = run_imulab(folder, "calibrate session --method static --curves curves.csv");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("--curves: only the method hybrid has convergence curves"));
+  EXPECT_THAT(result.errors, HasSubstr("--curves: only the method hybrid, reference has curves over time"));
 }
 
 }  // namespace

@@ -141,7 +141,7 @@ CalibrationTask task_of(const CalibrateOptions& o) {
   const Method& chosen = method(o.method);
   const auto only = [](bool Method::*capability, const char* has) { return fmt::format("only the method {} {}", names_of_methods(capability), has); };
   if (o.stepwise && !chosen.takes_stepwise) throw OptionError("stepwise", only(&Method::takes_stepwise, "has steps"));
-  if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has convergence curves"));
+  if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has curves over time"));
   if (o.reference && !chosen.takes_reference) throw OptionError("reference", only(&Method::takes_reference, "has one"));
   if (o.reference_calibration && !chosen.takes_reference) throw OptionError("calibration", only(&Method::takes_reference, "has a reference"));
   if (!o.reference && chosen.takes_reference)
