@@ -88,7 +88,7 @@ struct Extrinsics {
 Extrinsics estimate_extrinsics(const std::vector<BodyImu>& imus, const std::function<void(double)>& progress = {});
 
 /// What this motion of one IMU would show of another one like it, 0.1 m away along each axis and turned about none of them alone: the uncertainties are those that estimate_extrinsics
-/// would state, and the findings have a note of it. Errors are as large as expected of the grade; a calibration only converts the readings. Throws as
+/// would state, the values are NaN, and the findings have a note of it. Errors are as large as expected of the grade; a calibration only converts the readings. Throws as
 /// estimate_extrinsics does.
 Extrinsics predict_extrinsics(const BodyImu& imu);
 

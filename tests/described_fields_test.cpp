@@ -208,6 +208,7 @@ std::map<std::string, std::set<std::string>> printed_fields() {
       {"report", "report c.json -o c.html"},
       {"live", "live drive/recording.csv --session drive"},
       {"live", "live doubtful/recording.csv --session doubtful --method drive"},
+      {"live", "live all/5/1/recording.csv --session all/5/1 --method extrinsics"},
       {"fleet add", "fleet add c.json"},
       {"fleet calibrate", "fleet calibrate drive --method turntable"},
       {"fleet list", "fleet list"},

@@ -2,7 +2,6 @@
 
 #include "imulab/error.hpp"
 #include "imulab/export/write.hpp"
-#include "imulab/finding_code.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/units.hpp"
 
@@ -117,7 +116,6 @@ constexpr std::array known_targets{ExtrinsicsTarget{"kalibr", kalibr_text}, Extr
 std::span<const ExtrinsicsTarget> extrinsics_targets() { return known_targets; }
 
 std::string exported_extrinsics(const Extrinsics& extrinsics, std::string_view target) {
-  if (extrinsics.findings.has(Code::mounting_predicted)) throw Error("the extrinsics are predicted from the motion of one IMU; expected those of several IMUs");
   const auto* const found = std::ranges::find(known_targets, target, &ExtrinsicsTarget::name);
   if (found != known_targets.end()) return found->text(extrinsics);
   std::vector<std::string_view> names;

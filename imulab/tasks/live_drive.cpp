@@ -36,18 +36,10 @@ LiveDrive::LiveDrive(const Method& method, Session session, RecordingOptions opt
 }
 
 std::optional<Range> LiveDrive::add(const Recording& piece, Range samples) {
-  const double start_s = all_.size() > 0 ? all_.time_s(0) : piece.time_s(samples.begin);
-  std::size_t end = samples.begin;
-  while (end < samples.end && piece.time_s(end) - start_s < next_s_) ++end;
-  const bool due = end < samples.end;
-  if (due) ++end;
-  append(all_, piece, {samples.begin, end});
-  view_.time_s = all_.time_s(all_.size() - 1) - start_s, view_.samples = all_.size();
-  if (!due) return std::nullopt;
-  estimate(false);
-  constexpr double least_s = 10, part = 0.1;  // estimates take longer the longer it is: together ten times the last one
-  next_s_ = view_.time_s + std::max(least_s, part * view_.time_s);
-  return Range{end, samples.end};
+  const std::optional<Range> left = all_.add(piece, samples);
+  view_.time_s = all_.time_s(), view_.samples = all_.samples().size();
+  if (left) estimate(false);
+  return left;
 }
 
 /// Aids that have no row yet are left out, as long as another has.
@@ -76,8 +68,8 @@ std::vector<Aid> LiveDrive::aids_now(bool last) const {
 
 void LiveDrive::estimate(bool last) {
   constexpr double most_memory = 4;  // over what came: copies with findings, room to grow, and the epochs of the smoother
-  expect_memory(most_memory * static_cast<double>(all_.bytes()), fmt::format("a calibration while {:.0f} s arrive", view_.time_s));
-  recording_ = completed(all_, options_);
+  expect_memory(most_memory * static_cast<double>(all_.samples().bytes()), fmt::format("a calibration while {:.0f} s arrive", view_.time_s));
+  recording_ = completed(all_.samples(), options_);
   view_ = {.imu = view_.imu, .time_s = view_.time_s, .samples = view_.samples};
   try {
     Session session = session_;

@@ -5,6 +5,7 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/recording.hpp"
 #include "imulab/results/live_drive.hpp"
+#include "imulab/tasks/growing_recording.hpp"
 
 #include <optional>
 #include <string>
@@ -37,10 +38,10 @@ class LiveDrive {
   Session session_;
   std::vector<Requirement> requirements_;
   RecordingOptions options_;
-  Recording all_, recording_;  ///< as it arrived, and with the findings that need all of it
+  GrowingRecording all_{10};
+  Recording recording_;  ///< with the findings that need all of it
   std::optional<CalibrationResult> result_;
   LiveDriveView view_;
-  double next_s_ = 10;  ///< time of the next estimate
 };
 
 /// Why it is not done, with the manoeuvre that helps most. Empty: it is.

@@ -19,10 +19,11 @@ from ._imulab import Error as Error, Unsupported as Unsupported
 from ._live import Live as Live
 from ._recording import Recording as Recording
 from ._results import Budget as Budget, Comparison as Comparison, Extrinsics as Extrinsics, Inspection as Inspection, Mounting as Mounting
-from ._results import Navigation as Navigation, Noise as Noise, Plan as Plan, Prediction as Prediction, Result as Result, Solution as Solution, Verification as Verification, VerifiedFile as VerifiedFile
+from ._results import Flight as Flight, Navigation as Navigation, Noise as Noise, Plan as Plan, Prediction as Prediction, Result as Result
+from ._results import Simulation as Simulation, Solution as Solution, Verification as Verification, VerifiedFile as VerifiedFile
 from ._session import Session as Session, Site as Site, procedure as procedure, read_session as read_session
 from ._text import DataWarning as DataWarning
-from ._verbs import Flight as Flight, Simulation as Simulation, allan_deviation as allan_deviation, budget as budget, calibrate as calibrate
+from ._verbs import allan_deviation as allan_deviation, budget as budget, calibrate as calibrate
 from ._verbs import calibrate_jointly as calibrate_jointly, extrinsics as extrinsics
 from ._verbs import compare as compare, compensate as compensate, export_targets as export_targets, inspect as inspect, methods as methods
 from ._verbs import navigate as navigate, noise as noise, plan as plan, predict as predict, read_recording as read_recording

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,6 +20,8 @@ from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:
     import pandas  # type: ignore
+
+    from ._calibration import Calibration
 
 
 class Answer:
@@ -375,3 +378,21 @@ class Budget(Result):
         if "budgets" in self.data:
             return _plots.grades({grade: each["history"] for grade, each in self.budgets.items()})
         return _plots.budget(self["history"])
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A session simulated: what a user would have, and the truth that a calibration should find."""
+
+    session: Session
+    recordings: list[Recording]
+    truth: Calibration
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A mission flown."""
+
+    session: Session
+    recording: Recording
+    truth: Solution

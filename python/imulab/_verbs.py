@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,29 +16,11 @@ from ._calibration import Calibration
 from ._fleet import Fleet
 from ._imulab import Error
 from ._recording import Recording
-from ._results import Budget, Comparison, Extrinsics, Inspection, Navigation, Noise, Plan, Prediction, Solution, Verification
+from ._results import Budget, Comparison, Extrinsics, Flight, Inspection, Navigation, Noise, Plan, Prediction, Simulation, Solution, Verification
 from ._session import Session, Site, Table, read_session
 from ._text import PathLike, options as _options, path, warn
 
 Progress = Callable[[float], object]
-
-
-@dataclass(frozen=True)
-class Simulation:
-    """A session simulated: what a user would have, and the truth that a calibration should find."""
-
-    session: Session
-    recordings: list[Recording]
-    truth: Calibration
-
-
-@dataclass(frozen=True)
-class Flight:
-    """A mission flown."""
-
-    session: Session
-    recording: Recording
-    truth: Solution
 
 
 Data = Session | Recording | Simulation | Sequence[Recording] | PathLike

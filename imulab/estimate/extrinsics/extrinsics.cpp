@@ -128,6 +128,9 @@ Extrinsics predict_extrinsics(const BodyImu& imu) {
   }
   std::erase_if(out.findings, [](const Finding& f) { return f.severity == Severity::doubt; });  // of what is not measured
   out.verdict = Verdict::good;
+  Mounting& m = out.from_first.front();  // nothing is measured
+  m.rotation.setConstant(NAN), m.lever_arm.setConstant(NAN), m.clock_offset = m.clock_drift = m.accel_delay = NAN;
+  out.rates.clear();
   out.findings.add<Code::mounting_predicted>(Subject{imu.name});
   return out;
 }
